@@ -58,7 +58,7 @@
 //!
 //! With `default-features = false` the crate is the estimator for callers who have pixels already:
 //! [`geometry`], [`image`] (without files), [`features`], [`similarity`], [`motion`],
-//! [`mod@estimate`], [`presentation`], [`suggest`], [`rectify`] and [`convention`]. Further features,
+//! [`mod@estimate`], [`presentation`], [`suggest`], [`rectify`], [`convention`] and [`judge`]. Further features,
 //! all on by default:
 //!
 //! | feature | contents |
@@ -87,6 +87,7 @@ pub mod image;
 pub mod internals;
 #[cfg(feature = "files")]
 pub mod io;
+pub mod judge;
 mod lanes;
 pub mod motion;
 pub mod presentation;

@@ -12,6 +12,8 @@ mod barcode;
 mod files;
 #[path = "command_line/hostile.rs"]
 mod hostile;
+#[path = "command_line/judge.rs"]
+mod judge;
 #[path = "command_line/rectify.rs"]
 mod rectify;
 mod skipping;

@@ -38,6 +38,12 @@ pub enum CliError {
     /// No convention of the matrix fits the matches.
     #[error("{0}")]
     NothingFits(String),
+    /// A judged geometry does not fit the images. The judgement has been printed.
+    #[error("the geometry does not fit the images")]
+    DoesNotFit,
+    /// The images do not show enough to judge a geometry. The judgement has been printed.
+    #[error("the images do not show enough to judge the geometry")]
+    Undecided,
     /// The pair cannot be rectified.
     #[error(transparent)]
     Rectify(#[from] RectifyError),
@@ -67,7 +73,7 @@ impl CliError {
         match self {
             Self::Estimate(error) if !error.is_bad_input() => 1,
             Self::Suggest(error) if !error.is_bad_input() => 1,
-            Self::NothingFits(_) => 1,
+            Self::NothingFits(_) | Self::DoesNotFit => 1,
             Self::Rectify(error) if !error.is_bad_input() => 1,
             _ => 2,
         }

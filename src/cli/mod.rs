@@ -11,6 +11,7 @@ mod convert;
 mod error;
 mod estimate;
 mod geometry_file;
+mod judge;
 mod output;
 mod overrides;
 mod rectify;
@@ -49,6 +50,7 @@ enum CliCommand {
     Check(check::CheckArguments),
     Convert(convert::ConvertArguments),
     Estimate(Box<estimate::EstimateArguments>),
+    Judge(judge::JudgeArguments),
     Rectify(rectify::RectifyArguments),
     Suggest(suggest::SuggestArguments),
 }
@@ -67,6 +69,7 @@ impl CommandLine {
             Some(CliCommand::Check(arguments)) => check::run(&arguments),
             Some(CliCommand::Convert(arguments)) => convert::run(&arguments),
             Some(CliCommand::Estimate(arguments)) => estimate::run(&arguments),
+            Some(CliCommand::Judge(arguments)) => judge::run(&arguments),
             Some(CliCommand::Rectify(arguments)) => rectify::run(&arguments),
             Some(CliCommand::Suggest(arguments)) => suggest::run(&arguments),
         }

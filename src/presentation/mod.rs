@@ -6,12 +6,14 @@
 
 mod epipoles;
 mod errors;
+mod judgement;
 mod parameters;
 mod reasons;
 mod scale;
 
 pub use epipoles::interval_in_words;
 pub use errors::error_in_words;
+pub use judgement::{change_in_words, judgement_in_words, rows_in_words};
 #[doc(hidden)]
 pub use parameters::{ShownParameter, parameters_as_markdown, shown_parameters};
 pub use reasons::{reason_in_words, warning_in_words};

@@ -9,6 +9,7 @@ use crate::comparison::{
 };
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::io::GroundTruth;
+use crate::judge::{GivenGeometry, Judgement, LIMIT, Reference, judge};
 
 /// A geometry of the comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -111,6 +112,8 @@ pub struct ComparisonQuestion {
     pub used: Vec<PointPair>,
     /// Matches of the result.
     pub matches: Vec<PointPair>,
+    /// Whether the result may contradict an imported geometry.
+    pub is_trusted: bool,
     /// Sizes of the images.
     pub frames: [Frame; 2],
     /// Ground truth, if known and in use.
@@ -143,6 +146,8 @@ pub struct Comparison {
     pub points: usize,
     /// Rows in the order of [`Contestant::ALL`].
     pub rows: [Compared; Contestant::ALL.len()],
+    /// What the images say of the imported geometry.
+    pub judgement: Option<Judgement>,
     /// Mean symmetric epipolar distance of all true matches to the shown geometry, px.
     pub true_error: Option<f64>,
     /// Mean symmetric epipolar distance of all true matches to the true geometry, px: a practical
@@ -222,9 +227,23 @@ impl ComparisonQuestion {
             fitted: self.present(self.subject.fitted),
             points: points.len(),
             rows,
+            judgement: self.judgement(),
             true_error: self.shown.as_ref().and_then(error),
             truth_error: truth.and_then(|truth| error(&truth.fundamental)),
         }
+    }
+
+    /// Judges the imported geometry by the result and its matches.
+    fn judgement(&self) -> Option<Judgement> {
+        let given = GivenGeometry { fundamental: self.imported?, cameras: None };
+        let fundamental = self.result?;
+        let reference = Reference {
+            fundamental,
+            matches: &self.matches,
+            frames: self.frames,
+            is_trusted: self.is_trusted,
+        };
+        judge(&given, &reference, LIMIT)
     }
 
     /// Returns the points of a set.
@@ -280,6 +299,7 @@ impl ComparisonQuestion {
 mod tests {
     use super::*;
     use crate::app::model::sample::sample_pair;
+    use crate::judge::Finding;
 
     fn question() -> ComparisonQuestion {
         let sample = sample_pair();
@@ -291,6 +311,7 @@ mod tests {
             excluded: Vec::new(),
             used: sample.show_me.to_vec(),
             matches: Vec::new(),
+            is_trusted: true,
             frames: sample.pictures.each_ref().map(crate::image::Picture::frame),
             truth: Some(Shared::new(sample.truth)),
             subject: Subject::default(),
@@ -357,6 +378,15 @@ mod tests {
         assert_eq!(question.answer().measured, PointSet::Pairs);
         question.subject.measured = PointSet::Matches;
         assert_eq!(question.answer().measured, PointSet::Matches);
+        // They judge what was imported.
+        let finding = |question: &ComparisonQuestion| question.answer().judgement.unwrap().finding;
+        assert_eq!(finding(&question), Finding::Fits);
+        question.imported = question.imported.map(|f| f.swapped());
+        assert_eq!(finding(&question), Finding::DoesNotFit);
+        question.is_trusted = false;
+        assert_eq!(finding(&question), Finding::Undecided);
+        question.imported = None;
+        assert!(question.answer().judgement.is_none());
     }
 
     #[test]

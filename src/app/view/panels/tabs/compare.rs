@@ -1,6 +1,6 @@
 //! The tab of the result beside other methods, an imported geometry and the ground truth.
 
-use egui::{ScrollArea, Ui};
+use egui::{Label, RichText, ScrollArea, Ui};
 
 use super::super::table::{Column, RowLook, Table};
 use super::Tab;
@@ -9,8 +9,11 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::comparison::{Comparison, Contestant, PointSet, Subject};
 use crate::app::model::ids::TabId;
+use crate::app::view::theme;
 use crate::comparison::Spread;
 use crate::io::TruthOrigin;
+use crate::judge::Finding;
+use crate::presentation::judgement_in_words;
 
 /// Registered in [`super::TABS`].
 pub const TAB: Tab = Tab { id: TabId::Compare, tools, show };
@@ -26,6 +29,16 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui.spacing_mut().item_spacing.x = 3.0;
         inputs(ui, model, comparison, commands);
     });
+    if let Some(judgement) = &comparison.judgement {
+        let palette = theme::palette(ui.visuals());
+        let color = match judgement.finding {
+            Finding::Fits => palette.good,
+            Finding::DoesNotFit => palette.bad,
+            Finding::Undecided => palette.caution,
+        };
+        let words = RichText::new(format!("Imported: {}", judgement_in_words(judgement))).color(color);
+        ui.add(Label::new(words).wrap());
+    }
     let room = ui.available_width();
     ScrollArea::horizontal().id_salt("summary table").auto_shrink([false, false]).show(ui, |ui| {
         ui.set_width(room.max(LEAST_WIDTH));

@@ -1,0 +1,217 @@
+//! `epiline judge`: whether a geometry from elsewhere fits two images.
+
+use std::fmt::Write as _;
+use std::fs::OpenOptions;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::{ArgGroup, Args};
+use serde::Serialize;
+
+use super::CliError;
+use super::arguments::{ImagePair, on_threads, pixels, threads};
+use super::estimate::watched;
+use super::output::Output;
+use crate::estimate::{ENOUGH_MATCHES, Match, Monitor, Parameters, Verdict, estimate, estimate_fundamental};
+use crate::foreign::{reason, shown_path};
+use crate::geometry::{Frame, FundamentalMatrix, PointPair};
+use crate::image::Picture;
+use crate::io::{GeometryFile, read_camera, read_point_pairs, refuse_clashes};
+use crate::judge::{
+    FEWEST_MATCHES, Finding, GivenGeometry, Judgement, LIMIT, ROW_LIMIT, Reference, RowJudgement, judge,
+    judge_rows,
+};
+use crate::presentation::{judgement_in_words, rows_in_words};
+
+/// Judge whether a geometry from elsewhere fits two images, or whether they are rectified
+///
+/// Compares the epipolar lines with those that the images show: an estimate without clicks and its
+/// matches. If the geometry does not fit, the simplest change is looked for after which it does:
+/// another convention, resized, cropped, mirrored or turned images, mistakes with cameras, lens
+/// distortion that was left out. The exit status is 0 if it fits, 1 if it does not, and 2 for bad
+/// input or images that do not show enough.
+#[derive(Debug, Args)]
+#[command(group = ArgGroup::new("judged").required(true).args(["fundamental", "cameras", "rectified"]))]
+pub(super) struct JudgeArguments {
+    #[command(flatten)]
+    images: ImagePair,
+    /// File with F or two cameras, in any format
+    #[arg(long, value_name = "FILE")]
+    fundamental: Option<PathBuf>,
+    /// The two cameras: a file with both, or two files of one each (.P)
+    #[arg(long, num_args = 1..=2, value_name = "FILE")]
+    cameras: Option<Vec<PathBuf>>,
+    /// Judge whether the images are rectified: whether matching points lie in the same row
+    #[arg(long)]
+    rectified: bool,
+    /// Matches to judge by, in place of those that the program finds
+    #[arg(long, value_name = "FILE")]
+    matches: Option<PathBuf>,
+    /// Largest median distance between lines that agree, px, by default 1; with --rectified the
+    /// largest typical difference of rows, by default 0.5
+    #[arg(long, value_name = "PX", value_parser = pixels)]
+    limit: Option<f64>,
+    /// Write the judgement as JSON; - is standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// With --rectified, add a line to a CSV file, to see how a pair of cameras drifts
+    #[arg(long, value_name = "FILE", requires = "rectified")]
+    log: Option<PathBuf>,
+    /// Random seed; the same seed gives the same judgement
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Number of threads, by default one per core
+    #[arg(long, value_parser = threads)]
+    threads: Option<usize>,
+}
+
+/// Content of the JSON file.
+#[derive(Serialize)]
+struct JudgeFile<'a, T: Serialize> {
+    message: &'a str,
+    #[serde(flatten)]
+    judgement: &'a T,
+    /// Fundamental matrix of the reference.
+    reference: FundamentalMatrix,
+    /// Verdict on the reference; null for given matches.
+    reference_verdict: Option<Verdict>,
+    version: &'static str,
+}
+
+/// The images' own geometry.
+struct Shown {
+    fundamental: FundamentalMatrix,
+    matches: Vec<PointPair>,
+    verdict: Option<Verdict>,
+}
+
+/// Judges, writes the files and prints a sentence.
+pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
+    let output = Output::prepare(arguments.json.as_deref())?;
+    let outputs: Vec<&Path> = output.file().into_iter().chain(arguments.log.as_deref()).collect();
+    let inputs: Vec<&Path> = arguments.images.files().chain(arguments.files()).collect();
+    refuse_clashes(&outputs, &inputs)?;
+    let given = if arguments.rectified { None } else { Some(arguments.given()?) };
+    let matches = arguments.matches.as_deref().map(read_point_pairs).transpose()?;
+    let (pictures, _) = arguments.images.load()?;
+    let frames = pictures.each_ref().map(Picture::frame);
+    let shown = match matches {
+        Some(matches) => of_matches(matches, frames, arguments.seed)?,
+        None => of_images(&pictures, arguments)?,
+    };
+    let too_few = || {
+        CliError::Arguments(format!(
+            "the images show only {} matches, and a judgement takes {FEWEST_MATCHES}. Give matches of your own \
+             (--matches)",
+            shown.matches.len()
+        ))
+    };
+    let Some(given) = given else {
+        let limit = arguments.limit.unwrap_or(ROW_LIMIT);
+        let found = judge_rows(&shown.matches, frames[1], limit).ok_or_else(too_few)?;
+        let words = rows_in_words(&found);
+        write(&output, &found, &words, &shown)?;
+        if let Some(log) = &arguments.log {
+            append(log, &pictures, &found)?;
+        }
+        return if found.is_aligned { Ok(()) } else { Err(CliError::DoesNotFit) };
+    };
+    let is_trusted = match shown.verdict {
+        Some(Verdict::Reliable) => true,
+        Some(Verdict::Unreliable) => false,
+        Some(_) | None => shown.matches.len() >= ENOUGH_MATCHES,
+    };
+    let reference = Reference { fundamental: shown.fundamental, matches: &shown.matches, frames, is_trusted };
+    let found: Judgement = judge(&given, &reference, arguments.limit.unwrap_or(LIMIT)).ok_or_else(too_few)?;
+    let words = judgement_in_words(&found);
+    write(&output, &found, &words, &shown)?;
+    match found.finding {
+        Finding::Fits => Ok(()),
+        Finding::DoesNotFit => Err(CliError::DoesNotFit),
+        Finding::Undecided => Err(CliError::Undecided),
+    }
+}
+
+impl JudgeArguments {
+    /// Returns the input files beside the images.
+    fn files(&self) -> impl Iterator<Item = &Path> {
+        let files = self.fundamental.iter().chain(self.cameras.iter().flatten()).chain(&self.matches);
+        files.map(PathBuf::as_path)
+    }
+
+    /// Reads the geometry.
+    fn given(&self) -> Result<GivenGeometry, CliError> {
+        let file = match (self.cameras.as_deref(), &self.fundamental) {
+            (Some([left, right]), _) => GeometryFile {
+                cameras: Some([read_camera(left)?, read_camera(right)?]),
+                ..GeometryFile::default()
+            },
+            (Some([one]), _) | (None, Some(one)) => GeometryFile::read_geometry(one)?.0,
+            _ => GeometryFile::default(),
+        };
+        if self.cameras.is_some() && file.cameras.is_none() {
+            return Err(CliError::Arguments(
+                "there are no two cameras in the file (P1 and P2). Use --fundamental for a matrix".into(),
+            ));
+        }
+        let missing =
+            || CliError::Arguments("the two cameras have the same centre, so there is no F".to_owned());
+        Ok(GivenGeometry { fundamental: file.geometry().ok_or_else(missing)?, cameras: file.cameras })
+    }
+}
+
+/// Estimates the geometry of the images without clicks.
+fn of_images(pictures: &[Picture; 2], arguments: &JudgeArguments) -> Result<Shown, CliError> {
+    let parameters = Parameters { seed: arguments.seed, ..Parameters::default() };
+    let [left, right] = pictures;
+    let compute = |monitor: &Monitor| estimate(&left.gray, &right.gray, &[], &parameters, monitor);
+    let found = on_threads(arguments.threads, || watched(compute))??;
+    Ok(Shown {
+        fundamental: *found.fundamental(),
+        matches: found.matches().iter().map(|found| found.pair).collect(),
+        verdict: found.assessment.trust.as_ref().map(|trust| trust.verdict),
+    })
+}
+
+/// Fits a geometry to given matches.
+fn of_matches(matches: Vec<PointPair>, frames: [Frame; 2], seed: u64) -> Result<Shown, CliError> {
+    let all: Vec<Match> = matches.iter().copied().map(Match::from).collect();
+    let fit = estimate_fundamental(&all, frames, seed)
+        .map_err(|error| CliError::Arguments(format!("the matches cannot be used: {error}")))?;
+    let right = matches.into_iter().zip(&fit.inlier_probabilities).filter(|(_, right)| **right > 0.5);
+    let matches = right.map(|(pair, _)| pair).collect();
+    Ok(Shown { fundamental: fit.fundamental, matches, verdict: None })
+}
+
+fn write(output: &Output, judgement: &impl Serialize, words: &str, shown: &Shown) -> Result<(), CliError> {
+    let file = JudgeFile {
+        message: words,
+        judgement,
+        reference: shown.fundamental,
+        reference_verdict: shown.verdict,
+        version: env!("CARGO_PKG_VERSION"),
+    };
+    output.write(&file, &format!("{words}\n"))
+}
+
+/// Adds a line to the log, which begins with the names of the columns.
+fn append(log: &Path, pictures: &[Picture; 2], found: &RowJudgement) -> Result<(), CliError> {
+    let failed = |error: std::io::Error| {
+        CliError::Arguments(format!("cannot write {}: {}", shown_path(log), reason(&error)))
+    };
+    let mut file = OpenOptions::new().create(true).append(true).open(log).map_err(failed)?;
+    let mut text = String::new();
+    if file.metadata().map_err(failed)?.len() == 0 {
+        text.push_str(
+            "left,right,matches,constant_px,across_px,down_px,curved_px,typical_px,largest_px,rectified\n",
+        );
+    }
+    let quoted = |name: &str| format!("\"{}\"", name.replace('"', "\"\""));
+    let [left, right] = pictures.each_ref().map(|picture| quoted(&picture.name));
+    let RowJudgement { matches, constant, across, down, curved, typical, largest, is_aligned, .. } = found;
+    let _ = writeln!(
+        text,
+        "{left},{right},{matches},{constant:.4},{across:.4},{down:.4},{curved:.4},{typical:.4},{largest:.4},{is_aligned}"
+    );
+    file.write_all(text.as_bytes()).map_err(failed)
+}

@@ -1,0 +1,243 @@
+//! Changes of a geometry that stand for common mistakes.
+
+use nalgebra::{Matrix3, Vector3};
+use serde::Serialize;
+
+use super::cameras::DecomposedCamera;
+use crate::convention::Reading;
+use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair, Vector};
+
+/// Images that a change affects.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Affected {
+    /// Both images alike.
+    Both,
+    /// Image 1 alone.
+    Image1,
+    /// Image 2 alone.
+    Image2,
+}
+
+impl Affected {
+    /// All choices, the most common first.
+    pub(super) const ALL: [Self; 3] = [Self::Both, Self::Image1, Self::Image2];
+
+    /// Returns whether an image is affected, 0 or 1.
+    fn has(self, image: usize) -> bool {
+        match self {
+            Self::Both => true,
+            Self::Image1 => image == 0,
+            Self::Image2 => image == 1,
+        }
+    }
+}
+
+/// Mirror image or turn of a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mirror {
+    /// Left and right exchanged. Camera axes of OpenGL have the same effect, and so has a mirrored
+    /// pose.
+    LeftRight,
+    /// Top and bottom exchanged: y counted from the bottom.
+    TopBottom,
+    /// Turned by 180°.
+    HalfTurn,
+}
+
+impl Mirror {
+    pub(super) const ALL: [Self; 3] = [Self::LeftRight, Self::TopBottom, Self::HalfTurn];
+
+    /// Returns the map of pixels of an image.
+    fn map(self, frame: Frame) -> Matrix3<f64> {
+        let (x, y) = match self {
+            Self::LeftRight => (true, false),
+            Self::TopBottom => (false, true),
+            Self::HalfTurn => (true, true),
+        };
+        let along = |flipped: bool, end: f64| if flipped { (-1.0, end) } else { (1.0, 0.0) };
+        let ((sx, ox), (sy, oy)) = (along(x, frame.right()), along(y, frame.bottom()));
+        Matrix3::new(sx, 0.0, ox, 0.0, sy, oy, 0.0, 0.0, 1.0)
+    }
+}
+
+/// Mistake with the cameras of a geometry.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CameraChange {
+    /// Poses map the camera to the world, not the world to the camera.
+    CameraToWorld,
+    /// Camera axes of OpenGL (y up, z backwards), not of computer vision (y down, z forwards). A
+    /// mirrored pose has the same effect.
+    OpenGlAxes,
+    /// y of the camera points up.
+    YUp,
+    /// The translation is the position of the camera, not `−R` times it.
+    PositionForTranslation,
+    /// The rotation is inverted, and the translation is not.
+    RotationInverted,
+    /// The real part of the quaternion is last, not first.
+    QuaternionOrder,
+    /// Focal lengths in x and y exchanged.
+    FocalLengthsExchanged,
+    /// Coordinates of the principal point exchanged.
+    PrincipalPointExchanged,
+    /// Calibrations of the two cameras exchanged.
+    CalibrationsExchanged,
+}
+
+impl CameraChange {
+    pub(super) const ALL: [Self; 9] = [
+        Self::CameraToWorld,
+        Self::OpenGlAxes,
+        Self::YUp,
+        Self::PositionForTranslation,
+        Self::RotationInverted,
+        Self::QuaternionOrder,
+        Self::FocalLengthsExchanged,
+        Self::PrincipalPointExchanged,
+        Self::CalibrationsExchanged,
+    ];
+
+    /// Returns the cameras after the change.
+    pub(super) fn apply(self, cameras: &[DecomposedCamera; 2]) -> [DecomposedCamera; 2] {
+        if self == Self::CalibrationsExchanged {
+            let [a, b] = *cameras;
+            return [
+                DecomposedCamera { calibration: b.calibration, ..a },
+                DecomposedCamera { calibration: a.calibration, ..b },
+            ];
+        }
+        cameras.each_ref().map(|camera| {
+            let DecomposedCamera { calibration: mut k, rotation: r, translation: t } = *camera;
+            let axes = |signs: [f64; 3]| {
+                let signs = Matrix3::from_diagonal(&Vector3::from(signs));
+                (signs * r, signs * t)
+            };
+            let (r, t) = match self {
+                Self::CameraToWorld => (r.transpose(), -(r.transpose() * t)),
+                Self::OpenGlAxes => axes([1.0, -1.0, -1.0]),
+                Self::YUp => axes([1.0, -1.0, 1.0]),
+                Self::PositionForTranslation => (r, -(r * t)),
+                Self::RotationInverted => (r.transpose(), t),
+                Self::QuaternionOrder => (super::cameras::with_real_part_last(&r), t),
+                Self::FocalLengthsExchanged => {
+                    (k[(0, 0)], k[(1, 1)]) = (k[(1, 1)], k[(0, 0)]);
+                    (r, t)
+                }
+                Self::PrincipalPointExchanged => {
+                    (k[(0, 2)], k[(1, 2)]) = (k[(1, 2)], k[(0, 2)]);
+                    (r, t)
+                }
+                Self::CalibrationsExchanged => (r, t),
+            };
+            DecomposedCamera { calibration: k, rotation: r, translation: t }
+        })
+    }
+}
+
+/// A change of a geometry.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+pub enum Change {
+    /// Another reading of the matrix: transposed, x and y exchanged, another origin of pixels,
+    /// images of another size.
+    Convention {
+        /// The reading.
+        reading: Reading,
+    },
+    /// Mistake with the cameras.
+    Cameras {
+        /// The mistake.
+        mistake: CameraChange,
+    },
+    /// Mirrored or turned images.
+    Mirrored {
+        /// The images.
+        images: Affected,
+        /// The mirror or turn.
+        mirror: Mirror,
+    },
+    /// Images of another size than the geometry's.
+    Resized {
+        /// The images.
+        images: Affected,
+        /// Size of the geometry's images over the size of these.
+        factor: f64,
+    },
+    /// Scale about the middle of the image: a wrong focal length.
+    FocalLength {
+        /// The images.
+        images: Affected,
+        /// Factor by which the focal length of the geometry is too large.
+        factor: f64,
+    },
+    /// Moved coordinates: cropped images, or a wrong principal point.
+    Moved {
+        /// The images.
+        images: Affected,
+        /// Coordinates of the geometry less those of the images, px.
+        x: f64,
+        /// The same for y.
+        y: f64,
+    },
+    /// Lens distortion that the geometry leaves out or takes with the wrong sign: a point at `d` from
+    /// the middle belongs at `d (1 + k r²)`, with `r` the length of `d` in half diagonals.
+    Distortion {
+        /// Coefficient `k`. Barrel distortion is positive.
+        k: f64,
+    },
+}
+
+impl Change {
+    /// Returns the number of fitted numbers.
+    pub(super) fn parameters(&self) -> usize {
+        match self {
+            Self::Convention { reading } if (reading.scale - 1.0).abs() < f64::EPSILON => 0,
+            Self::Cameras { .. } | Self::Mirrored { .. } => 0,
+            Self::Convention { .. }
+            | Self::Resized { .. }
+            | Self::FocalLength { .. }
+            | Self::Distortion { .. } => 1,
+            Self::Moved { .. } => 2,
+        }
+    }
+
+    /// Returns `F` after the change, for changes of pixel coordinates. `None` for others, and on
+    /// overflow.
+    pub(super) fn apply(&self, given: &FundamentalMatrix, frames: [Frame; 2]) -> Option<FundamentalMatrix> {
+        let (images, map): (Affected, Box<dyn Fn(Frame) -> Matrix3<f64>>) = match *self {
+            Self::Convention { reading } => return reading.apply(given),
+            Self::Cameras { .. } | Self::Distortion { .. } => return None,
+            Self::Mirrored { images, mirror } => (images, Box::new(move |frame| mirror.map(frame))),
+            Self::Resized { images, factor } => {
+                (images, Box::new(move |_| crate::geometry::rescaling(factor)))
+            }
+            Self::FocalLength { images, factor } => (
+                images,
+                Box::new(move |frame: Frame| {
+                    let middle = frame.centre();
+                    let offset = |c: f64| c * (1.0 - factor);
+                    Matrix3::new(factor, 0.0, offset(middle.x), 0.0, factor, offset(middle.y), 0.0, 0.0, 1.0)
+                }),
+            ),
+            Self::Moved { images, x, y } => {
+                (images, Box::new(move |_| Matrix3::new(1.0, 0.0, x, 0.0, 1.0, y, 0.0, 0.0, 1.0)))
+            }
+        };
+        // The map takes pixels of the images to those of the geometry.
+        let of = |image: usize| if images.has(image) { map(frames[image]) } else { Matrix3::identity() };
+        FundamentalMatrix::from_rank_two(of(1).transpose() * given.matrix() * of(0))
+    }
+}
+
+/// Returns a pair without lens distortion.
+pub(super) fn undistorted(pair: &PointPair, k: f64, frames: [Frame; 2]) -> PointPair {
+    let of = |point: Point, frame: Frame| {
+        let from: Vector = point - frame.centre();
+        let share = (2.0 * from.norm() / frame.diagonal()).powi(2);
+        frame.centre() + from * (1.0 + k * share)
+    };
+    PointPair { point1: of(pair.point1, frames[0]), point2: of(pair.point2, frames[1]) }
+}

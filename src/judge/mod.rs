@@ -1,0 +1,180 @@
+//! Judges a geometry from elsewhere by what the images show.
+//!
+//! The reference is the images' own geometry: an estimate without clicks and its matches, or matches
+//! from elsewhere with their fit. The judgement asks how far the lines of the given geometry are
+//! from the lines of the reference, at the matches. If they are too far, it looks for the simplest
+//! [`Change`] that brings them together: most wrong geometries are right ones in another
+//! convention, for resized images, or for a camera without its distortion.
+//!
+//! # Limits
+//! - The lines are compared where there are matches. A geometry may be wrong elsewhere.
+//! - Different mistakes may change `F` alike. Each [`Change`] names those it stands for.
+
+mod cameras;
+mod change;
+mod rows;
+mod search;
+
+pub use change::{Affected, CameraChange, Change, Mirror};
+pub use rows::{ROW_LIMIT, RowJudgement, judge_rows};
+
+use serde::Serialize;
+
+use crate::geometry::{Camera, Frame, FundamentalMatrix, Line, Point, PointPair, median};
+
+/// Geometry to be judged.
+#[derive(Debug, Clone, Copy)]
+pub struct GivenGeometry {
+    /// Fundamental matrix.
+    pub fundamental: FundamentalMatrix,
+    /// Cameras, if the source has any. They allow more changes to be told apart.
+    pub cameras: Option<[Camera; 2]>,
+}
+
+/// The images' own geometry.
+#[derive(Debug, Clone, Copy)]
+pub struct Reference<'a> {
+    /// Fundamental matrix.
+    pub fundamental: FundamentalMatrix,
+    /// Matches of the images, px.
+    pub matches: &'a [PointPair],
+    /// Sizes of the images.
+    pub frames: [Frame; 2],
+    /// False if the matches are too few or too doubtful to contradict a geometry.
+    pub is_trusted: bool,
+}
+
+/// Result of a judgement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Finding {
+    /// The lines agree with those of the images.
+    Fits,
+    /// The lines are too far from those of the images.
+    DoesNotFit,
+    /// The lines disagree, but the images do not show enough to say which are wrong.
+    Undecided,
+}
+
+/// Distances over all matches, px.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Distances {
+    /// Median.
+    pub median: f64,
+    /// Value that nine of ten are below.
+    pub ninety_percent: f64,
+}
+
+/// A change of the given geometry after which it fits.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FittingChange {
+    /// The change.
+    #[serde(flatten)]
+    pub change: Change,
+    /// Distance from the reference after the change, px: like that of the judgement.
+    pub median: f64,
+    /// Fundamental matrix after the change. `None` if no matrix fits the images as they are, because
+    /// their lines are curves.
+    pub fundamental: Option<FundamentalMatrix>,
+}
+
+/// What the images say of a geometry.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Judgement {
+    /// Whether the geometry fits.
+    pub finding: Finding,
+    /// Distances between the lines of the given geometry and those of the reference, at the matches.
+    pub lines_apart: Distances,
+    /// Distances of the matches from the lines of the given geometry.
+    pub residuals: Distances,
+    /// Distances of the matches from the lines of the reference.
+    pub reference_residuals: Distances,
+    /// Largest median distance between the lines of geometries that agree, px.
+    pub limit: f64,
+    /// Number of matches.
+    pub matches: usize,
+    /// The simplest change after which the geometry fits; `None` if it fits, or if no change helps.
+    pub change: Option<FittingChange>,
+}
+
+/// Fewest matches that a judgement takes: twice the seven numbers of a fundamental matrix.
+pub const FEWEST_MATCHES: usize = 14;
+/// Usual limit of [`judge`], px. Sound calibrations of four sets of pairs are up to 0.8 px off; lines
+/// that are a pixel off already spoil dense matching.
+pub const LIMIT: f64 = 1.0;
+/// Largest number of matches used. More add no certainty.
+const MOST_MATCHES: usize = 2000;
+
+/// Judges a geometry. It fits if half of its lines are within `limit` px of those of the reference,
+/// and the matches are at most `limit` px farther from them.
+///
+/// `None` for fewer than [`FEWEST_MATCHES`] matches.
+pub fn judge(given: &GivenGeometry, reference: &Reference, limit: f64) -> Option<Judgement> {
+    if reference.matches.len() < FEWEST_MATCHES {
+        return None;
+    }
+    let step = reference.matches.len().div_ceil(MOST_MATCHES);
+    let matches: Vec<PointPair> = reference.matches.iter().step_by(step).copied().collect();
+    let reference = Reference { matches: &matches, ..*reference };
+    let lines_apart = reference.lines_apart(&given.fundamental);
+    let fits = reference.distance(&given.fundamental) <= limit;
+    let change = if fits { None } else { search::simplest(given, &reference, limit) };
+    let finding = match (fits, reference.is_trusted) {
+        (true, _) => Finding::Fits,
+        (false, true) => Finding::DoesNotFit,
+        (false, false) => Finding::Undecided,
+    };
+    Some(Judgement {
+        finding,
+        lines_apart,
+        residuals: residuals(&given.fundamental, &matches),
+        reference_residuals: residuals(&reference.fundamental, &matches),
+        limit,
+        matches: matches.len(),
+        change,
+    })
+}
+
+impl Reference<'_> {
+    /// Returns how far a geometry is from the reference, px: by the lines at the matches, or by the
+    /// matches if they contradict it more. They do where the lines of the images are curves.
+    fn distance(&self, f: &FundamentalMatrix) -> f64 {
+        let farther = residuals(f, self.matches).median - residuals(&self.fundamental, self.matches).median;
+        self.lines_apart(f).median.max(farther)
+    }
+
+    /// Returns the distances between the lines of `f` and those of the reference, each at the place
+    /// of the match: the mean of both images.
+    fn lines_apart(&self, f: &FundamentalMatrix) -> Distances {
+        let own = &self.fundamental;
+        let apart = |at: Point, own: Option<Line>, other: Option<Line>| match (own, other) {
+            (Some(own), Some(other)) => other.distance(own.foot(at)),
+            _ => f64::INFINITY,
+        };
+        let of = |pair: &PointPair| {
+            let PointPair { point1, point2 } = *pair;
+            let in2 = apart(point2, own.line2_from_point1(point1), f.line2_from_point1(point1));
+            let in1 = apart(point1, own.line1_from_point2(point2), f.line1_from_point2(point2));
+            0.5 * (in1 + in2)
+        };
+        Distances::of(self.matches.iter().map(of))
+    }
+}
+
+impl Distances {
+    fn of(values: impl Iterator<Item = f64>) -> Self {
+        let mut sorted: Vec<f64> = values.collect();
+        sorted.sort_by(f64::total_cmp);
+        let nine_tenths = sorted.len() * 9 / 10;
+        let ninety_percent = sorted.get(nine_tenths).copied().unwrap_or(f64::INFINITY);
+        Self { median: median(sorted), ninety_percent }
+    }
+}
+
+/// Returns the symmetric epipolar distances of the matches.
+fn residuals(f: &FundamentalMatrix, matches: &[PointPair]) -> Distances {
+    Distances::of(matches.iter().map(|pair| crate::geometry::symmetric_epipolar_distance(f, pair)))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,325 @@
+//! Tests on exact scenes with each mistake put in.
+
+use nalgebra::{Matrix3, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use super::cameras::DecomposedCamera;
+use super::*;
+use crate::convention::Reading;
+
+const FRAMES: [Frame; 2] = [Frame { width: 768, height: 576 }; 2];
+/// Scenes for each mistake.
+const SCENES: u64 = 8;
+
+/// Two cameras with different calibrations and their matches with some noise.
+struct Scene {
+    cameras: [DecomposedCamera; 2],
+    matches: Vec<PointPair>,
+}
+
+impl Scene {
+    fn new(seed: u64) -> Self {
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let mut camera = |x: f64, focal: [f64; 2], principal: [f64; 2]| {
+            let mut near = |v: f64, by: f64| v + random.random_range(-by..by);
+            let turn = [near(0.0, 0.12), near(-0.12 * x.signum(), 0.08), near(0.0, 0.12)];
+            let rotation = Rotation3::from_euler_angles(turn[0], turn[1], turn[2]).into_inner();
+            let position = Vector3::new(near(x, 0.3), near(0.0, 0.4), near(0.0, 0.4));
+            let calibration =
+                Matrix3::new(focal[0], 0.0, principal[0], 0.0, focal[1], principal[1], 0.0, 0.0, 1.0);
+            DecomposedCamera { calibration, rotation, translation: -(rotation * position) }
+        };
+        let cameras =
+            [camera(-0.6, [820.0, 740.0], [402.0, 262.0]), camera(0.6, [700.0, 790.0], [371.0, 310.0])];
+        let both = cameras.map(|camera| camera.composed().unwrap());
+        let mut matches = Vec::new();
+        while matches.len() < 250 {
+            let mut along = |by: f64| random.random_range(-by..by);
+            let point = Point3::new(along(4.0), along(3.0), 6.5 + along(2.5));
+            let mut seen = both.map(|camera| camera.project(&point));
+            for seen in seen.iter_mut().flatten() {
+                *seen += crate::geometry::Vector::new(along(0.3), along(0.3));
+            }
+            if let [Some(point1), Some(point2)] = seen
+                && FRAMES[0].contains(point1)
+                && FRAMES[1].contains(point2)
+            {
+                matches.push(PointPair { point1, point2 });
+            }
+        }
+        Self { cameras, matches }
+    }
+
+    fn geometry(cameras: &[DecomposedCamera; 2]) -> GivenGeometry {
+        let [a, b] = cameras.each_ref().map(|camera| camera.composed().unwrap());
+        GivenGeometry { fundamental: Camera::fundamental(&a, &b).unwrap(), cameras: Some([a, b]) }
+    }
+
+    fn truth(&self) -> GivenGeometry {
+        Self::geometry(&self.cameras)
+    }
+
+    fn judged(&self, given: &GivenGeometry, matches: &[PointPair]) -> Judgement {
+        let fundamental = self.truth().fundamental;
+        let reference = Reference { fundamental, matches, frames: FRAMES, is_trusted: true };
+        judge(given, &reference, LIMIT).unwrap()
+    }
+}
+
+/// Returns `F` for mapped pixels of both images.
+fn mapped(f: &FundamentalMatrix, maps: [Matrix3<f64>; 2]) -> GivenGeometry {
+    let [m1, m2] = maps.map(|map| map.try_inverse().unwrap());
+    let fundamental = FundamentalMatrix::from_rank_two(m2.transpose() * f.matrix() * m1).unwrap();
+    GivenGeometry { fundamental, cameras: None }
+}
+
+/// A mistake: the wrong geometry of a scene, and whether a change names it.
+type Mistake = (&'static str, fn(&Scene) -> GivenGeometry, fn(&Change) -> bool);
+
+fn affine(scale: f64, x: f64, y: f64) -> Matrix3<f64> {
+    Matrix3::new(scale, 0.0, x, 0.0, scale, y, 0.0, 0.0, 1.0)
+}
+
+/// Applies the opposite of a mistake to the true cameras.
+fn wrong(scene: &Scene, with: fn(&mut DecomposedCamera)) -> GivenGeometry {
+    let mut cameras = scene.cameras;
+    cameras.iter_mut().for_each(with);
+    Scene::geometry(&cameras)
+}
+
+fn is_camera(change: &Change, wanted: CameraChange) -> bool {
+    matches!(change, Change::Cameras { mistake } if *mistake == wanted)
+}
+
+const MISTAKES: [Mistake; 17] = [
+    (
+        "transposed",
+        |s| GivenGeometry { fundamental: s.truth().fundamental.swapped(), cameras: None },
+        |c| {
+            matches!(
+                c,
+                Change::Convention { reading: Reading { transposed: true, axes_exchanged: false, .. } }
+            )
+        },
+    ),
+    (
+        "x and y exchanged",
+        |s| {
+            let exchange = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+            mapped(&s.truth().fundamental, [exchange; 2])
+        },
+        |c| {
+            matches!(
+                c,
+                Change::Convention { reading: Reading { transposed: false, axes_exchanged: true, .. } }
+            )
+        },
+    ),
+    (
+        "half size",
+        |s| mapped(&s.truth().fundamental, [affine(0.5, -0.25, -0.25); 2]),
+        |c| matches!(c, Change::Resized { images: Affected::Both, factor } if (factor - 0.5).abs() < 0.01),
+    ),
+    (
+        "image 2 at half size",
+        |s| mapped(&s.truth().fundamental, [affine(1.0, 0.0, 0.0), affine(0.5, -0.25, -0.25)]),
+        |c| matches!(c, Change::Resized { images: Affected::Image2, factor } if (factor - 0.5).abs() < 0.01),
+    ),
+    (
+        "cropped",
+        |s| mapped(&s.truth().fundamental, [affine(1.0, -40.0, 25.0); 2]),
+        |c| matches!(c, Change::Moved { .. }),
+    ),
+    (
+        "image 1 cropped",
+        |s| mapped(&s.truth().fundamental, [affine(1.0, -30.0, -40.0), Matrix3::identity()]),
+        |c| matches!(c, Change::Moved { .. }),
+    ),
+    (
+        "image 2 turned by 180°",
+        |s| {
+            let turn = Matrix3::new(-1.0, 0.0, 767.0, 0.0, -1.0, 575.0, 0.0, 0.0, 1.0);
+            mapped(&s.truth().fundamental, [Matrix3::identity(), turn])
+        },
+        |c| matches!(c, Change::Mirrored { images: Affected::Image2, mirror: Mirror::HalfTurn }),
+    ),
+    (
+        "y counted from the bottom",
+        |s| {
+            let flip = Matrix3::new(1.0, 0.0, 0.0, 0.0, -1.0, 575.0, 0.0, 0.0, 1.0);
+            mapped(&s.truth().fundamental, [flip; 2])
+        },
+        |c| matches!(c, Change::Mirrored { images: Affected::Both, mirror: Mirror::TopBottom }),
+    ),
+    (
+        "principal point",
+        |s| {
+            wrong(s, |camera| {
+                camera.calibration[(0, 2)] += 35.0;
+                camera.calibration[(1, 2)] -= 30.0;
+            })
+        },
+        |c| matches!(c, Change::Moved { .. }),
+    ),
+    (
+        "focal lengths exchanged",
+        |s| {
+            wrong(s, |camera| {
+                let k = camera.calibration;
+                (camera.calibration[(0, 0)], camera.calibration[(1, 1)]) = (k[(1, 1)], k[(0, 0)]);
+            })
+        },
+        |c| is_camera(c, CameraChange::FocalLengthsExchanged),
+    ),
+    (
+        "calibrations exchanged",
+        |s| {
+            let [a, b] = s.cameras;
+            Scene::geometry(&[
+                DecomposedCamera { calibration: b.calibration, ..a },
+                DecomposedCamera { calibration: a.calibration, ..b },
+            ])
+        },
+        |c| is_camera(c, CameraChange::CalibrationsExchanged),
+    ),
+    (
+        "axes of OpenGL",
+        |s| {
+            wrong(s, |camera| {
+                let axes = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0));
+                (camera.rotation, camera.translation) = (axes * camera.rotation, axes * camera.translation);
+            })
+        },
+        |c| is_camera(c, CameraChange::OpenGlAxes),
+    ),
+    (
+        "camera to world",
+        |s| {
+            wrong(s, |camera| {
+                let inverse = camera.rotation.transpose();
+                (camera.rotation, camera.translation) = (inverse, -(inverse * camera.translation));
+            })
+        },
+        |c| is_camera(c, CameraChange::CameraToWorld),
+    ),
+    (
+        "position for translation",
+        |s| wrong(s, |camera| camera.translation = -(camera.rotation.transpose() * camera.translation)),
+        |c| is_camera(c, CameraChange::PositionForTranslation),
+    ),
+    (
+        "rotation inverted",
+        |s| wrong(s, |camera| camera.rotation.transpose_mut()),
+        |c| is_camera(c, CameraChange::RotationInverted),
+    ),
+    (
+        "order of the quaternion",
+        |s| {
+            wrong(s, |camera| {
+                let right =
+                    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(camera.rotation));
+                let misread = Quaternion::new(right.i, right.j, right.k, right.w);
+                camera.rotation = UnitQuaternion::from_quaternion(misread).to_rotation_matrix().into_inner();
+            })
+        },
+        |c| is_camera(c, CameraChange::QuaternionOrder),
+    ),
+    (
+        "mirrored",
+        |s| {
+            let mirror = Matrix3::new(-1.0, 0.0, 767.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
+            mapped(&s.truth().fundamental, [mirror; 2])
+        },
+        |c| matches!(c, Change::Mirrored { images: Affected::Both, mirror: Mirror::LeftRight }),
+    ),
+];
+
+#[test]
+fn mistakes_are_found_and_named() {
+    let (mut wrong, mut named) = (0, 0);
+    for (name, of, names) in MISTAKES {
+        for seed in 0..SCENES {
+            let scene = Scene::new(seed);
+            let judged = scene.judged(&of(&scene), &scene.matches);
+            if judged.lines_apart.median <= LIMIT {
+                assert_eq!(judged.finding, Finding::Fits, "{name}, scene {seed}");
+                continue;
+            }
+            wrong += 1;
+            assert_eq!(judged.finding, Finding::DoesNotFit, "{name}, scene {seed}");
+            let is_named = judged.change.is_some_and(|found| names(&found.change));
+            named += usize::from(is_named);
+            if !is_named {
+                println!("{name}, scene {seed}: {:?} {:?}", judged.lines_apart, judged.change);
+            }
+        }
+    }
+    println!("{named} of {wrong} mistakes named");
+    assert!(wrong > 100 && named * 100 >= 95 * wrong, "{named} of {wrong}");
+}
+
+#[test]
+fn a_sound_geometry_fits_and_its_change_is_not_looked_for() {
+    for seed in 0..SCENES {
+        let scene = Scene::new(seed);
+        let judged = scene.judged(&scene.truth(), &scene.matches);
+        assert_eq!((judged.finding, judged.change), (Finding::Fits, None));
+        assert!(judged.lines_apart.median < 1e-6 && judged.residuals.median < 0.3);
+    }
+}
+
+#[test]
+fn distortion_that_is_left_out_is_named_with_its_size() {
+    let mut count = 0;
+    for seed in 0..SCENES {
+        let scene = Scene::new(seed);
+        for k in [0.12, -0.1] {
+            // The lens bends the pixels: they are undistorted by d (1 + k r²).
+            let bent: Vec<PointPair> = scene
+                .matches
+                .iter()
+                .map(|pair| {
+                    let mut bent = *pair;
+                    for _ in 0..50 {
+                        let back = change::undistorted(&bent, k, FRAMES);
+                        bent.point1 -= back.point1 - pair.point1;
+                        bent.point2 -= back.point2 - pair.point2;
+                    }
+                    bent
+                })
+                .collect();
+            // An estimate bends with the matches.
+            let reference = Reference {
+                fundamental: crate::geometry::eight_point(&bent).unwrap(),
+                matches: &bent,
+                frames: FRAMES,
+                is_trusted: true,
+            };
+            let judged = judge(&scene.truth(), &reference, LIMIT).unwrap();
+            if judged.finding == Finding::Fits {
+                continue;
+            }
+            count += 1;
+            let found = judged.change;
+            let Some(FittingChange { change: Change::Distortion { k: found }, .. }) = found else {
+                panic!("scene {seed}, {k}: {found:?}");
+            };
+            assert!((found - k).abs() < 0.02, "scene {seed}: {found} of {k}");
+        }
+    }
+    assert!(count > 10, "{count}");
+}
+
+#[test]
+fn an_untrusted_reference_confirms_but_does_not_contradict() {
+    let scene = Scene::new(3);
+    let fundamental = scene.truth().fundamental;
+    let reference = Reference { fundamental, matches: &scene.matches, frames: FRAMES, is_trusted: false };
+    let judged = judge(&scene.truth(), &reference, LIMIT).unwrap();
+    assert_eq!(judged.finding, Finding::Fits);
+    let transposed = GivenGeometry { fundamental: fundamental.swapped(), cameras: None };
+    assert_eq!(judge(&transposed, &reference, LIMIT).unwrap().finding, Finding::Undecided);
+    let few = Reference { matches: &scene.matches[..FEWEST_MATCHES - 1], ..reference };
+    assert!(judge(&transposed, &few, LIMIT).is_none());
+}

@@ -1,0 +1,133 @@
+//! Words for judgements of geometries from elsewhere.
+
+use crate::judge::{Affected, CameraChange, Change, Finding, Judgement, Mirror, RowJudgement};
+
+/// Describes a judgement: what the images show, and what would mend the geometry.
+pub fn judgement_in_words(judgement: &Judgement) -> String {
+    let Judgement { lines_apart, residuals, limit, matches, change, .. } = judgement;
+    let apart = px(lines_apart.median);
+    match judgement.finding {
+        Finding::Fits => format!(
+            "The geometry fits. Half of its lines are within {apart} px of those that the images show, at \
+             {matches} matches."
+        ),
+        Finding::Undecided => format!(
+            "The geometry cannot be judged. Half of its lines are more than {apart} px from those of the best \
+             geometry of the images, which is itself in doubt. Give point pairs or matches of your own."
+        ),
+        Finding::DoesNotFit => {
+            let wrong = if lines_apart.median > *limit {
+                format!("Half of its lines are more than {apart} px from those that the images show")
+            } else {
+                format!("Half of the matches are more than {} px from its lines", px(residuals.median))
+            };
+            let mended = change.as_ref().map_or_else(
+                || "No simple change mends it.".to_owned(),
+                |found| format!("It fits to {} px if {}.", px(found.median), change_in_words(&found.change)),
+            );
+            format!("The geometry does not fit. {wrong}, at {matches} matches. {mended}")
+        }
+    }
+}
+
+/// Describes a change as a condition: what holds if the geometry is right after it.
+pub fn change_in_words(change: &Change) -> String {
+    match *change {
+        Change::Convention { reading } => {
+            format!("it is read in another convention: {reading}")
+        }
+        Change::Cameras { mistake } => match mistake {
+            CameraChange::CameraToWorld => {
+                "the poses are inverted: they map the camera to the world, not the \
+                                            world to the camera"
+            }
+            CameraChange::OpenGlAxes => {
+                "the camera axes are those of OpenGL (y up, z backwards), or the pose is \
+                                         a mirror image"
+            }
+            CameraChange::YUp => "y of the cameras points up",
+            CameraChange::PositionForTranslation => {
+                "the translations are positions C of the cameras, for which \
+                                                     t = −R C"
+            }
+            CameraChange::RotationInverted => "the rotations are inverted, and the translations are not",
+            CameraChange::QuaternionOrder => "the quaternions have their real part last",
+            CameraChange::FocalLengthsExchanged => "the focal lengths in x and y are exchanged",
+            CameraChange::PrincipalPointExchanged => "x and y of the principal points are exchanged",
+            CameraChange::CalibrationsExchanged => "the calibrations of the two cameras are exchanged",
+        }
+        .to_owned(),
+        Change::Mirrored { images, mirror } => {
+            let images = affected(images);
+            match mirror {
+                Mirror::LeftRight => {
+                    format!("{images} mirrored left to right, or the camera axes are those of OpenGL")
+                }
+                Mirror::TopBottom => format!("y is counted from the bottom: {images} mirrored top to bottom"),
+                Mirror::HalfTurn => format!("{images} turned by 180°"),
+            }
+        }
+        Change::Resized { images, factor } => {
+            let of = of_images(images);
+            format!("the geometry is for images of {:.1} % of the size of {of}", 100.0 * factor)
+        }
+        Change::FocalLength { images, factor } => {
+            format!("the focal length of {} is divided by {factor:.3}", of_images(images))
+        }
+        Change::Moved { images, x, y } => format!(
+            "({x:.1}, {y:.1}) px is added to the coordinates of {}: cropped images, or a wrong principal point",
+            of_images(images)
+        ),
+        Change::Distortion { k } => format!(
+            "the distortion of the lens is removed from the images: points at the corners belong {:.1} % {}",
+            100.0 * k.abs(),
+            if k > 0.0 { "farther out" } else { "farther in" }
+        ),
+    }
+}
+
+/// Multiple of the limit from which a pair was never rectified: no drift of a rig is as large.
+const FAR_FROM_ROWS: f64 = 20.0;
+
+/// Describes how far two rectified images are from common rows.
+pub fn rows_in_words(judgement: &RowJudgement) -> String {
+    let RowJudgement { matches, constant, across, down, curved, largest, typical, limit, .. } = judgement;
+    let parts = format!(
+        "Right rows less left rows: {constant:+.2} px in the middle, {across:+.2} px from left to right, \
+         {down:+.2} px from top to bottom, {curved:.2} px of curvature ({matches} matches)."
+    );
+    if judgement.is_aligned {
+        return format!("The images are rectified: rows agree to {typical:.2} px. {parts}");
+    }
+    let cause = if *typical > FAR_FROM_ROWS * limit {
+        "This pair was not rectified, or for other cameras: rectify it (epiline rectify)."
+    } else if *curved > 0.5 * limit {
+        "The rest is curved, as distortion of a lens leaves it: calibrate again."
+    } else {
+        "A homography of the right image mends it (correction2 in the JSON)."
+    };
+    format!(
+        "The images are not rectified: rows differ by {typical:.2} px, and by up to {largest:.2} px. {parts} {cause}"
+    )
+}
+
+fn affected(images: Affected) -> &'static str {
+    match images {
+        Affected::Both => "both images are",
+        Affected::Image1 => "the left image is",
+        Affected::Image2 => "the right image is",
+    }
+}
+
+fn of_images(images: Affected) -> &'static str {
+    match images {
+        Affected::Both => "both images",
+        Affected::Image1 => "the left image",
+        Affected::Image2 => "the right image",
+    }
+}
+
+/// Formats a distance with its significant digits.
+fn px(value: f64) -> String {
+    if value < 10.0 { format!("{value:.2}") } else { format!("{value:.0}") }
+}
