@@ -56,6 +56,8 @@ impl Contestant {
     }
 }
 
+/// Number of pairs that every method can be fitted to.
+const ENOUGH: usize = 8;
 /// Seed of the samples of robust methods.
 const SEED: u64 = 0;
 
@@ -182,7 +184,7 @@ impl ComparisonQuestion {
         };
         let fitted = self.fitted();
         // Seven of many matches, spread over the list, which follows the image.
-        let seven = fitted.clone().map(|pairs| match self.present(self.subject.fitted) {
+        let seven = fitted.clone().map(|pairs| match self.fitted_to() {
             PointSet::Matches if pairs.len() > 7 => (0..7).map(|k| pairs[k * pairs.len() / 7]).collect(),
             _ => pairs,
         });
@@ -224,7 +226,7 @@ impl ComparisonQuestion {
         Comparison {
             number: revision::fresh(),
             measured,
-            fitted: self.present(self.subject.fitted),
+            fitted: self.fitted_to(),
             points: points.len(),
             rows,
             judgement: self.judgement(),
@@ -261,10 +263,25 @@ impl ComparisonQuestion {
         order.into_iter().find(|set| !self.points(*set).is_empty()).unwrap_or(PointSet::Pairs)
     }
 
+    /// Returns the set that the other methods are fitted to: the wanted one if it has points. Else
+    /// the clicked pairs, if they are enough for every method, and else the matches.
+    fn fitted_to(&self) -> PointSet {
+        match self.present(self.subject.fitted) {
+            PointSet::Pairs
+                if self.subject.fitted != PointSet::Pairs
+                    && self.pairs.len() < ENOUGH
+                    && !self.matches.is_empty() =>
+            {
+                PointSet::Matches
+            }
+            set => set,
+        }
+    }
+
     /// Returns the points that the other methods are fitted to: the clicked pairs, the matches of
     /// the result, or the used pairs and further true matches up to eight, drawn as in an evaluation.
     fn fitted(&self) -> Result<Vec<PointPair>, String> {
-        let truth = match (self.present(self.subject.fitted), self.truth.as_deref()) {
+        let truth = match (self.fitted_to(), self.truth.as_deref()) {
             (PointSet::TrueMatches, Some(truth)) => truth,
             (PointSet::Matches, _) => return Ok(self.matches.clone()),
             _ => {
@@ -283,7 +300,7 @@ impl ComparisonQuestion {
         fit.map_err(|error| match error {
             FitError::TooFew { .. } => error.to_string(),
             FitError::Seven(_) | FitError::Eight(_) | FitError::NoSample
-                if self.present(self.subject.fitted) == PointSet::Pairs =>
+                if self.fitted_to() == PointSet::Pairs =>
             {
                 "these pairs do not determine a geometry: spread them over the images and over depth"
                     .to_owned()
@@ -376,8 +393,11 @@ mod tests {
         // Clicked pairs come first, unless the matches are asked for.
         question.pairs = question.used.clone();
         assert_eq!(question.answer().measured, PointSet::Pairs);
+        assert_eq!(question.answer().fitted, PointSet::Matches, "two pairs are too few for the methods");
         question.subject.measured = PointSet::Matches;
-        assert_eq!(question.answer().measured, PointSet::Matches);
+        question.subject.fitted = PointSet::Pairs;
+        let asked = question.answer();
+        assert_eq!((asked.measured, asked.fitted), (PointSet::Matches, PointSet::Pairs));
         // They judge what was imported.
         let finding = |question: &ComparisonQuestion| question.answer().judgement.unwrap().finding;
         assert_eq!(finding(&question), Finding::Fits);
