@@ -18,14 +18,14 @@ fn with_result() -> Window {
     window
 }
 
-/// Whether one of the green lines in the right image is the epipolar line of p under `f`.
-fn shows(window: &Window, f: &FundamentalMatrix) -> bool {
+/// Whether a line of this colour in the right image is the epipolar line of p under `f`.
+fn shows(window: &Window, f: &FundamentalMatrix, color: Color32) -> bool {
     let p = window.state().document().pairs[0];
     let line = f.line2_from_point1(p.point1).unwrap();
     let frame = window.state().document().frame(Side::Right).unwrap();
     let segment = frame.clip(&line).expect("the line crosses the image");
     let ends = [segment.start, segment.end].map(|point| screen_of(window, Side::Right, point));
-    lines(window, Side::Right, ESTIMATED)
+    lines(window, Side::Right, color)
         .iter()
         .any(|drawn| drawn.iter().zip(&ends).all(|(a, b)| a.distance(*b) < 0.5))
 }
@@ -36,14 +36,15 @@ fn choosing_a_hypothesis_changes_the_lines_until_the_result_is_wanted_again() {
     show_step(&mut window, "Validation");
     let estimate = window.state().estimate().unwrap().clone();
     let third = &estimate.hypotheses()[2].fundamental();
-    assert!(shows(&window, estimate.fundamental()) && !shows(&window, third));
+    assert!(shows(&window, estimate.fundamental(), ESTIMATED) && !shows(&window, third, ESTIMATED));
     window.get_by_label("Hypothesis 3").click();
     settle(&mut window);
     assert_eq!(window.state().focus().hypothesis(), Some(2));
-    assert!(shows(&window, third) && !shows(&window, estimate.fundamental()));
+    // A wrong hypothesis never has the green of a reliable result.
+    assert!(shows(&window, third, OTHER) && lines(&window, Side::Right, ESTIMATED).is_empty());
     window.get_by_label_contains("The images show hypothesis 3, not the result");
     press(&mut window, Key::R);
-    assert!(shows(&window, estimate.fundamental()));
+    assert!(shows(&window, estimate.fundamental(), ESTIMATED));
     // A new result has other hypotheses.
     window.get_by_label("Hypothesis 2").click();
     settle(&mut window);
@@ -204,7 +205,7 @@ fn a_pair_left_out_takes_no_part_in_the_estimate() {
     assert_eq!(used[1], third);
     window.get_by_label_contains("Estimated from pairs q and r");
     let f = window.state().estimate().unwrap().fundamental();
-    assert!(!shows(&window, f), "no line of the pair that is left out");
+    assert!(!shows(&window, f, ESTIMATED), "no line of the pair that is left out");
     window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     settle(&mut window);
     window.get_by_label_contains("Estimated from pairs p, q and r");

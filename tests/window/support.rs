@@ -124,6 +124,8 @@ pub fn lines(window: &Window, side: Side, color: Color32) -> Vec<[Pos2; 2]> {
 
 /// The estimated lines' colour.
 pub const ESTIMATED: Color32 = Color32::from_rgb(26, 204, 140);
+/// Lines of a geometry that is shown in place of the result.
+pub const OTHER: Color32 = Color32::from_rgb(205, 178, 255);
 
 /// Where an image position appears in a fitting image.
 pub fn screen_of(window: &Window, side: Side, point: Point) -> Pos2 {

@@ -392,7 +392,7 @@ fn choosing_another_geometry_shows_it_in_the_whole_window() {
     window.get_by_label("Geometry: 8-point").click();
     settle(&mut window);
     // Fitted to exact matches it is the true one.
-    assert!(drawn(&window, ESTIMATED, &known.fundamental));
+    assert!(drawn(&window, OTHER, &known.fundamental));
     window.get_by_label_contains("The images show the 8-point geometry, not the result");
     window.get_by_label("0.00 px (truth 0.00)");
     window.get_by_label("Geometry: Result").click();

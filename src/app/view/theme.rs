@@ -99,6 +99,7 @@ pub fn pair_color(pair: usize) -> Color32 {
 pub fn line_color(look: LineLook) -> Color32 {
     match look {
         LineLook::Solid => ESTIMATED,
+        LineLook::Other => HYPOTHESIS,
         LineLook::Dashed => DOUBTFUL,
         LineLook::Dotted | LineLook::Hidden => UNRELIABLE,
     }

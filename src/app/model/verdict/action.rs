@@ -70,6 +70,7 @@ impl Model {
     pub fn doubt(&self) -> Option<(&'static str, LineLook)> {
         match self.line_look() {
             LineLook::Solid => None,
+            look @ LineLook::Other => Some(("Not the result", look)),
             look @ LineLook::Dashed => Some(("Doubtful", look)),
             look => Some(("Unreliable", look)),
         }
@@ -80,7 +81,7 @@ impl Model {
         let is_result =
             self.shown().is_some_and(|shown| shown.hypothesis.is_none() && shown.contestant.is_none());
         match self.tone() {
-            _ if !is_result => LineLook::Solid,
+            _ if !is_result => LineLook::Other,
             Tone::Caution => LineLook::Dashed,
             Tone::Bad if self.open.lines_anyway => LineLook::Dotted,
             Tone::Bad => LineLook::Hidden,
@@ -92,8 +93,10 @@ impl Model {
 /// Look of epipolar lines, which tells the verdict without colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LineLook {
-    /// A reliable geometry, or one that the user chose to see.
+    /// A reliable geometry.
     Solid,
+    /// A geometry without a verdict that the user chose to see in place of the result.
+    Other,
     /// A doubtful geometry.
     Dashed,
     /// An unreliable geometry that the user wants to see.

@@ -219,7 +219,7 @@ impl Canvas<'_> {
     /// Draws an epipolar line of the geometry shown, in the look of its verdict.
     fn epipolar_line(&self, line: &Line, width: f32, color: Color32) {
         match self.model.line_look() {
-            LineLook::Solid => self.line(line, width, color),
+            LineLook::Solid | LineLook::Other => self.line(line, width, color),
             LineLook::Dashed => self.dashed_line(line, width, color),
             LineLook::Dotted => self.dotted_line(line, width, color),
             LineLook::Hidden => {}

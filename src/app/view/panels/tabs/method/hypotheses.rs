@@ -37,9 +37,9 @@ const COLUMNS: [Column; 7] = [
          the cost relative to mismatched lines, As published in squared grey levels per sample.",
     ),
     Column::figures(
-        "Round trip, px",
+        "Round trip",
         100.0,
-        "Distance between a line and its image after the maps H (to the other image) and G (back). A small \
+        "Distance, px, between a line and its image after the maps H (to the other image) and G (back). A small \
          distance means that both directions agree. A good result may have a large distance, and a wrong \
          result a small one.",
     ),

@@ -34,23 +34,36 @@ pub fn show_pictures(ui: &mut Ui, stacked: bool, model: &Model, commands: &mut V
     ui.painter().text(area.center(), egui::Align2::CENTER_CENTER, text, font, color);
 }
 
+/// Width below which the layouts and the button have a row each, screen points.
+const ROOM_FOR_ONE_ROW: f32 = 480.0;
+
+/// Shows the button of the export.
+fn saving(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let can_export = model.shown().is_some() && model.activity.writing.is_none();
+    ui.add_enabled_ui(can_export, |ui| {
+        let save = main_button(ui, "Save rectified pair…");
+        finish_button(ui, save, RectifiedCommand::ShowExport.into(), commands);
+    });
+    if model.activity.rectifying {
+        busy::show(ui);
+    }
+}
+
 /// Shows layouts and quality measures in the dock.
 pub fn show_figures(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    ui.horizontal(|ui| {
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let can_export = model.shown().is_some() && model.activity.writing.is_none();
-            ui.add_enabled_ui(can_export, |ui| {
-                let save = main_button(ui, "Save rectified pair…");
-                finish_button(ui, save, RectifiedCommand::ShowExport.into(), commands);
-            });
-            if model.activity.rectifying {
-                busy::show(ui);
-            }
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                figures::layout_chooser(ui, model, commands);
+    if ui.available_width() < ROOM_FOR_ONE_ROW {
+        ui.horizontal(|ui| figures::layout_chooser(ui, model, commands));
+        ui.horizontal(|ui| saving(ui, model, commands));
+    } else {
+        ui.horizontal(|ui| {
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                saving(ui, model, commands);
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    figures::layout_chooser(ui, model, commands);
+                });
             });
         });
-    });
+    }
     let Some(rectified) = model.open.rectified.as_ref() else {
         empty(ui, "The images are being rectified.");
         return;
