@@ -28,7 +28,8 @@ pub(super) struct LevelMatch {
 }
 
 /// Standard deviation of an aligned match, px of the level. It weighs matches against clicks; the
-/// final fit estimates the noise of the matches itself. Never varied.
+/// final fit estimates the noise of the matches itself. Half and twice of it change up to 2 of 41
+/// verdicts, and typical lines by 0.06 px.
 pub(super) const MATCH_SIGMA: f64 = 0.3;
 /// Fewest matches of a refinement: twice the seven unknowns, and two more.
 pub(in crate::estimate) const LEAST_MATCHES: usize = 16;

@@ -51,7 +51,8 @@ pub(in crate::estimate) struct Support {
 }
 
 /// Least correlation of a distinctive match: half-way between the floor of support and equal
-/// patches. Never varied.
+/// patches. Half of it changes no verdict, and typical lines by less than 0.01 px; twice of it lets
+/// nothing pass.
 pub(super) const DISTINCTIVE: f32 = 0.8;
 /// Least lead of a distinctive match over the next look-alike: twice the noise of the correlation
 /// of a right match.
