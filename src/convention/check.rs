@@ -6,7 +6,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::{FEWEST_MATCHES, Reading};
-use crate::geometry::{FundamentalMatrix, PointPair, median, symmetric_epipolar_distance};
+use crate::geometry::{FundamentalMatrix, PointPair, grid_minimum, median, symmetric_epipolar_distance};
 
 /// Pixel origins in use: the centre of the upper left pixel, its corner, and counting from 1.
 const ORIGINS: [f64; 3] = [0.0, 0.5, 1.0];
@@ -138,7 +138,7 @@ fn candidates(given: &FundamentalMatrix, matches: &[PointPair]) -> Vec<Reading> 
             let turned = Reading { transposed, axes_exchanged, origin, ..Reading::AS_READ };
             let near = |a: f64, b: f64| (a / b).ln().abs() < SCALE_STEP;
             let found = estimated_scale(given, turned, matches);
-            let found = found.filter(|s| !SCALES.iter().any(|known| near(*s, *known)));
+            let found = Some(found).filter(|s| !SCALES.iter().any(|known| near(*s, *known)));
             readings.extend(SCALES.into_iter().chain(found).map(|scale| Reading { scale, ..turned }));
         }
     }
@@ -148,24 +148,14 @@ fn candidates(given: &FundamentalMatrix, matches: &[PointPair]) -> Vec<Reading> 
 
 /// Returns the scale with the smallest median, by a grid of eighths of octaves and a golden section
 /// search.
-fn estimated_scale(given: &FundamentalMatrix, turned: Reading, matches: &[PointPair]) -> Option<f64> {
+fn estimated_scale(given: &FundamentalMatrix, turned: Reading, matches: &[PointPair]) -> f64 {
     const STEPS_PER_OCTAVE: f64 = 8.0;
-    const SECTIONS: usize = 24;
     let few: Vec<PointPair> = matches.iter().step_by(matches.len().div_ceil(500)).copied().collect();
     let cost = |octaves: f64| {
         let reading = Reading { scale: octaves.exp2(), ..turned };
         reading.apply(given).map_or(f64::INFINITY, |f| median(distances(&f, &few)))
     };
-    let last = (2.0 * SCALE_OCTAVES * STEPS_PER_OCTAVE) as usize;
-    let octaves = |k: usize| k as f64 / STEPS_PER_OCTAVE - SCALE_OCTAVES;
-    let best = (0..=last).map(|k| (cost(octaves(k)), octaves(k))).min_by(|a, b| a.0.total_cmp(&b.0))?.1;
-    let golden = 0.5 * (5f64.sqrt() - 1.0);
-    let (mut low, mut high) = (best - 1.0 / STEPS_PER_OCTAVE, best + 1.0 / STEPS_PER_OCTAVE);
-    for _ in 0..SECTIONS {
-        let span = golden * (high - low);
-        if cost(high - span) < cost(low + span) { high = low + span } else { low = high - span }
-    }
-    Some((0.5 * (low + high)).exp2())
+    grid_minimum(cost, (-SCALE_OCTAVES, SCALE_OCTAVES), 1.0 / STEPS_PER_OCTAVE).exp2()
 }
 
 impl RankedReading {

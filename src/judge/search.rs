@@ -4,7 +4,7 @@ use super::cameras::DecomposedCamera;
 use super::change::{Affected, CameraChange, Change, Mirror, undistorted};
 use super::{FittingChange, GivenGeometry, Reference, residuals};
 use crate::convention::Reading;
-use crate::geometry::{Camera, FundamentalMatrix, PointPair, symmetric_epipolar_distance};
+use crate::geometry::{Camera, FundamentalMatrix, PointPair, grid_minimum, symmetric_epipolar_distance};
 
 /// Each fitted number of a change must lower the distance by this share to be worth it: a wrong kind
 /// of change with one more number often fits a little better.
@@ -90,11 +90,11 @@ fn fitted(given: &GivenGeometry, reference: &Reference, limit: f64) -> Vec<Fitti
             .map_or(f64::INFINITY, |changed| few.iter().map(|pair| cost(&changed, pair)).sum::<f64>()),
     };
     let mut changes = vec![Change::Distortion {
-        k: minimum((-MOST_BENT, MOST_BENT), BENT_STEP, |k| of_change(Change::Distortion { k })),
+        k: grid_minimum(|k| of_change(Change::Distortion { k }), (-MOST_BENT, MOST_BENT), BENT_STEP),
     }];
     for images in Affected::ALL {
         let octaves = |of: &dyn Fn(f64) -> Change| {
-            minimum((-OCTAVES, OCTAVES), 1.0 / STEPS, |octaves| of_change(of(octaves.exp2()))).exp2()
+            grid_minimum(|octaves| of_change(of(octaves.exp2())), (-OCTAVES, OCTAVES), 1.0 / STEPS).exp2()
         };
         let resized = |factor: f64| Change::Resized { images, factor };
         changes.push(resized(octaves(&resized)));
@@ -115,22 +115,6 @@ fn fitted(given: &GivenGeometry, reference: &Reference, limit: f64) -> Vec<Fitti
         Some(FittingChange { change, median, fundamental: Some(changed) })
     };
     changes.into_iter().filter_map(measured).collect()
-}
-
-/// Returns the minimum of a function of one number: the best of a grid, made precise by a golden
-/// section search.
-fn minimum((low, high): (f64, f64), step: f64, cost: impl Fn(f64) -> f64) -> f64 {
-    const SECTIONS: usize = 28;
-    let count = ((high - low) / step).round() as usize;
-    let grid = (0..=count).map(|k| low + k as f64 * step).map(|at| (cost(at), at));
-    let best = grid.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(_, at)| at);
-    let golden = 0.5 * (5f64.sqrt() - 1.0);
-    let (mut low, mut high) = (best - step, best + step);
-    for _ in 0..SECTIONS {
-        let span = golden * (high - low);
-        if cost(high - span) < cost(low + span) { high = low + span } else { low = high - span }
-    }
-    0.5 * (low + high)
 }
 
 /// Returns the minimum of a function of two numbers near zero, by a compass search: a step in one of

@@ -19,7 +19,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::RectifyError;
 use super::extent::{Extent, Range};
 use super::row::RowTrace;
-use crate::geometry::{Frame, FundamentalMatrix, Point};
+use crate::geometry::{Frame, FundamentalMatrix, Point, golden_section};
 
 /// Number of lines sampled per pencil before the refinement of the best one.
 const TRIED: usize = 720;
@@ -262,20 +262,6 @@ fn lines_to_infinity(
     let refined = golden_section(cost, before, after);
     let angle = if cost(refined) < costs[best] { refined } else { angles[best] };
     Ok(pair(angle))
-}
-
-/// Returns the minimiser of a unimodal function between two ends.
-fn golden_section(cost: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    const SHARE: f64 = 0.618_033_988_749_895;
-    for _ in 0..80 {
-        let (a, b) = (high - (high - low) * SHARE, low + (high - low) * SHARE);
-        if cost(a) < cost(b) {
-            high = b;
-        } else {
-            low = a;
-        }
-    }
-    f64::midpoint(low, high)
 }
 
 /// Returns the homography that sends a line to infinity and keeps the neighbourhood of the centre.
