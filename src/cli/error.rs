@@ -41,6 +41,9 @@ pub enum CliError {
     /// A judged geometry does not fit the images. The judgement has been printed.
     #[error("the geometry does not fit the images")]
     DoesNotFit,
+    /// A judged pair is not rectified. The judgement has been printed.
+    #[error("the images are not rectified")]
+    NotRectified,
     /// The images do not show enough to judge a geometry. The judgement has been printed.
     #[error("the images do not show enough to judge the geometry")]
     Undecided,
@@ -73,7 +76,7 @@ impl CliError {
         match self {
             Self::Estimate(error) if !error.is_bad_input() => 1,
             Self::Suggest(error) if !error.is_bad_input() => 1,
-            Self::NothingFits(_) | Self::DoesNotFit => 1,
+            Self::NothingFits(_) | Self::DoesNotFit | Self::NotRectified => 1,
             Self::Rectify(error) if !error.is_bad_input() => 1,
             _ => 2,
         }

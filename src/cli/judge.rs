@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 use std::fs::OpenOptions;
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args};
@@ -12,7 +12,7 @@ use super::CliError;
 use super::arguments::{ImagePair, on_threads, pixels, threads};
 use super::estimate::watched;
 use super::output::Output;
-use crate::estimate::{ENOUGH_MATCHES, Match, Monitor, Parameters, Verdict, estimate, estimate_fundamental};
+use crate::estimate::{Match, Monitor, Parameters, Verdict, estimate, estimate_fundamental};
 use crate::foreign::{reason, shown_path};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::image::Picture;
@@ -82,6 +82,8 @@ struct JudgeFile<'a, T: Serialize> {
 struct Shown {
     fundamental: FundamentalMatrix,
     matches: Vec<PointPair>,
+    /// Whether the matches may contradict a geometry. Matches that a person gives may.
+    is_trusted: bool,
     verdict: Option<Verdict>,
 }
 
@@ -91,6 +93,7 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     let outputs: Vec<&Path> = output.file().into_iter().chain(arguments.log.as_deref()).collect();
     let inputs: Vec<&Path> = arguments.images.files().chain(arguments.files()).collect();
     refuse_clashes(&outputs, &inputs)?;
+    arguments.log.as_deref().map(check_log).transpose()?;
     let given = if arguments.rectified { None } else { Some(arguments.given()?) };
     let matches = arguments.matches.as_deref().map(read_point_pairs).transpose()?;
     let (pictures, _) = arguments.images.load()?;
@@ -100,11 +103,15 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
         None => of_images(&pictures, arguments)?,
     };
     let too_few = || {
-        CliError::Arguments(format!(
-            "the images show only {} matches, and a judgement takes {FEWEST_MATCHES}. Give matches of your own \
-             (--matches)",
-            shown.matches.len()
-        ))
+        let found = shown.matches.len();
+        CliError::Arguments(if arguments.matches.is_some() {
+            format!("only {found} of the matches agree on a geometry, and a judgement takes {FEWEST_MATCHES}")
+        } else {
+            format!(
+                "the images show only {found} matches, and a judgement takes {FEWEST_MATCHES}. Give matches of \
+                 your own (--matches)"
+            )
+        })
     };
     let Some(given) = given else {
         let limit = arguments.limit.unwrap_or(ROW_LIMIT);
@@ -114,14 +121,10 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
         if let Some(log) = &arguments.log {
             append(log, &pictures, &found)?;
         }
-        return if found.is_aligned { Ok(()) } else { Err(CliError::DoesNotFit) };
+        return if found.is_aligned { Ok(()) } else { Err(CliError::NotRectified) };
     };
-    let is_trusted = match shown.verdict {
-        Some(Verdict::Reliable) => true,
-        Some(Verdict::Unreliable) => false,
-        Some(_) | None => shown.matches.len() >= ENOUGH_MATCHES,
-    };
-    let reference = Reference { fundamental: shown.fundamental, matches: &shown.matches, frames, is_trusted };
+    let Shown { fundamental, matches, is_trusted, .. } = &shown;
+    let reference = Reference { fundamental: *fundamental, matches, frames, is_trusted: *is_trusted };
     let found: Judgement = judge(&given, &reference, arguments.limit.unwrap_or(LIMIT)).ok_or_else(too_few)?;
     let words = judgement_in_words(&found);
     write(&output, &found, &words, &shown)?;
@@ -169,6 +172,7 @@ fn of_images(pictures: &[Picture; 2], arguments: &JudgeArguments) -> Result<Show
     Ok(Shown {
         fundamental: *found.fundamental(),
         matches: found.matches().iter().map(|found| found.pair).collect(),
+        is_trusted: found.may_contradict(),
         verdict: found.assessment.trust.as_ref().map(|trust| trust.verdict),
     })
 }
@@ -180,7 +184,7 @@ fn of_matches(matches: Vec<PointPair>, frames: [Frame; 2], seed: u64) -> Result<
         .map_err(|error| CliError::Arguments(format!("the matches cannot be used: {error}")))?;
     let right = matches.into_iter().zip(&fit.inlier_probabilities).filter(|(_, right)| **right > 0.5);
     let matches = right.map(|(pair, _)| pair).collect();
-    Ok(Shown { fundamental: fit.fundamental, matches, verdict: None })
+    Ok(Shown { fundamental: fit.fundamental, matches, is_trusted: true, verdict: None })
 }
 
 fn write(output: &Output, judgement: &impl Serialize, words: &str, shown: &Shown) -> Result<(), CliError> {
@@ -194,6 +198,25 @@ fn write(output: &Output, judgement: &impl Serialize, words: &str, shown: &Shown
     output.write(&file, &format!("{words}\n"))
 }
 
+/// Names of the columns, the first line of a log.
+const COLUMNS: &str =
+    "left,right,matches,constant_px,across_px,down_px,curved_px,typical_px,largest_px,rectified";
+
+/// Refuses a file that is no log, before the work. Nothing is added to other files.
+fn check_log(log: &Path) -> Result<(), CliError> {
+    match std::fs::read_to_string(log) {
+        Ok(text) if text.is_empty() || text.lines().next() == Some(COLUMNS) => Ok(()),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+        Ok(_) => Err(CliError::Arguments(format!(
+            "{} is another file than a log of this command. Name a new file",
+            shown_path(log)
+        ))),
+        Err(error) => {
+            Err(CliError::Arguments(format!("cannot read {}: {}", shown_path(log), reason(&error))))
+        }
+    }
+}
+
 /// Adds a line to the log, which begins with the names of the columns.
 fn append(log: &Path, pictures: &[Picture; 2], found: &RowJudgement) -> Result<(), CliError> {
     let failed = |error: std::io::Error| {
@@ -202,9 +225,7 @@ fn append(log: &Path, pictures: &[Picture; 2], found: &RowJudgement) -> Result<(
     let mut file = OpenOptions::new().create(true).append(true).open(log).map_err(failed)?;
     let mut text = String::new();
     if file.metadata().map_err(failed)?.len() == 0 {
-        text.push_str(
-            "left,right,matches,constant_px,across_px,down_px,curved_px,typical_px,largest_px,rectified\n",
-        );
+        let _ = writeln!(text, "{COLUMNS}");
     }
     let quoted = |name: &str| format!("\"{}\"", name.replace('"', "\"\""));
     let [left, right] = pictures.each_ref().map(|picture| quoted(&picture.name));

@@ -37,7 +37,7 @@ pub struct ResultFile<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     frame_offset: Option<i32>,
     verdict: Option<Verdict>,
-    /// What the matches determine.
+    /// Part of the geometry that the matches determine.
     #[serde(skip_serializing_if = "Option::is_none")]
     determined: Option<Determined>,
     /// Direction and distance of both epipoles, with 95 % intervals.

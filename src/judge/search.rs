@@ -27,8 +27,8 @@ const LAST_MOVE: f64 = 0.02;
 /// Largest number of matches for fitting a change.
 const FEW: usize = 200;
 
-/// Returns the change after which the geometry fits best for the numbers it takes; `None` if none
-/// brings half of the lines within `limit` px of those of the reference.
+/// Returns the simplest change that makes the geometry fit within `limit` px; `None` if no change
+/// does. A change with more fitted numbers must fit clearly better.
 pub(super) fn simplest(given: &GivenGeometry, reference: &Reference, limit: f64) -> Option<FittingChange> {
     let found = discrete(given, reference).into_iter().chain(fitted(given, reference, limit));
     let is_possible = |change: &Change| match change {

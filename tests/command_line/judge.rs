@@ -80,6 +80,7 @@ fn a_rectified_pair_is_found_rectified_and_the_log_grows() {
     // The pictures before were not.
     let output = judged(&["--rectified", "--json", "-"]);
     assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("error: the images are not rectified"));
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(found["typical"].as_f64().unwrap() > 0.5 && found["is_aligned"] == false, "{found}");
 }
@@ -95,6 +96,14 @@ fn unsuitable_input_is_refused() {
     let output = run(&["judge", "--sample"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("--fundamental"));
+    // Nothing is added to a file that is no log, and a folder is none.
+    pictures.write("notes.txt", "mine\n");
+    let notes = pictures.text("notes.txt");
+    fails(&["judge", "--sample", "--rectified", "--log", &notes], 2, "is another file than a log");
+    assert_eq!(std::fs::read_to_string(&notes).unwrap(), "mine\n");
+    let folder = pictures.0.path().to_str().unwrap().to_owned();
+    fails(&["judge", "--sample", "--rectified", "--log", &folder], 2, "cannot read");
+    fails(&["judge", "--sample", "--rectified", "--log", &left, "--json", &left], 2, "");
     // Without texture, nothing can be judged.
     assert_ne!(run(&["judge", &left, &flat, "--fundamental", &f]).status.code(), Some(0));
 }

@@ -140,16 +140,16 @@ pub struct Compared {
 pub struct Comparison {
     /// Unique number of this comparison.
     pub number: u64,
-    /// The measured points.
+    /// The kind of the measured points.
     pub measured: PointSet,
     /// The points that the other methods are fitted to.
     pub fitted: PointSet,
-    /// Number of measured points.
-    pub points: usize,
+    /// The measured points.
+    pub points: Vec<PointPair>,
     /// Rows in the order of [`Contestant::ALL`].
     pub rows: [Compared; Contestant::ALL.len()],
-    /// What the images say of the imported geometry.
-    pub judgement: Option<Judgement>,
+    /// The imported geometry, and what the images say of it.
+    pub judgement: Option<(FundamentalMatrix, Judgement)>,
     /// Mean symmetric epipolar distance of all true matches to the shown geometry, px.
     pub true_error: Option<f64>,
     /// Mean symmetric epipolar distance of all true matches to the true geometry, px: a practical
@@ -183,7 +183,7 @@ impl ComparisonQuestion {
             solutions: 1,
         };
         let fitted = self.fitted();
-        // Seven of many matches, spread over the list, which follows the image.
+        // Seven of many matches, evenly spread over the list.
         let seven = fitted.clone().map(|pairs| match self.fitted_to() {
             PointSet::Matches if pairs.len() > 7 => (0..7).map(|k| pairs[k * pairs.len() / 7]).collect(),
             _ => pairs,
@@ -227,7 +227,7 @@ impl ComparisonQuestion {
             number: revision::fresh(),
             measured,
             fitted: self.fitted_to(),
-            points: points.len(),
+            points: points.to_vec(),
             rows,
             judgement: self.judgement(),
             true_error: self.shown.as_ref().and_then(error),
@@ -236,8 +236,9 @@ impl ComparisonQuestion {
     }
 
     /// Judges the imported geometry by the result and its matches.
-    fn judgement(&self) -> Option<Judgement> {
-        let given = GivenGeometry { fundamental: self.imported?, cameras: None };
+    fn judgement(&self) -> Option<(FundamentalMatrix, Judgement)> {
+        let imported = self.imported?;
+        let given = GivenGeometry { fundamental: imported, cameras: None };
         let fundamental = self.result?;
         let reference = Reference {
             fundamental,
@@ -245,7 +246,7 @@ impl ComparisonQuestion {
             frames: self.frames,
             is_trusted: self.is_trusted,
         };
-        judge(&given, &reference, LIMIT)
+        judge(&given, &reference, LIMIT).map(|judgement| (imported, judgement))
     }
 
     /// Returns the points of a set.
@@ -340,7 +341,7 @@ mod tests {
         let question = question();
         let comparison = question.answer();
         let matches = question.truth.as_ref().unwrap().matches.len();
-        assert_eq!((comparison.measured, comparison.points), (PointSet::TrueMatches, matches));
+        assert_eq!((comparison.measured, comparison.points.len()), (PointSet::TrueMatches, matches));
         for contestant in Contestant::ALL {
             let row = comparison.of(contestant);
             assert_eq!(row.distances.len(), matches);
@@ -357,7 +358,7 @@ mod tests {
     fn without_truth_clicked_pairs_are_measured_and_messages_name_what_is_missing() {
         let question = ComparisonQuestion { truth: None, ..question() };
         let comparison = question.answer();
-        assert_eq!((comparison.measured, comparison.points), (PointSet::Pairs, 2));
+        assert_eq!((comparison.measured, comparison.points.len()), (PointSet::Pairs, 2));
         let words = |contestant| comparison.of(contestant).fit.as_ref().unwrap_err().as_str();
         assert_eq!(words(Contestant::SevenPoint), "needs 5 more pairs");
         assert_eq!(words(Contestant::EightPoint), "needs 6 more pairs");
@@ -383,7 +384,7 @@ mod tests {
         let mut question = ComparisonQuestion { truth: None, pairs: Vec::new(), matches, ..question() };
         let comparison = question.answer();
         assert_eq!(
-            (comparison.measured, comparison.points),
+            (comparison.measured, comparison.points.len()),
             (PointSet::Matches, count),
             "nothing else is there"
         );
@@ -399,7 +400,7 @@ mod tests {
         let asked = question.answer();
         assert_eq!((asked.measured, asked.fitted), (PointSet::Matches, PointSet::Pairs));
         // They judge what was imported.
-        let finding = |question: &ComparisonQuestion| question.answer().judgement.unwrap().finding;
+        let finding = |question: &ComparisonQuestion| question.answer().judgement.unwrap().1.finding;
         assert_eq!(finding(&question), Finding::Fits);
         question.imported = question.imported.map(|f| f.swapped());
         assert_eq!(finding(&question), Finding::DoesNotFit);

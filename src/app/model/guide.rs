@@ -50,7 +50,7 @@ pub fn guide(model: &Model) -> String {
             "Click a distinct point in the left image, then its match in the right one.".into()
         }
         _ if document.is_unclicked() && computation.result().is_some() => {
-            "Point at an image to see the epipolar line in the other. Click pairs for more certainty.".into()
+            "Point at an image to see its epipolar line in the other. Click pairs for more certainty.".into()
         }
         0 => "Click a point in the left image, then the same scene point in the right one.".into(),
         placed if placed < needed => {
@@ -66,9 +66,7 @@ pub fn guide(model: &Model) -> String {
             "Drag the points to better places, or delete a pair and click another.".into()
         }
         _ if computation.result().is_none() => "The estimate was stopped. F5 computes again.".into(),
-        _ => {
-            "Point at an image to see the epipolar line in the other. Drag points, click more, I pins lines."
-                .into()
-        }
+        _ => "Point at an image to see its epipolar line in the other. Drag points, or press I to pin lines."
+            .into(),
     }
 }

@@ -108,3 +108,32 @@ impl PaneView {
         self.centre.y = self.centre.y.clamp(0.0, frame.bottom().max(0.0));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_turn_of_a_view_is_kept_in_a_session_and_missing_in_old_ones() {
+        let frame = Frame::new(64, 48);
+        let view = PaneView::fitting(frame).turned().turned().turned();
+        let text = serde_json::to_string(&view).unwrap();
+        assert_eq!(serde_json::from_str::<PaneView>(&text).unwrap().made_valid(frame), view);
+        let old = text.replace(",\"turn\":3", "");
+        assert_ne!(old, text);
+        assert_eq!(serde_json::from_str::<PaneView>(&old).unwrap().turn, QuarterTurns::default());
+        // A file may say anything.
+        let many = text.replace("\"turn\":3", "\"turn\":251");
+        assert_eq!(serde_json::from_str::<PaneView>(&many).unwrap().turn.count(), 3);
+    }
+
+    #[test]
+    fn a_turn_and_its_inverse_leave_a_vector() {
+        let v = Vector::new(3.0, -2.0);
+        for count in 0..4 {
+            let turn = QuarterTurns::from(count);
+            assert_eq!(turn.inverse().turned(turn.turned(v)), v);
+        }
+        assert_eq!(QuarterTurns::from(1).turned(Vector::new(1.0, 0.0)), Vector::new(0.0, 1.0), "clockwise");
+    }
+}

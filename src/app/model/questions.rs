@@ -9,7 +9,7 @@ use super::picture::Pictures;
 use super::rectified::{MatchesAtHand, RectifyQuestion};
 use super::suggesting::{NextClickQuestion, SuggestQuestion};
 use crate::convention::FEWEST_MATCHES;
-use crate::estimate::{ENOUGH_MATCHES, Estimate, Reason, Search, Verdict};
+use crate::estimate::{Estimate, Reason, Search, Verdict};
 use crate::geometry::PointPair;
 use crate::suggest::Known;
 
@@ -57,26 +57,14 @@ impl Model {
             excluded: document.excluded.iter().copied().collect(),
             used: document.used().map(|pair| document.pairs[pair]).collect(),
             matches: self.found_matches(),
-            is_trusted: self.is_trusted(),
+            is_trusted: self.open.computation.result().is_some_and(|(found, _)| found.may_contradict()),
             frames: pictures.each_ref().map(|picture| picture.frame),
             truth: self.truth().and(self.open.known.as_ref()).map(|known| known.truth.clone()),
             subject: self.look.compared,
         })
     }
 
-    /// Returns whether the result may contradict a geometry from elsewhere.
-    fn is_trusted(&self) -> bool {
-        let result = self.open.computation.result();
-        result.and_then(|(found, _)| found.assessment.trust.as_ref()).is_some_and(|trust| {
-            match trust.verdict {
-                Verdict::Reliable => true,
-                Verdict::Unreliable => false,
-                Verdict::Doubtful => self.found_matches().len() >= ENOUGH_MATCHES,
-            }
-        })
-    }
-
-    /// Returns the matches of the result, with the result as it was found.
+    /// Returns the matches of the result.
     fn found_matches(&self) -> Vec<PointPair> {
         let result = self.open.computation.result();
         result.map_or_else(Vec::new, |(found, _)| found.matches().iter().map(|found| found.pair).collect())

@@ -10,8 +10,9 @@ use serde::Serialize;
 
 use crate::estimate::evidence::patches::{Hypothesis, PatchLevels};
 use crate::estimate::{
-    Clicks, ComparedPencils, EpipoleBearing, EpipoleCertainty, LineFigures, Method, PatchSupport,
-    PreparedPair, Preset, RefinedMatch, Refinement, Stage, Trust, Uncertainty, Warning,
+    Clicks, ComparedPencils, ENOUGH_MATCHES, EpipoleBearing, EpipoleCertainty, LineFigures, Method,
+    PatchSupport, PreparedPair, Preset, RefinedMatch, Refinement, Stage, Trust, Uncertainty, Verdict,
+    Warning,
 };
 use crate::features::FeatureViews;
 use crate::geometry::{EpipolarGeometry, Frame, FundamentalMatrix};
@@ -206,6 +207,16 @@ impl Estimate {
     /// Returns the hypotheses of the search, best first. Empty without a search.
     pub fn hypotheses(&self) -> &[Estimate] {
         self.trace.as_ref().map_or(&[], |trace| &trace.hypotheses)
+    }
+
+    /// Returns whether the matches are evidence against another geometry: those of a reliable result,
+    /// and of a doubtful one with [`ENOUGH_MATCHES`].
+    pub fn may_contradict(&self) -> bool {
+        match self.assessment.trust.as_ref().map(|trust| trust.verdict) {
+            Some(Verdict::Reliable) => true,
+            Some(Verdict::Doubtful) => self.matches().len() >= ENOUGH_MATCHES,
+            Some(Verdict::Unreliable) | None => false,
+        }
     }
 
     /// Returns the refined matches. Empty without refinement.

@@ -37,7 +37,11 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 fn start(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.set_max_width(ui.available_width().min(560.0));
     ui.add_space(4.0);
-    ui.add(Label::new(RichText::new(guide(model)).size(15.0).color(ui.visuals().strong_text_color())).wrap());
+    let mut text = guide(model);
+    if model.document.pictures.is_some() {
+        text += " Two such pairs give the epipolar geometry.";
+    }
+    ui.add(Label::new(RichText::new(text).size(15.0).color(ui.visuals().strong_text_color())).wrap());
     ui.add_space(6.0);
     ui.horizontal_wrapped(|ui| {
         if model.document.pictures.is_none() {

@@ -29,7 +29,9 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui.spacing_mut().item_spacing.x = 3.0;
         inputs(ui, model, comparison, commands);
     });
-    if let Some(judgement) = &comparison.judgement {
+    // The comparison may be older than the import.
+    let imported = model.document.imported.as_ref().map(|imported| imported.fundamental);
+    if let Some((_, judgement)) = comparison.judgement.as_ref().filter(|(of, _)| Some(*of) == imported) {
         let palette = theme::palette(ui.visuals());
         let color = match judgement.finding {
             Finding::Fits => palette.good,

@@ -14,7 +14,6 @@ use crate::app::model::ids::TabId;
 use crate::app::model::verdict::Gauge;
 use crate::app::view::panels::truth_button;
 use crate::app::view::theme;
-use crate::geometry::PointPair;
 
 /// Registered in [`super::TABS`].
 pub const TAB: Tab = Tab { id: TabId::Residuals, tools, show };
@@ -41,7 +40,7 @@ pub fn measured<'a>(ui: &mut Ui, model: &'a Model, commands: &mut Vec<Command>) 
         choices(ui, model, commands);
     });
     let comparison = model.open.comparison.as_ref()?;
-    if comparison.points == 0 {
+    if comparison.points.is_empty() {
         empty(ui, "There are no points to measure on. Click a point pair, or choose other points above.");
         return None;
     }
@@ -157,10 +156,15 @@ fn point_columns(contestants: &[Contestant]) -> Vec<Column> {
 
 fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Vec<Command>) {
     let are_pairs = comparison.measured == PointSet::Pairs;
+    // The result may be newer than the comparison and have other matches.
+    let is_current = |row: usize| {
+        let found = model.open.computation.result().and_then(|(found, _)| found.matches().get(row));
+        found.map(|found| &found.pair) == comparison.points.get(row)
+    };
     let target = |row: usize| match comparison.measured {
-        PointSet::Pairs => Target::Pair(row),
-        PointSet::Matches => Target::Match(row),
-        PointSet::TrueMatches => Target::TrueMatch(row),
+        PointSet::Pairs => Some(Target::Pair(row)),
+        PointSet::Matches => is_current(row).then_some(Target::Match(row)),
+        PointSet::TrueMatches => Some(Target::TrueMatch(row)),
     };
     let name = |row: usize| if are_pairs { pair_name(row) } else { (row + 1).to_string() };
     let document = &model.document;
@@ -170,7 +174,7 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
     let touched = Table {
         name: "residuals",
         columns: &columns,
-        rows: comparison.points,
+        rows: comparison.points.len(),
         revision: comparison.number,
         row_name: &|row| {
             let kind = match comparison.measured {
@@ -199,33 +203,24 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
         about: &|_| None,
         look: &|row| RowLook {
             chosen: are_pairs && document.selection.is_some_and(|at| at.pair == row),
-            lit: model.open.focus.hovered() == Some(target(row)),
+            lit: model.open.focus.hovered().is_some_and(|hovered| target(row) == Some(hovered)),
         },
         toggle: &|row| {
             are_pairs.then(|| (document.role(row) != Role::Excluded, format!("Count pair {}", name(row))))
         },
     }
     .show(ui);
-    if let Some(row) = touched.hovered {
-        commands.push(Command::PointAt(target(row)));
+    if let Some(target) = touched.hovered.and_then(target) {
+        commands.push(Command::PointAt(target));
     }
     if let Some((row, included)) = touched.toggled {
         commands.push(Command::IncludePair(row, included));
     } else if let Some(row) = touched.clicked {
         if are_pairs {
             commands.push(Command::Select(Some(PointRef { pair: row, side: Side::Left })));
-        } else if let Some(pair) = matched(model, comparison.measured, row) {
+        } else if let Some(pair) = comparison.points.get(row) {
             commands.push(Command::Pin(LineSource::Through { side: Side::Left, point: pair.point1 }));
         }
-    }
-}
-
-/// Returns a match of a set, by its number.
-fn matched(model: &Model, set: PointSet, number: usize) -> Option<PointPair> {
-    match set {
-        PointSet::Pairs => None,
-        PointSet::Matches => Some(model.open.computation.result()?.0.matches().get(number)?.pair),
-        PointSet::TrueMatches => model.truth()?.matches.get(number).copied(),
     }
 }
 
