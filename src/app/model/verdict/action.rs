@@ -78,10 +78,11 @@ impl Model {
 
     /// Returns how epipolar lines are drawn.
     pub fn line_look(&self) -> LineLook {
-        let is_result =
-            self.shown().is_some_and(|shown| shown.hypothesis.is_none() && shown.contestant.is_none());
+        let is_other =
+            self.shown().is_some_and(|shown| shown.hypothesis.is_some() || shown.contestant.is_some());
         match self.tone() {
-            _ if !is_result => LineLook::Other,
+            _ if self.shown().is_none() => LineLook::Solid,
+            _ if is_other => LineLook::Other,
             Tone::Caution => LineLook::Dashed,
             Tone::Bad if self.open.lines_anyway => LineLook::Dotted,
             Tone::Bad => LineLook::Hidden,
