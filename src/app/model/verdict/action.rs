@@ -70,7 +70,8 @@ impl Model {
     pub fn doubt(&self) -> Option<(&'static str, LineLook)> {
         match self.line_look() {
             LineLook::Solid => None,
-            look @ LineLook::Other => Some(("Not the result", look)),
+            look @ LineLook::Other if self.has_result() => Some(("Not the result", look)),
+            look @ LineLook::Other => Some(("Not checked", look)),
             look @ LineLook::Dashed => Some(("Doubtful", look)),
             look => Some(("Unreliable", look)),
         }

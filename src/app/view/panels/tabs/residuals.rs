@@ -12,7 +12,7 @@ use crate::app::model::document::{PointRef, Role, Side, pair_name};
 use crate::app::model::focus::{LineSource, Target};
 use crate::app::model::ids::TabId;
 use crate::app::model::verdict::Gauge;
-use crate::app::view::panels::truth_button;
+use crate::app::view::panels::{command_button, truth_button};
 use crate::app::view::theme;
 
 /// Registered in [`super::TABS`].
@@ -29,10 +29,17 @@ pub fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 /// Shows what is missing. Returns the comparison if there is one with points.
 pub fn measured<'a>(ui: &mut Ui, model: &'a Model, commands: &mut Vec<Command>) -> Option<&'a Comparison> {
     if model.document.pairs.is_empty() && model.truth().is_none() && !has_matches(model) {
-        empty(
-            ui,
-            "Distances from the epipolar lines appear here. Click point pairs, or find F without clicks.",
-        );
+        let text = if model.document.imported.is_some() {
+            "Distances from the epipolar lines appear here. Click point pairs, or find F without clicks: the \
+             matches of the images then judge the imported geometry."
+        } else {
+            "Distances from the epipolar lines appear here. Click point pairs, or find F without clicks."
+        };
+        empty(ui, text);
+        if model.can_find_without_clicks() {
+            ui.add_space(4.0);
+            command_button(ui, Command::FindWithoutClicks, true, commands);
+        }
         return None;
     }
     ui.horizontal_wrapped(|ui| {
