@@ -72,6 +72,7 @@
 
 #[cfg(feature = "inspector")]
 mod app;
+pub mod camera;
 mod cancel;
 #[cfg(feature = "cli")]
 mod cli;

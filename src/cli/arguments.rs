@@ -9,7 +9,7 @@ use super::CliError;
 use crate::estimate::{Method, Preset};
 use crate::geometry::{Point, PointPair};
 use crate::image::Picture;
-use crate::io::{Format, PictureFormat};
+use crate::io::{Format, PictureFormat, StereoProgram};
 use crate::rectify::RectifyMethod;
 use crate::synthetic::{Sample, SamplePair};
 
@@ -160,6 +160,11 @@ value_enum!(Method, Self::ALL, value => match value {
 value_enum!(Format, Self::ALL, value => {
     PossibleValue::new(value.name()).help(format!("{}, .{}", value.label(), value.extension()))
 });
+value_enum!(StereoProgram, Self::ALL, value => PossibleValue::new(value.name()).help(match value {
+    Self::OpenCv => "left.png, right.png, stereo.yml",
+    Self::RaftStereo => "im0.png, im1.png, calib.txt, as in the Middlebury sets",
+    Self::FoundationStereo => "left.png, right.png, K.txt",
+}));
 value_enum!(RectifyMethod, Self::ALL, value => PossibleValue::new(value.name()).help(match value {
     Self::Auto => "planar if the distortion is small, otherwise polar",
     Self::Planar => "one homography per image; epipoles outside both images",

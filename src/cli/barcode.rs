@@ -85,7 +85,7 @@ pub(super) fn run(arguments: &BarcodeArguments) -> Result<(), CliError> {
         let found: Estimate = watched(compute)?;
         Ok((pictures, found, offset))
     })??;
-    output.write(&found, &arguments.pairs, &pictures, &parameters, Some(offset))
+    output.write(&found, &arguments.pairs, &pictures, &parameters, Some(offset), None)
 }
 
 /// Reads both sequences and prints their notes.

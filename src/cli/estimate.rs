@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::CliError;
 use super::arguments::{ImagePair, on_threads, point_pair, threads};
+use super::calibration::{CalibrationArguments, undistorted, undistorted_pairs};
 use super::console::tell;
 use super::overrides::Overrides;
 use super::result_output::ResultArguments;
@@ -40,6 +41,8 @@ pub(super) struct EstimateArguments {
     #[arg(long, value_parser = threads)]
     threads: Option<usize>,
     #[command(flatten)]
+    calibration: CalibrationArguments,
+    #[command(flatten)]
     result: ResultArguments,
     #[command(flatten)]
     overrides: Overrides,
@@ -53,7 +56,8 @@ struct EstimateInput {
 
 /// Estimates F, writes the JSON file and prints the summary.
 pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
-    let output = arguments.result.prepare(&arguments.images.files().collect::<Vec<_>>())?;
+    let files = arguments.images.files().chain(arguments.calibration.files());
+    let output = arguments.result.prepare(&files.collect::<Vec<_>>())?;
     let mut parameters = arguments.overrides.parameters(arguments.preset)?;
     parameters.seed = arguments.seed;
     let fallback = match (arguments.pairs.len(), parameters.search) {
@@ -63,12 +67,18 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     };
     parameters.method = arguments.method.unwrap_or(fallback);
 
-    let input = input(arguments, parameters.pairs_needed(), parameters.method)?;
+    let calibrated = arguments.calibration.read()?;
+    let mut input = input(arguments, parameters.pairs_needed(), parameters.method)?;
+    let views = calibrated.map(|calibrated| calibrated.views(&input.pictures)).transpose()?;
+    if let Some(views) = &views {
+        input.pairs = undistorted_pairs(&input.pairs, views)?;
+        input.pictures = undistorted(input.pictures, views);
+    }
     let [image1, image2] = &input.pictures;
     let compute =
         |monitor: &Monitor| estimate(&image1.gray, &image2.gray, &input.pairs, &parameters, monitor);
     let found = on_threads(arguments.threads, || watched(compute))??;
-    output.write(&found, &input.pairs, &input.pictures, &parameters, None)
+    output.write(&found, &input.pairs, &input.pictures, &parameters, None, views.as_ref())
 }
 
 /// Reads the images after checking the number of pairs, which is faster. A built-in pair has its

@@ -6,32 +6,36 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args};
+use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
 
 use super::CliError;
 use super::arguments::{ImagePair, on_threads, pixels, threads};
+use super::calibration::{CalibrationArguments, undistorted, undistorted_pairs};
 use super::estimate::watched;
 use super::output::Output;
+use crate::camera::{PoseDifference, RelativePose, ViewPair, fit_pose};
 use crate::estimate::{Match, Monitor, Parameters, Verdict, estimate, estimate_fundamental};
 use crate::foreign::{reason, shown_path};
-use crate::geometry::{Frame, FundamentalMatrix, PointPair};
+use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
 use crate::image::Picture;
-use crate::io::{GeometryFile, read_camera, read_point_pairs, refuse_clashes};
+use crate::io::{CalibratedCamera, GeometryFile, read_camera, read_point_pairs, refuse_clashes};
 use crate::judge::{
     FEWEST_MATCHES, Finding, GivenGeometry, Judgement, LIMIT, ROW_LIMIT, Reference, RowJudgement, judge,
     judge_rows,
 };
-use crate::presentation::{judgement_in_words, rows_in_words};
+use crate::presentation::{judgement_in_words, pose_difference_in_words, rows_in_words};
 
 /// Judge whether a geometry from elsewhere fits two images, or whether they are rectified
 ///
+/// The geometry is a matrix, two cameras, or a stereo calibration with lenses (--calibration).
 /// Compares the epipolar lines with those that the images show: an estimate without clicks and its
 /// matches. If the geometry does not fit, the simplest change is looked for after which it does:
 /// another convention, resized, cropped, mirrored or turned images, mistakes with cameras, lens
 /// distortion that was left out. The exit status is 0 if it fits, 1 if it does not, and 2 for bad
 /// input or images that do not show enough.
 #[derive(Debug, Args)]
-#[command(group = ArgGroup::new("judged").required(true).args(["fundamental", "cameras", "rectified"]))]
+#[command(group = ArgGroup::new("judged").required(true).args(["fundamental", "cameras", "rectified", "calibration"]))]
 pub(super) struct JudgeArguments {
     #[command(flatten)]
     images: ImagePair,
@@ -41,6 +45,8 @@ pub(super) struct JudgeArguments {
     /// The two cameras: a file with both, or two files of one each (.P)
     #[arg(long, num_args = 1..=2, value_name = "FILE")]
     cameras: Option<Vec<PathBuf>>,
+    #[command(flatten)]
+    calibration: CalibrationArguments,
     /// Judge whether the images are rectified: whether matching points lie in the same row
     #[arg(long)]
     rectified: bool,
@@ -71,6 +77,9 @@ struct JudgeFile<'a, T: Serialize> {
     message: &'a str,
     #[serde(flatten)]
     judgement: &'a T,
+    /// Of the calibration that was judged from the pose that the matches show.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pose_difference: Option<PoseDifference>,
     /// Fundamental matrix of the reference.
     reference: FundamentalMatrix,
     /// Verdict on the reference; null for given matches.
@@ -94,9 +103,20 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     let inputs: Vec<&Path> = arguments.images.files().chain(arguments.files()).collect();
     refuse_clashes(&outputs, &inputs)?;
     arguments.log.as_deref().map(check_log).transpose()?;
-    let given = if arguments.rectified { None } else { Some(arguments.given()?) };
-    let matches = arguments.matches.as_deref().map(read_point_pairs).transpose()?;
-    let (pictures, _) = arguments.images.load()?;
+    let calibrated = arguments.calibration.read()?;
+    let needs_file = !arguments.rectified && calibrated.is_none();
+    let mut given = if needs_file { Some(arguments.given()?) } else { None };
+    let mut matches = arguments.matches.as_deref().map(read_point_pairs).transpose()?;
+    let (mut pictures, _) = arguments.images.load()?;
+    let mut stereo = None;
+    if let Some(calibrated) = calibrated {
+        let (pose, _) = CalibratedCamera::relative_pose(&calibrated.cameras).ok_or_else(no_pose)?;
+        let views = calibrated.views(&pictures)?;
+        matches = matches.map(|pairs| undistorted_pairs(&pairs, &views)).transpose()?;
+        pictures = undistorted(pictures, &views);
+        given = Some(of_pose(&pose, &views).ok_or_else(no_pose)?);
+        stereo = Some((pose, views));
+    }
     let frames = pictures.each_ref().map(Picture::frame);
     let shown = match matches {
         Some(matches) => of_matches(matches, frames, arguments.seed)?,
@@ -117,7 +137,7 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
         let limit = arguments.limit.unwrap_or(ROW_LIMIT);
         let found = judge_rows(&shown.matches, frames[1], limit).ok_or_else(too_few)?;
         let words = rows_in_words(&found);
-        write(&output, &found, &words, &shown)?;
+        write(&output, &found, &words, None, &shown)?;
         if let Some(log) = &arguments.log {
             append(log, &pictures, &found)?;
         }
@@ -126,8 +146,16 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     let Shown { fundamental, matches, is_trusted, .. } = &shown;
     let reference = Reference { fundamental: *fundamental, matches, frames, is_trusted: *is_trusted };
     let found: Judgement = judge(&given, &reference, arguments.limit.unwrap_or(LIMIT)).ok_or_else(too_few)?;
-    let words = judgement_in_words(&found);
-    write(&output, &found, &words, &shown)?;
+    let mut words = judgement_in_words(&found);
+    let difference = stereo.and_then(|(pose, views)| {
+        let fit = fit_pose(fundamental, &views.calibrations(), matches, frames[0])?;
+        // Without parallax the matches determine no pose.
+        fit.difference(&pose).filter(|_| *is_trusted)
+    });
+    if let Some(difference) = &difference {
+        words = format!("{words}\n{}", pose_difference_in_words(difference));
+    }
+    write(&output, &found, &words, difference, &shown)?;
     match found.finding {
         Finding::Fits => Ok(()),
         Finding::DoesNotFit => Err(CliError::DoesNotFit),
@@ -139,7 +167,7 @@ impl JudgeArguments {
     /// Returns the input files beside the images.
     fn files(&self) -> impl Iterator<Item = &Path> {
         let files = self.fundamental.iter().chain(self.cameras.iter().flatten()).chain(&self.matches);
-        files.map(PathBuf::as_path)
+        files.map(PathBuf::as_path).chain(self.calibration.files())
     }
 
     /// Reads the geometry.
@@ -187,10 +215,34 @@ fn of_matches(matches: Vec<PointPair>, frames: [Frame; 2], seed: u64) -> Result<
     Ok(Shown { fundamental: fit.fundamental, matches, is_trusted: true, verdict: None })
 }
 
-fn write(output: &Output, judgement: &impl Serialize, words: &str, shown: &Shown) -> Result<(), CliError> {
+/// Returns the geometry of a calibration in the views without distortion.
+fn of_pose(pose: &RelativePose, views: &ViewPair) -> Option<GivenGeometry> {
+    let [k1, k2] = views.calibrations();
+    let cameras = [
+        Camera::posed(&k1, &Matrix3::identity(), &Vector3::zeros())?,
+        Camera::posed(&k2, pose.rotation.matrix(), &pose.translation)?,
+    ];
+    Some(GivenGeometry { fundamental: pose.fundamental(&[k1, k2])?, cameras: Some(cameras) })
+}
+
+fn no_pose() -> CliError {
+    CliError::Arguments(
+        "the calibration does not tell where the second camera is. To judge a matrix, use --fundamental"
+            .into(),
+    )
+}
+
+fn write(
+    output: &Output,
+    judgement: &impl Serialize,
+    words: &str,
+    pose_difference: Option<PoseDifference>,
+    shown: &Shown,
+) -> Result<(), CliError> {
     let file = JudgeFile {
         message: words,
         judgement,
+        pose_difference,
         reference: shown.fundamental,
         reference_verdict: shown.verdict,
         version: env!("CARGO_PKG_VERSION"),

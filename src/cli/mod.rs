@@ -5,6 +5,7 @@
 
 mod arguments;
 mod barcode;
+mod calibration;
 mod check;
 mod console;
 mod convert;

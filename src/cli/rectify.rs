@@ -4,23 +4,34 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use image::DynamicImage;
 
 use super::CliError;
 use super::arguments::{ImagePair, megapixels, on_threads, threads};
+use super::calibration::{CalibratedPair, CalibrationArguments, undistorted_pairs};
 use super::console::print;
+use crate::camera::{RelativePose, ViewPair, fit_pose};
 use crate::cancel::CancelFlag;
 use crate::foreign::shown_path;
-use crate::io::{PictureFormat, RectifiedFiles, RectifiedOptions, read_fundamental, read_point_pairs};
-use crate::rectify::{Distortion, Limits, Rectification, RectifyMethod, rectify};
+use crate::geometry::{FundamentalMatrix, PointPair};
+use crate::image::Picture;
+use crate::io::{
+    CalibratedCamera, GeometryFile, PictureFormat, RectifiedFiles, RectifiedOptions, StereoPair,
+    StereoPairFiles, StereoProgram, read_point_pairs,
+};
+use crate::rectify::{Distortion, Limits, Rectification, RectifyMethod, rectify, rectify_calibrated};
 
 /// Redraw both images so that corresponding points are in the same row
 #[derive(Debug, Args)]
 pub(super) struct RectifyArguments {
     #[command(flatten)]
     images: ImagePair,
-    /// File with the fundamental matrix: a result of estimate, or any other format
-    #[arg(long, value_name = "FILE")]
-    fundamental: PathBuf,
+    /// File with the fundamental matrix: a result of estimate, or any other format. Not needed with a
+    /// stereo calibration, which tells the pose of the cameras
+    #[arg(long, value_name = "FILE", required_unless_present = "calibration")]
+    fundamental: Option<PathBuf>,
+    #[command(flatten)]
+    calibration: CalibrationArguments,
     /// Folder for the pictures and rectification.json; created if missing
     #[arg(long, value_name = "DIR")]
     output: PathBuf,
@@ -30,6 +41,10 @@ pub(super) struct RectifyArguments {
     /// Matches for measuring the row errors: a file of rows x1 y1 x2 y2
     #[arg(long, value_name = "FILE")]
     matches: Option<PathBuf>,
+    /// Write a pair that a stereo program reads, with its calibration: parallel cameras, positive
+    /// disparities, pictures of 8 bits
+    #[arg(long = "for", value_enum, value_name = "PROGRAM", requires = "calibration")]
+    program: Option<StereoProgram>,
     /// Format of the pictures
     #[arg(long, value_enum, default_value_t = PictureFormat::default())]
     format: PictureFormat,
@@ -47,33 +62,159 @@ pub(super) struct RectifyArguments {
     threads: Option<usize>,
 }
 
+/// Pose of the cameras for a rectification.
+struct Posed {
+    pose: RelativePose,
+    /// Length of the baseline in the unit of the calibration, if known.
+    baseline: Option<f64>,
+}
+
 /// Rectifies the images, writes the folder and prints a summary.
 pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
+    let calibrated = arguments.calibration.read()?;
+    let given = arguments.matches.as_deref().map(read_point_pairs).transpose()?;
+    let fundamental = arguments.fundamental.as_deref().map(|path| read_result(path, calibrated.is_some()));
+    let (pictures, known) = arguments.images.load()?;
+    let mut matches = given.or(known).unwrap_or_default();
+    let views = calibrated.as_ref().map(|calibrated| calibrated.views(&pictures)).transpose()?;
+    let fundamental = match fundamental.transpose()? {
+        Some((fundamental, found)) => {
+            // Matches of a result tell the sign of the baseline.
+            if matches.is_empty() && arguments.program.is_some() {
+                matches = found;
+            } else if let Some(views) = &views {
+                matches = undistorted_pairs(&matches, views)?;
+            }
+            Some(fundamental)
+        }
+        None => {
+            if let Some(views) = &views {
+                matches = undistorted_pairs(&matches, views)?;
+            }
+            None
+        }
+    };
+    let posed = calibrated.zip(views).map(|(c, views)| posed(&c, &views, fundamental.as_ref(), &matches));
+    let limits = arguments.max_megapixels.map_or_else(Limits::default, |pixels| Limits { pixels });
+    let images = pictures.iter().filter_map(|picture| picture.path.as_deref());
+    let inputs = images.chain(arguments.fundamental.as_deref()).chain(arguments.matches.as_deref());
+    let inputs: Vec<&Path> = inputs.chain(arguments.calibration.files()).collect();
+    if let (Some(program), Some(views)) = (arguments.program, &views) {
+        let posed = posed.ok_or_else(no_pose)??;
+        let files = StereoPairFiles::prepare(&arguments.output, program, &inputs)?;
+        let (made, rig) = rectify_calibrated(&posed.pose, views, &matches, &limits)?;
+        let drawn = drawn(&made, &pictures, arguments.threads)?;
+        let disparities = made.measures.rows.map(|rows| rows.disparity);
+        let pair = StereoPair { rig: &rig, views, pose: &posed.pose, baseline: posed.baseline, disparities };
+        files.write(&pair, [&drawn[0], &drawn[1]])?;
+        return print(&stereo_summary(&made, &pair, &files));
+    }
+    let fundamental = match (fundamental, posed, &views) {
+        (Some(fundamental), ..) => fundamental,
+        (None, Some(posed), Some(views)) => {
+            posed?.pose.fundamental(&views.calibrations()).ok_or_else(no_pose)?
+        }
+        _ => return Err(no_pose()),
+    };
     let options = RectifiedOptions {
         format: arguments.format,
         guide_spacing: arguments.guide_lines,
         maps: arguments.maps,
     };
-    let fundamental = read_fundamental(&arguments.fundamental)?;
-    let given = arguments.matches.as_deref().map(read_point_pairs).transpose()?;
-    let (pictures, known) = arguments.images.load()?;
-    let matches = given.or(known).unwrap_or_default();
-    let limits = arguments.max_megapixels.map_or_else(Limits::default, |pixels| Limits { pixels });
-    let frames = [pictures[0].frame(), pictures[1].frame()];
-    let rectification = rectify(&fundamental, frames, &matches, arguments.method, &limits)?;
-    let images = pictures.iter().filter_map(|picture| picture.path.as_deref());
-    let inputs: Vec<&Path> =
-        images.chain([arguments.fundamental.as_path()]).chain(arguments.matches.as_deref()).collect();
-    let files = RectifiedFiles::prepare(&arguments.output, options, &inputs)?;
-    let drawn = on_threads(arguments.threads, || {
-        let never = CancelFlag::default();
-        [0, 1].map(|k| rectification.warp(k, &pictures[k].pixels, &never))
-    })?;
-    if let [Some(left), Some(right)] = &drawn {
-        let originals = [&pictures[0], &pictures[1]];
-        files.write(&rectification, &fundamental, originals, [left, right], &mut |_| true)?;
+    let frames = views.as_ref().map_or([pictures[0].frame(), pictures[1].frame()], ViewPair::frames);
+    let mut rectification = rectify(&fundamental, frames, &matches, arguments.method, &limits)?;
+    if let Some(views) = &views {
+        rectification = rectification.through(&views.views);
     }
+    let files = RectifiedFiles::prepare(&arguments.output, options, &inputs)?;
+    let drawn = drawn(&rectification, &pictures, arguments.threads)?;
+    let originals = [&pictures[0], &pictures[1]];
+    files.write(&rectification, &fundamental, originals, [&drawn[0], &drawn[1]], &mut |_| true)?;
     print(&summary(&rectification, &files))
+}
+
+/// Draws both rectified pictures.
+fn drawn(
+    made: &Rectification,
+    pictures: &[Picture; 2],
+    threads: Option<usize>,
+) -> Result<[DynamicImage; 2], CliError> {
+    let never = CancelFlag::default();
+    // Nothing cancels the drawing.
+    on_threads(threads, || [0, 1].map(|k| made.warp(k, &pictures[k].pixels, &never).unwrap_or_default()))
+}
+
+/// Reads F and the matches of a result. A result for views without distortion needs a calibration.
+fn read_result(path: &Path, is_calibrated: bool) -> Result<(FundamentalMatrix, Vec<PointPair>), CliError> {
+    let (file, _) = GeometryFile::read_geometry(path)?;
+    let missing = || CliError::Arguments(format!("{}: there is no F", shown_path(path)));
+    let fundamental = file.geometry().ok_or_else(missing)?;
+    if file.is_undistorted && !is_calibrated {
+        return Err(CliError::Arguments(format!(
+            "{} belongs to views without distortion. Give the calibration that it was made with (--calibration)",
+            shown_path(path)
+        )));
+    }
+    Ok((fundamental, if file.found.is_empty() { file.pairs } else { file.found }))
+}
+
+/// Returns the pose of F or, without F, that of the calibration. Only the calibration tells the length of
+/// the baseline.
+fn posed(
+    calibrated: &CalibratedPair,
+    views: &ViewPair,
+    fundamental: Option<&FundamentalMatrix>,
+    matches: &[PointPair],
+) -> Result<Posed, CliError> {
+    let own = CalibratedCamera::relative_pose(&calibrated.cameras);
+    let Some(fundamental) = fundamental else {
+        let (pose, baseline) = own.ok_or_else(no_pose)?;
+        return Ok(Posed { pose, baseline: Some(baseline) });
+    };
+    let calibrations = views.calibrations();
+    let fit = fit_pose(fundamental, &calibrations, matches, views.frames()[0]);
+    let pose = fit
+        .map(|fit| fit.pose)
+        .or_else(|| RelativePose::from_fundamental(fundamental, &calibrations, matches));
+    if matches.is_empty() {
+        let missing = "the side of the right camera is not known without matches. Give some (--matches)";
+        return Err(CliError::Arguments(missing.into()));
+    }
+    Ok(Posed { pose: pose.ok_or_else(no_pose)?, baseline: own.map(|(_, baseline)| baseline) })
+}
+
+fn no_pose() -> CliError {
+    CliError::Arguments(
+        "the calibration does not tell where the second camera is. Give a fundamental matrix (--fundamental)"
+            .into(),
+    )
+}
+
+/// Describes a pair for a stereo program in words.
+fn stereo_summary(made: &Rectification, pair: &StereoPair, files: &StereoPairFiles) -> String {
+    let mut text = format!("Pictures: {} x {} px\n", made.size.width, made.size.height);
+    let k = &pair.rig.calibration;
+    let _ = writeln!(
+        text,
+        "Focal length {:.2} px, principal point ({:.2}, {:.2}) px",
+        k[(0, 0)],
+        k[(0, 2)],
+        k[(1, 2)]
+    );
+    let _ = match pair.baseline {
+        Some(length) => writeln!(text, "Baseline {length} in the unit of the calibration"),
+        None => writeln!(text, "Baseline unknown, written as 1: depths are in units of the baseline"),
+    };
+    if pair.rig.is_exchanged {
+        text.push_str("Image 2 was taken from the left of image 1, so it is the left picture\n");
+    }
+    if let Some(rows) = made.measures.rows {
+        let _ = writeln!(text, "Row error of {} matches: {:.3} px on average", rows.matches, rows.mean);
+    }
+    for path in files.paths() {
+        let _ = writeln!(text, "Wrote {}", shown_path(&path));
+    }
+    text
 }
 
 /// Describes a rectification in words.

@@ -3,16 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use nalgebra::{Matrix3, Vector3};
 
 use super::CliError;
 use super::geometry_file::{GeometryOutput, image_notes};
 use super::output::Output;
+use crate::camera::{PoseFit, ViewPair, fit_pose};
 use crate::estimate::{Estimate, Parameters};
-use crate::geometry::PointPair;
+use crate::geometry::{Camera, PointPair};
 use crate::image::Picture;
 use crate::io::{
     Format, GeometryFile, PairLabel, PairOrigin, ResultFile, TrustNote, refuse_clashes, result_in_words,
 };
+use crate::presentation::pose_in_words;
 
 /// Output options of a result.
 #[derive(Debug, Args)]
@@ -52,7 +55,8 @@ impl ResultArguments {
 }
 
 impl ResultOutput {
-    /// Writes the result. `offset` is the time offset of two sequences.
+    /// Writes the result. `offset` is the time offset of two sequences; `views` are those of
+    /// calibrated cameras.
     pub(super) fn write(
         self,
         found: &Estimate,
@@ -60,14 +64,42 @@ impl ResultOutput {
         pictures: &[Picture; 2],
         parameters: &Parameters,
         offset: Option<i32>,
+        views: Option<&ViewPair>,
     ) -> Result<(), CliError> {
+        let pose = views.and_then(|views| pose(found, views));
         if let Some(export) = self.export {
-            export.write(&geometry_file(found, pairs, pictures))?;
+            let cameras = views.zip(pose.as_ref()).and_then(|(views, fit)| cameras(views, fit));
+            export.write(&GeometryFile { cameras, ..geometry_file(found, pairs, pictures) })?;
         }
         let images = image_notes(pictures);
-        let result = ResultFile::new(found, pairs, &images, parameters).at_offset(offset);
-        self.output.write(&result, &result_in_words(found, &images))
+        let mut result = ResultFile::new(found, pairs, &images, parameters).at_offset(offset);
+        let mut words = result_in_words(found, &images);
+        if let Some(views) = views {
+            result = result.calibrated(views, pose.as_ref());
+            words += &pose
+                .as_ref()
+                .map_or_else(|| "Relative pose: too few matches for one\n".to_owned(), pose_in_words);
+            if views.views.iter().any(|view| !view.is_original()) {
+                words += "All coordinates are those of the views without distortion\n";
+            }
+        }
+        self.output.write(&result, &words)
     }
+}
+
+/// Refines the pose of a result on its matches.
+fn pose(found: &Estimate, views: &ViewPair) -> Option<PoseFit> {
+    let matches: Vec<PointPair> = found.matches().iter().map(|found| found.pair).collect();
+    fit_pose(found.fundamental(), &views.calibrations(), &matches, views.frames()[0])
+}
+
+/// Returns the cameras `K1 [I | 0]` and `K2 [R | t]` of the views.
+fn cameras(views: &ViewPair, fit: &PoseFit) -> Option<[Camera; 2]> {
+    let [k1, k2] = views.calibrations();
+    Some([
+        Camera::posed(&k1, &Matrix3::identity(), &Vector3::zeros())?,
+        Camera::posed(&k2, fit.pose.rotation.matrix(), &fit.pose.translation)?,
+    ])
 }
 
 /// Returns the content of the export: the clicks followed by the matches of the refinement. If the

@@ -41,6 +41,18 @@ impl Camera {
         ]))
     }
 
+    /// Creates the camera `K [R | t]`. Returns `None` like [`Camera::from_matrix`].
+    pub fn posed(
+        calibration: &Matrix3<f64>,
+        rotation: &Matrix3<f64>,
+        translation: &Vector3<f64>,
+    ) -> Option<Self> {
+        let mut pose = Matrix3x4::zeros();
+        pose.fixed_columns_mut::<3>(0).copy_from(rotation);
+        pose.set_column(3, translation);
+        Self::from_matrix(calibration * pose)
+    }
+
     /// Returns the projection matrix `P`.
     pub fn matrix(&self) -> &Matrix3x4<f64> {
         &self.0

@@ -33,6 +33,7 @@ pub(crate) mod random_scene;
 mod residual;
 mod robust_fit;
 mod seven_point;
+mod shared_errors;
 
 pub use anchored::AnchoredLine;
 pub(crate) use angle::{angle_between, wrapped};
@@ -59,6 +60,7 @@ pub use robust_fit::{
 };
 pub(crate) use seven_point::determinant_on_pencil;
 pub use seven_point::{SevenPointError, seven_point};
+pub(crate) use shared_errors::{REGIONS, deviation, region};
 
 /// A point in pixel coordinates.
 pub type Point = nalgebra::Point2<f64>;

@@ -7,9 +7,11 @@ use image::DynamicImage;
 
 use super::decode::decode;
 use super::luma::gray_plane;
+use super::warp::{PixelMap, warp};
 use super::{GrayPlane, LoadError, LoadOptions};
+use crate::cancel::CancelFlag;
 use crate::foreign::{escaped, open_input, reason, shown_path};
-use crate::geometry::Frame;
+use crate::geometry::{Frame, Point};
 
 /// A loaded picture: the pixels of the file, upright by its EXIF orientation, and their grey plane.
 ///
@@ -82,6 +84,22 @@ impl Picture {
         }
         let gray = gray_plane(&pixels);
         Ok(Self { name, path, pixels, gray })
+    }
+
+    /// Draws the picture anew: each pixel of the new one takes the value at a position of this one.
+    /// `position` receives pixels of the new picture. The depth and the colours are kept.
+    #[must_use]
+    pub fn redrawn(&self, size: Frame, position: impl Fn(Point) -> Option<Point> + Sync) -> Self {
+        struct Map<F>(F);
+        impl<F: Fn(Point) -> Option<Point> + Sync> PixelMap for Map<F> {
+            fn row(&self, y: usize) -> impl Fn(usize) -> Option<Point> {
+                move |x| (self.0)(Point::new(x as f64, y as f64))
+            }
+        }
+        let drawn = warp(&self.pixels, &Map(position), size, &CancelFlag::default());
+        // Nothing cancels the drawing.
+        let pixels = drawn.unwrap_or_default();
+        Self { name: self.name.clone(), path: self.path.clone(), gray: gray_plane(&pixels), pixels }
     }
 
     /// Returns width and height.

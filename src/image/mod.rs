@@ -26,6 +26,8 @@ mod sampling;
 #[cfg(feature = "pictures")]
 mod tiff_header;
 #[cfg(feature = "pictures")]
+mod warp;
+#[cfg(feature = "pictures")]
 mod webp;
 #[cfg(feature = "pictures")]
 mod whole;
@@ -47,3 +49,5 @@ pub use plane::GrayPlane;
 pub(crate) use plane::interpolate_all;
 pub use pyramid::Pyramid;
 pub use sampling::Profile;
+#[cfg(feature = "pictures")]
+pub(crate) use warp::{PixelMap, warp};

@@ -1,6 +1,7 @@
 //! Files: geometry in the formats of other programs, point pairs, folders of pairs, the VGG layout,
 //! and atomic output.
 
+mod calibration;
 mod camera_rig;
 mod geometry_file;
 mod ground_truth;
@@ -18,9 +19,11 @@ mod rectified;
 mod result_file;
 mod sequence_file;
 mod session;
+mod stereo_pair;
 mod truth_folder;
 mod vgg;
 
+pub use calibration::{CalibratedCamera, Calibration, CameraPose};
 #[doc(hidden)]
 pub use camera_rig::CameraRig;
 pub use geometry_file::{
@@ -52,6 +55,7 @@ pub use session::{
     ImageReference, ImageSource, Located, SESSION_VERSION, SessionError, SessionFile, relative, resolve,
     sha256_of,
 };
+pub use stereo_pair::{StereoPair, StereoPairFiles, StereoProgram};
 #[doc(hidden)]
 pub use truth_folder::TruthFolder;
 #[doc(hidden)]

@@ -12,7 +12,7 @@ use super::identity::refuse_clashes;
 use super::output::{OutputFile, WriteError};
 use super::picture_file::{PictureError, PictureFormat, encode_picture};
 use crate::foreign::{reason, shown_path};
-use crate::geometry::FundamentalMatrix;
+use crate::geometry::{FundamentalMatrix, Point};
 use crate::image::Picture;
 use crate::rectify::{Description, ImageMap, Rectification, stacked};
 
@@ -200,9 +200,9 @@ fn map_array(map: &ImageMap, rectification: &Rectification) -> Vec<u8> {
     let mut content = npy_header(size.height, size.width);
     content.reserve(size.width * size.height * 8);
     for y in 0..size.height {
-        let row = map.row(y as f64);
         for x in 0..size.width {
-            let position = row.at(x as f64).map_or([-1.0, -1.0], |p| [p.x as f32, p.y as f32]);
+            let position = map.original_from_rectified(Point::new(x as f64, y as f64));
+            let position = position.map_or([-1.0, -1.0], |p| [p.x as f32, p.y as f32]);
             content.extend(position.into_iter().flat_map(f32::to_le_bytes));
         }
     }

@@ -6,6 +6,7 @@ use nalgebra::Matrix3;
 use serde::Serialize;
 
 use super::geometry_file::{Format, ImageNote, PairLabel};
+use crate::camera::{PoseFit, UndistortedView, ViewPair};
 use crate::estimate::{
     BarcodeFigures, Determined, EpipoleBearing, EpipoleCertainty, Estimate, Method, Parameters, PatchSupport,
     PlaneHomography, Preset, SearchCounts, StageTiming, Verdict, Warning,
@@ -79,9 +80,50 @@ pub struct ResultFile<'a> {
     /// Origins of the pairs, if known.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pair_origins: Vec<&'static str>,
+    /// Cameras and pose, if a calibration was given. All coordinates are then those of the views without
+    /// distortion.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    calibrated: Option<CalibratedFile<'a>>,
     parameters: &'a Parameters,
     /// Version of the program.
     version: &'static str,
+}
+
+/// Cameras of a result, and their relative pose.
+#[derive(Serialize)]
+struct CalibratedFile<'a> {
+    /// View without distortion of each image, with the lens of its camera.
+    views: &'a [UndistortedView; 2],
+    /// Matches in the pictures as they are, `x1 y1 x2 y2`, in the order of `matches`; null beyond the range
+    /// of a lens.
+    original_matches: Vec<Option<[f64; 4]>>,
+    /// Mean distance of each match from its epipolar curves in the pictures as they are, px.
+    curve_distances: Vec<Option<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pose: Option<PoseFile>,
+}
+
+/// Relative pose, `x2 = R x1 + t` with the length of `t` 1.
+#[derive(Serialize)]
+struct PoseFile {
+    rotation: [[f64; 3]; 3],
+    translation: [f64; 3],
+    /// `[t]× R`.
+    essential: [[f64; 3]; 3],
+    /// Fundamental matrix of the pose, between the views.
+    fundamental: FundamentalMatrix,
+    /// Angle of the rotation, radians.
+    angle: f64,
+    /// Median angle between the rays of a match, radians.
+    parallax: f64,
+    matches: usize,
+    in_front: usize,
+    /// Half of the matches have a smaller Sampson distance, px.
+    noise: f64,
+    /// Standard deviation of the rotation, radians.
+    rotation_deviation: Option<f64>,
+    /// Standard deviation of the direction of `t`, radians.
+    translation_deviation: Option<f64>,
 }
 
 /// Fit of the homography of a plane.
@@ -183,6 +225,7 @@ impl<'a> ResultFile<'a> {
             chosen: trace.map_or_else(Vec::new, |t| t.clicks.chosen().iter().map(numbers).collect()),
             pair_names: Vec::new(),
             pair_origins: Vec::new(),
+            calibrated: None,
             parameters,
             version: env!("CARGO_PKG_VERSION"),
         }
@@ -195,6 +238,23 @@ impl<'a> ResultFile<'a> {
         self
     }
 
+    /// Adds the views without distortion that the result belongs to, and the pose.
+    #[must_use]
+    pub fn calibrated(mut self, views: &'a ViewPair, pose: Option<&PoseFit>) -> Self {
+        let pairs: Vec<PointPair> = self.matches.iter().map(|found| from_numbers(&found.pair)).collect();
+        let original = |pair: &PointPair| views.original_from_undistorted(pair).map(|pair| numbers(&pair));
+        self.calibrated = Some(CalibratedFile {
+            original_matches: pairs.iter().map(original).collect(),
+            curve_distances: pairs
+                .iter()
+                .map(|pair| views.distance_from_curves(self.fundamental, pair))
+                .collect(),
+            views: &views.views,
+            pose: pose.map(PoseFile::new),
+        });
+        self
+    }
+
     /// Adds the names and origins of the pairs, in their order.
     #[must_use]
     pub fn labelled(mut self, labels: &[PairLabel]) -> Self {
@@ -202,6 +262,29 @@ impl<'a> ResultFile<'a> {
         self.pair_origins = labels.iter().map(|label| label.origin.name()).collect();
         self
     }
+}
+
+impl PoseFile {
+    fn new(fit: &PoseFit) -> Self {
+        let PoseFit { pose, fundamental, noise, matches, in_front, parallax, uncertainty } = fit;
+        Self {
+            rotation: nested(pose.rotation.matrix()),
+            translation: pose.translation.into(),
+            essential: nested(&pose.essential()),
+            fundamental: *fundamental,
+            angle: pose.rotation.angle(),
+            parallax: *parallax,
+            matches: *matches,
+            in_front: *in_front,
+            noise: *noise,
+            rotation_deviation: uncertainty.map(|u| u.rotation),
+            translation_deviation: uncertainty.map(|u| u.translation),
+        }
+    }
+}
+
+fn from_numbers([x1, y1, x2, y2]: &[f64; 4]) -> PointPair {
+    PointPair::new(*x1, *y1, *x2, *y2)
 }
 
 /// Returns the rows of a matrix.

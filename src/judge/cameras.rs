@@ -1,6 +1,6 @@
 //! Cameras taken apart into calibration and pose.
 
-use nalgebra::{Matrix3, Matrix3x4, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
 use crate::geometry::Camera;
 
@@ -41,10 +41,7 @@ impl DecomposedCamera {
 
     /// Returns the camera again.
     pub fn composed(&self) -> Option<Camera> {
-        let mut pose = Matrix3x4::zeros();
-        pose.fixed_columns_mut::<3>(0).copy_from(&self.rotation);
-        pose.set_column(3, &self.translation);
-        Camera::from_matrix(self.calibration * pose)
+        Camera::posed(&self.calibration, &self.rotation, &self.translation)
     }
 }
 

@@ -8,6 +8,7 @@ mod epipoles;
 mod errors;
 mod judgement;
 mod parameters;
+mod pose;
 mod reasons;
 mod scale;
 
@@ -16,5 +17,6 @@ pub use errors::error_in_words;
 pub use judgement::{change_in_words, judgement_in_words, rows_in_words};
 #[doc(hidden)]
 pub use parameters::{ShownParameter, parameters_as_markdown, shown_parameters};
+pub use pose::{pose_difference_in_words, pose_in_words};
 pub use reasons::{reason_in_words, warning_in_words};
 pub use scale::Scale;

@@ -45,11 +45,11 @@ pub fn rectify(
 }
 
 /// Input of a rectification.
-struct RectifyTask<'a> {
-    fundamental: &'a FundamentalMatrix,
-    frames: [Frame; 2],
-    matches: &'a [PointPair],
-    limits: &'a Limits,
+pub(super) struct RectifyTask<'a> {
+    pub fundamental: &'a FundamentalMatrix,
+    pub frames: [Frame; 2],
+    pub matches: &'a [PointPair],
+    pub limits: &'a Limits,
 }
 
 impl RectifyTask<'_> {
@@ -61,18 +61,18 @@ impl RectifyTask<'_> {
 
     fn planar(&self, reason: String) -> Result<Rectification, RectifyError> {
         let (maps, size, scale) = planar::planar(self.fundamental, self.frames, self.limits.pixels)?;
-        let maps = maps.map(|m| ImageMap(MapKind::Planar(m)));
+        let maps = maps.map(|m| ImageMap::new(MapKind::Planar(m)));
         Ok(self.rectification(RectifyMethod::Planar, reason, maps, size, scale, false))
     }
 
     fn polar(&self, reason: String) -> Result<Rectification, RectifyError> {
         let found = polar::polar(self.fundamental, self.frames, self.matches, self.limits.pixels)?;
-        let maps = found.maps.map(|m| ImageMap(MapKind::Polar(m)));
+        let maps = found.maps.map(|m| ImageMap::new(MapKind::Polar(m)));
         let assumed = found.orientation_assumed;
         Ok(self.rectification(RectifyMethod::Polar, reason, maps, found.frame, found.scale, assumed))
     }
 
-    fn rectification(
+    pub fn rectification(
         &self,
         method: RectifyMethod,
         reason: String,

@@ -19,6 +19,12 @@ pub enum RectifyError {
          use the polar method"
     )]
     NoCommonPlane,
+    /// One camera stands nearly before the other.
+    #[error(
+        "one camera stands nearly in front of the other, so parallel cameras would see nothing. Rectify without \
+         --for: the polar method has no such limit"
+    )]
+    Forward,
     /// No epipolar line crosses both images.
     #[error("no epipolar line crosses both images. F is wrong or belongs to other images")]
     NoCommonLines,

@@ -7,9 +7,12 @@
 //! half epipolar lines and handles epipoles anywhere. [`RectifyMethod::Auto`] chooses one and gives
 //! the reason.
 //!
-//! The cameras are not calibrated: the pictures suit matching along rows, not measuring angles.
+//! Without a calibration, the pictures suit matching along rows, not measuring angles.
+//! [`rectify_calibrated`] turns calibrated cameras about their centres instead, so that disparities
+//! tell depths.
 
 mod advice;
+mod calibrated;
 mod choice;
 mod description;
 mod error;
@@ -22,12 +25,11 @@ mod polar;
 #[cfg(feature = "pictures")]
 mod presentation;
 mod row;
-#[cfg(feature = "pictures")]
-mod warp;
 
 use serde::{Deserialize, Serialize};
 
 pub use advice::RectifyWarning;
+pub use calibrated::{StereoRig, rectify_calibrated};
 pub use choice::rectify;
 pub use description::Description;
 pub use error::RectifyError;
@@ -37,9 +39,14 @@ pub use measures::{Distortion, Measures, RowErrors};
 pub use presentation::{anaglyph, stacked};
 pub use row::RowTrace;
 
+use crate::camera::UndistortedView;
 #[cfg(feature = "pictures")]
 use crate::cancel::CancelFlag;
 use crate::geometry::Frame;
+#[cfg(feature = "pictures")]
+use crate::geometry::Point;
+#[cfg(feature = "pictures")]
+use crate::image::{PixelMap, warp};
 #[cfg(feature = "pictures")]
 use image::DynamicImage;
 
@@ -104,13 +111,35 @@ pub struct Rectification {
     pub warnings: Vec<RectifyWarning>,
 }
 
+impl Rectification {
+    /// Leads the maps on to pictures with distortion. The rectification belongs to two views without
+    /// it.
+    #[must_use]
+    pub fn through(mut self, views: &[UndistortedView; 2]) -> Self {
+        for (map, view) in self.maps.iter_mut().zip(views) {
+            if !view.is_original() {
+                *map = map.clone().through(*view);
+            }
+        }
+        self
+    }
+}
+
 #[cfg(feature = "pictures")]
 impl Rectification {
     /// Draws the rectified picture of image `which` (0 or 1) with bilinear interpolation, on all
     /// cores. The picture keeps the bit depth and the colours of the original. Its alpha channel is
     /// transparent where the image does not reach. Returns `None` when cancelled.
     pub fn warp(&self, which: usize, original: &DynamicImage, cancel: &CancelFlag) -> Option<DynamicImage> {
-        warp::warp(original, &self.maps[which], self.size, cancel)
+        warp(original, &self.maps[which], self.size, cancel)
+    }
+}
+
+#[cfg(feature = "pictures")]
+impl PixelMap for ImageMap {
+    fn row(&self, y: usize) -> impl Fn(usize) -> Option<Point> {
+        let trace = self.row(y as f64);
+        move |x| self.in_picture(trace.at(x as f64)?)
     }
 }
 

@@ -33,7 +33,7 @@ pub(super) struct PlanarMap {
 }
 
 impl PlanarMap {
-    fn new(rectified_from_original: Matrix3<f64>) -> Option<Self> {
+    pub(super) fn new(rectified_from_original: Matrix3<f64>) -> Option<Self> {
         let h = rectified_from_original / rectified_from_original[(2, 2)];
         let inverse = h.try_inverse()?;
         // The third coordinate of a visible point must be positive in both directions.
@@ -144,7 +144,7 @@ fn area(outline: &[Point]) -> f64 {
 }
 
 /// Maps a point; `None` on and behind the line sent to infinity.
-fn map(h: &Matrix3<f64>, p: Point) -> Option<Point> {
+pub(super) fn map(h: &Matrix3<f64>, p: Point) -> Option<Point> {
     let q = h * p.to_homogeneous();
     (q.z > 0.0).then(|| Point::new(q.x / q.z, q.y / q.z))
 }

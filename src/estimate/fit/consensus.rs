@@ -16,8 +16,8 @@ use super::scoring::{BAND, Consensus, Units, Witness};
 use crate::cancel::CancelFlag;
 use crate::estimate::sampling::{Draws, Purpose, best, different};
 use crate::geometry::{
-    Equation, Frame, FundamentalMatrix, GroupedObservation, Matrix9, Observation, fit_fundamental,
-    grouped_covariance, point_equation, sampson_distance, solve_seven,
+    Equation, Frame, FundamentalMatrix, GroupedObservation, Matrix9, Observation, REGIONS, deviation,
+    fit_fundamental, grouped_covariance, point_equation, region, sampson_distance, solve_seven,
 };
 
 /// Minimal samples that are drawn. Of the less ambiguous matches some 80 % are right, so that one sample of five has seven
@@ -38,17 +38,6 @@ const LEAST_GAIN: f64 = 0.1;
 const LEAST_DRAWN_FROM: usize = 40;
 /// One match in so many may be moved by geometries that are the same: about as many are wrong.
 const SAME_SHARE: usize = 10;
-/// Regions along each side of image 1 whose matches are taken as off alike. With 3, true lines of four
-/// sets of pairs lie in the 95 % regions in 92 to 99 % of the cases; with 4, in 86 to 99 %
-/// (`lab/notes.md`). A debt.
-const CELLS: usize = 3;
-/// Half width of the interval that holds as much of a Cauchy distribution of scale 1 as one standard
-/// deviation holds of a Gaussian one: `tan(0.683 π / 2)`.
-const CAUCHY_DEVIATION: f64 = 1.84;
-/// Errors of a pinhole camera that no match shows, as a share of the longer side: what the correction
-/// of a lens leaves, 0.05 px in 1,000. Three fifths and twice of it change the share of true lines in
-/// the 95 % regions by 2 % at most. A debt.
-const MODEL_ERROR: f64 = 5e-5;
 /// Scales at which rivals of a geometry are looked for, in units of the noise about it.
 const RIVAL_SCALES: [f64; 3] = [0.5, 1.0, 2.0];
 
@@ -126,26 +115,19 @@ impl Evidence<'_> {
     }
 
     /// Covariance of the nine entries of a fitted geometry, row by row. Matches of one region of image 1
-    /// are off alike (a lens, a surface that aligns badly): they tell as much as one match. Clicks are
-    /// independent. `None` where the matches do not determine all seven numbers.
+    /// are off alike ([`region`]). Clicks are independent. `None` where the matches do not determine all seven numbers.
     pub fn covariance(&self, fitted: &Fitted) -> Option<Matrix9> {
-        let Frame { width, height } = self.frames[0];
-        let cell = |position: f64, side: usize| {
-            let along = position / side.max(1) as f64 * CELLS as f64;
-            (along.max(0.0) as usize).min(CELLS - 1)
-        };
         let observations = self.observations(&fitted.noise);
         let (matches, clicks) = observations.split_at(self.matches.len());
-        let model_error = MODEL_ERROR * self.frames[0].longer_side();
         let of_match = |o: &Observation| GroupedObservation {
             observation: *o,
-            deviation: (CAUCHY_DEVIATION * o.sigma).hypot(model_error),
-            group: cell(o.pair.point1.y, height) * CELLS + cell(o.pair.point1.x, width),
+            deviation: deviation(o.sigma, self.frames[0]),
+            group: region(o.pair.point1, self.frames[0]),
         };
         let of_click = |(k, o): (usize, &Observation)| GroupedObservation {
             observation: *o,
             deviation: o.sigma / SQRT_2,
-            group: CELLS * CELLS + k,
+            group: REGIONS + k,
         };
         let grouped: Vec<GroupedObservation> =
             matches.iter().map(of_match).chain(clicks.iter().enumerate().map(of_click)).collect();

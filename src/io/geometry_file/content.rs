@@ -37,6 +37,11 @@ pub struct GeometryFile {
     pub images: Option<[ImageNote; 2]>,
     /// Name and origin of each pair, in the order of `pairs`; may be empty. Written only.
     pub labels: Vec<PairLabel>,
+    /// Matches found by the estimate of a result, px. Read only.
+    pub found: Vec<PointPair>,
+    /// Whether the numbers belong to views without distortion of calibrated cameras: results of an
+    /// estimate with a calibration. Read only.
+    pub is_undistorted: bool,
     /// Verdict on the geometry. Written only.
     pub trust: Option<TrustNote>,
 }

@@ -68,6 +68,9 @@ impl NumberTable {
 pub(super) struct Fields {
     tables: Vec<(Quantity, NumberTable)>,
     images: [Option<ImageNote>; 2],
+    is_undistorted: bool,
+    /// Matches of a result.
+    found: Vec<PointPair>,
 }
 
 impl Fields {
@@ -127,11 +130,14 @@ impl Fields {
                 (Some(_), _) if value.is_null() => {}
                 // In a result of `estimate` the matches are objects with more than coordinates, or
                 // there are none.
-                (Some(Quantity::Pairs), "matches") if !is_rows(value) || object.contains_key("pairs") => {}
+                (Some(Quantity::Pairs), "matches") if !is_rows(value) || object.contains_key("pairs") => {
+                    fields.found = found_pairs(value);
+                }
                 (Some(quantity), _) => {
                     let table = table(value).map_err(|e| Problem::whole(format!("{name}: {e}")))?;
                     fields.add(quantity, table)?;
                 }
+                (None, "calibrated") => fields.is_undistorted = distorts(value),
                 (None, "image1") => fields.images[0] = image(value),
                 (None, "image2") => fields.images[1] = image(value),
                 (None, "images") => {
@@ -162,6 +168,8 @@ impl Fields {
         let file = GeometryFile {
             labels: Vec::new(),
             trust: None,
+            is_undistorted: self.is_undistorted,
+            found: self.found.clone(),
             fundamental,
             cameras: self.both([Quantity::Camera1, Quantity::Camera2], camera)?,
             homographies: self.both([Quantity::Homography1, Quantity::Homography2], NumberTable::matrix3)?,
@@ -333,6 +341,21 @@ pub(super) fn parse_number(text: &str) -> Result<f64, String> {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err(format!("\"{}\" is not a finite number", excerpt(text))),
     }
+}
+
+/// Returns the matches of a result, which are objects. Others are left out.
+fn found_pairs(value: &Value) -> Vec<PointPair> {
+    let pair = |found: &Value| match list(found.get("pair")?).ok()?[..] {
+        [x1, y1, x2, y2] => Some(PointPair::new(x1, y1, x2, y2)).filter(PointPair::is_finite),
+        _ => None,
+    };
+    value.as_array().map_or(&[][..], Vec::as_slice).iter().filter_map(pair).collect()
+}
+
+/// Returns whether a lens of a result with a calibration distorts.
+fn distorts(calibrated: &Value) -> bool {
+    let views = calibrated.get("views").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+    views.iter().any(|view| view.get("is_original") == Some(&Value::Bool(false)))
 }
 
 /// Reads the name and the size of an image.

@@ -27,6 +27,7 @@ mod quantity;
 #[cfg(test)]
 mod tests;
 mod text;
+mod yaml;
 
 use std::path::Path;
 
@@ -42,6 +43,7 @@ pub use self::content::{GeometryFile, ImageNote, Problem};
 pub use self::format::Format;
 pub use self::labels::{PairLabel, PairOrigin, TrustNote};
 pub use self::notation::Notation;
+pub(super) use self::yaml::yaml_value;
 
 /// Largest structured text that is read, bytes. Parsing takes about 15 times its length in memory.
 const MOST_STRUCTURED: usize = 16 << 20;

@@ -1,16 +1,22 @@
-//! Drawing of rectified pictures.
+//! Drawing of a picture through a map of its pixels.
 
 use image::{DynamicImage, ImageBuffer, Luma, LumaA, Pixel, Rgb, Rgba};
 use rayon::prelude::*;
 
-use super::map::ImageMap;
 use crate::cancel::CancelFlag;
 use crate::geometry::{Frame, Point};
 
-/// Draws the picture with an alpha channel. Returns `None` when cancelled.
-pub(super) fn warp(
+/// Position in the original of each pixel of a new picture, row by row.
+pub(crate) trait PixelMap: Sync {
+    /// Returns the positions of a row. A position is `None` without an original.
+    fn row(&self, y: usize) -> impl Fn(usize) -> Option<Point>;
+}
+
+/// Draws a picture of `size` with an alpha channel, on all cores. Pixels without an original are
+/// transparent. Returns `None` when cancelled.
+pub(crate) fn warp(
     original: &DynamicImage,
-    map: &ImageMap,
+    map: &impl PixelMap,
     size: Frame,
     cancel: &CancelFlag,
 ) -> Option<DynamicImage> {
@@ -71,14 +77,14 @@ impl WarpSample for f32 {
 
 type Buffer<P> = ImageBuffer<P, Vec<<P as Pixel>::Subpixel>>;
 
-struct WarpJob<'a> {
-    map: &'a ImageMap,
+struct WarpJob<'a, M> {
+    map: &'a M,
     frame: Frame,
     size: Frame,
     cancel: &'a CancelFlag,
 }
 
-impl WarpJob<'_> {
+impl<Map: PixelMap> WarpJob<'_, Map> {
     /// Draws from `N` opaque channels to `M = N + 1`.
     fn opaque<P, Q, const N: usize, const M: usize>(&self, original: &Buffer<P>) -> Option<Buffer<Q>>
     where
@@ -136,9 +142,9 @@ impl WarpJob<'_> {
             if self.cancel.is_cancelled() {
                 return None;
             }
-            let trace = self.map.row(y as f64);
+            let position = self.map.row(y);
             for (x, pixel) in row.as_chunks_mut::<M>().0.iter_mut().enumerate() {
-                if let Some(cell) = trace.at(x as f64).and_then(|p| Cell::new(self.frame, p)) {
+                if let Some(cell) = position(x).and_then(|p| Cell::new(self.frame, p)) {
                     *pixel = mix(&cell);
                 }
             }

@@ -1,0 +1,26 @@
+//! Calibrated cameras: lenses with distortion, views without it, relative poses.
+//!
+//! A [`CameraModel`] maps rays to pixels and back. Where a lens folds back or has no inverse, the
+//! answer is `None`. With a lens, an epipolar line is a curve in the picture; in an
+//! [`UndistortedView`] it is straight, so `F` belongs to two such views. [`fit_pose`] makes a pose
+//! from `F` and the calibration matrices of the views.
+//!
+//! # Conventions
+//! - Camera axes: x right, y down, z forwards. `x2 = R x1 + t`.
+//! - Pixels as everywhere: the centre of the top-left pixel is (0, 0).
+
+mod lens;
+mod model;
+mod names;
+mod pose;
+#[cfg(test)]
+mod tests;
+mod undistorted_view;
+mod view_pair;
+
+pub use lens::{Lens, Projection, Radial};
+pub use model::CameraModel;
+pub use names::calibration;
+pub use pose::{PoseDifference, PoseFit, PoseUncertainty, RelativePose, fit_pose};
+pub use undistorted_view::UndistortedView;
+pub use view_pair::ViewPair;

@@ -1,0 +1,113 @@
+//! Camera models: calibration matrix and lens.
+
+use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
+use serde::Serialize;
+
+use super::lens::{Lens, Projection};
+use crate::geometry::Point;
+
+/// A camera model: calibration matrix and lens. The centre of the top-left pixel is (0, 0).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CameraModel {
+    /// Focal lengths in x and y, px.
+    focal: [f64; 2],
+    /// Principal point, px.
+    principal: Point,
+    /// Skew: entry (1, 2) of the calibration matrix.
+    skew: f64,
+    lens: Lens,
+    /// Undistorted radius at which the lens folds back.
+    #[serde(skip)]
+    fold: f64,
+}
+
+impl CameraModel {
+    /// Creates a model from an upper triangular calibration matrix and a lens. Returns `None` unless
+    /// both focal lengths are positive and all numbers are finite.
+    pub fn new(calibration: &Matrix3<f64>, lens: Lens) -> Option<Self> {
+        let k = calibration / calibration[(2, 2)];
+        let lower = k[(1, 0)].abs() + k[(2, 0)].abs() + k[(2, 1)].abs();
+        let is_sound = k.iter().all(|v| v.is_finite()) && lower <= 1e-9 * k.amax();
+        let focal = [k[(0, 0)], k[(1, 1)]];
+        let (_, derivatives) = lens.distorted(&Vector2::new(1e-3, 1e-3));
+        let is_finite = derivatives.iter().all(|v| v.is_finite());
+        let is_valid = is_sound && is_finite && focal.iter().all(|f| *f > 0.0);
+        let principal = Point::new(k[(0, 2)], k[(1, 2)]);
+        is_valid.then(|| Self { focal, principal, skew: k[(0, 1)], lens, fold: lens.fold() })
+    }
+
+    /// Returns the calibration matrix `K`.
+    pub fn calibration(&self) -> Matrix3<f64> {
+        let ([fx, fy], c) = (self.focal, self.principal);
+        Matrix3::new(fx, self.skew, c.x, 0.0, fy, c.y, 0.0, 0.0, 1.0)
+    }
+
+    /// Returns the lens.
+    pub fn lens(&self) -> &Lens {
+        &self.lens
+    }
+
+    /// Returns the model without its distortion, with the same calibration matrix.
+    #[must_use]
+    pub fn without_distortion(&self) -> Self {
+        Self { lens: Lens::IDEAL, fold: Lens::IDEAL.fold(), ..*self }
+    }
+
+    /// Returns the pixel of a ray in camera coordinates. `None` behind a perspective camera, and
+    /// where the lens folds back.
+    pub fn image_from_ray(&self, ray: &Vector3<f64>) -> Option<Point> {
+        self.distorted(ray).map(|(distorted, ..)| self.pixel(&distorted))
+    }
+
+    /// Returns the unit ray of a pixel. `None` where the lens has no inverse.
+    pub fn ray_from_image(&self, pixel: Point) -> Option<Vector3<f64>> {
+        let y = (pixel.y - self.principal.y) / self.focal[1];
+        let x = (pixel.x - self.principal.x - self.skew * y) / self.focal[0];
+        self.lens.undistorted(&Vector2::new(x, y), self.fold).map(|flat| self.lens.ray(&flat))
+    }
+
+    /// Returns the derivatives of the pixel by the coordinates of the ray, px per unit.
+    pub fn jacobian(&self, ray: &Vector3<f64>) -> Option<Matrix2x3<f64>> {
+        let (_, derivatives, flat) = self.distorted(ray)?;
+        let (x, y, z) = (ray.x, ray.y, ray.z);
+        let by_ray = match self.lens.projection {
+            Projection::Perspective => Matrix2x3::new(1.0, 0.0, -flat.x, 0.0, 1.0, -flat.y) / z,
+            Projection::Equidistant => {
+                let across = (x * x + y * y).sqrt();
+                let square = x * x + y * y + z * z;
+                if across <= 1e-9 * z.abs() {
+                    Matrix2x3::new(1.0, 0.0, -flat.x, 0.0, 1.0, -flat.y) / z
+                } else {
+                    // The angle a = atan2(across, z), and flat = a · (x, y) / across.
+                    let angle = flat.norm();
+                    let unit = Vector2::new(x, y) / across;
+                    let by_across = unit * unit.transpose() * (z / square)
+                        + (Matrix2::identity() - unit * unit.transpose()) * (angle / across);
+                    let by_z = unit * (-across / square);
+                    Matrix2x3::from_columns(&[by_across.column(0).into(), by_across.column(1).into(), by_z])
+                }
+            }
+        };
+        let [fx, fy] = self.focal;
+        Some(Matrix2::new(fx, self.skew, 0.0, fy) * derivatives * by_ray)
+    }
+
+    /// Returns distorted coordinates, their derivatives and the undistorted coordinates of a ray.
+    fn distorted(&self, ray: &Vector3<f64>) -> Option<(Vector2<f64>, Matrix2<f64>, Vector2<f64>)> {
+        let flat = self.lens.flat(ray)?;
+        if self.lens.is_ideal() {
+            return Some((flat, Matrix2::identity(), flat));
+        }
+        if flat.norm() > self.fold {
+            return None;
+        }
+        let (distorted, derivatives) = self.lens.distorted(&flat);
+        (derivatives.determinant() > 0.0).then_some((distorted, derivatives, flat))
+    }
+
+    fn pixel(&self, distorted: &Vector2<f64>) -> Point {
+        let [fx, fy] = self.focal;
+        let x = fx * distorted.x + self.skew * distorted.y + self.principal.x;
+        Point::new(x, fy * distorted.y + self.principal.y)
+    }
+}

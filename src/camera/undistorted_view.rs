@@ -1,0 +1,158 @@
+//! The picture that a camera would take without the distortion of its lens.
+
+use nalgebra::{Matrix3, Vector3};
+use serde::Serialize;
+use serde::ser::{SerializeStruct, Serializer};
+
+use super::model::CameraModel;
+use super::names::calibration;
+use crate::geometry::{Frame, Point};
+
+/// A view without distortion from the place of a camera: epipolar curves are straight lines in it.
+///
+/// The view keeps the scale of the original at the principal point, and covers the original as far
+/// as its pixels are stretched by at most [`MOST_STRETCH`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UndistortedView {
+    camera: CameraModel,
+    original: Frame,
+    calibration: Matrix3<f64>,
+    inverse: Matrix3<f64>,
+    frame: Frame,
+}
+
+/// Largest stretch along the radius. Beyond it the view has many pixels and little content. Fisheye
+/// lenses reach it 55° from the axis; a chosen value.
+const MOST_STRETCH: f64 = 3.0;
+/// Samples along each side of the outline.
+const SAMPLES: u32 = 64;
+/// Largest number of pixels of the view, times those of the original.
+const MOST_PIXELS: f64 = 4.0;
+
+impl UndistortedView {
+    /// Plans the view of a camera with pictures of the size `original`. A camera without distortion
+    /// keeps its pictures as they are.
+    ///
+    /// Returns `None` if the lens has no inverse at the principal point, or for an image of less than
+    /// 2×2 px.
+    pub fn new(camera: &CameraModel, original: Frame) -> Option<Self> {
+        if original.width < 2 || original.height < 2 {
+            return None;
+        }
+        let own = camera.calibration();
+        if camera.lens().is_ideal() {
+            let inverse = own.try_inverse()?;
+            return Some(Self { camera: *camera, original, calibration: own, inverse, frame: original });
+        }
+        let centre = Point::new(own[(0, 2)], own[(1, 2)]);
+        let scale = [own[(0, 0)], own[(1, 1)]];
+        let at = |p: Point| {
+            let ray = camera.ray_from_image(p).filter(|ray| ray.z > 0.0)?;
+            Some([scale[0] * ray.x / ray.z, scale[1] * ray.y / ray.z])
+        };
+        at(centre)?;
+        let mut reach = [[0.0f64; 2]; 2];
+        for outline in outline(original) {
+            // The farthest place towards the outline that is not stretched too much.
+            let place = |share: f64| at(centre + (outline - centre) * share);
+            let distance = |[x, y]: [f64; 2]| x.hypot(y);
+            let length = (outline - centre).norm();
+            let mut last = [0.0; 2];
+            for step in 1..=SAMPLES {
+                let Some(next) = place(f64::from(step) / f64::from(SAMPLES)) else { break };
+                if distance(next) - distance(last) > MOST_STRETCH * length / f64::from(SAMPLES) {
+                    break;
+                }
+                last = next;
+            }
+            for (k, value) in last.into_iter().enumerate() {
+                reach[k] = [reach[k][0].min(value), reach[k][1].max(value)];
+            }
+        }
+        let [width, height] = reach.map(|[low, high]| high.ceil() - low.floor() + 1.0);
+        let most = MOST_PIXELS * (original.width * original.height) as f64;
+        let shrunk = (most / (width * height)).sqrt().min(1.0);
+        let side = |length: f64| ((length * shrunk) as usize).max(2);
+        let frame = Frame::new(side(width), side(height));
+        let calibration = calibration(
+            scale.map(|focal| focal * shrunk),
+            [-reach[0][0].floor() * shrunk, -reach[1][0].floor() * shrunk],
+        );
+        let inverse = calibration.try_inverse()?;
+        Some(Self { camera: *camera, original, calibration, inverse, frame })
+    }
+
+    /// Returns the camera of the original pictures.
+    pub fn camera(&self) -> &CameraModel {
+        &self.camera
+    }
+
+    /// Returns the size of the view.
+    pub fn frame(&self) -> Frame {
+        self.frame
+    }
+
+    /// Returns the calibration matrix of the view.
+    pub fn calibration(&self) -> &Matrix3<f64> {
+        &self.calibration
+    }
+
+    /// Returns whether the view is the original itself.
+    pub fn is_original(&self) -> bool {
+        self.camera.lens().is_ideal()
+    }
+
+    /// Returns the place in the original picture of a point of the view.
+    pub fn original_from_undistorted(&self, point: Point) -> Option<Point> {
+        if self.is_original() {
+            return Some(point);
+        }
+        self.camera.image_from_ray(&(self.inverse * Vector3::new(point.x, point.y, 1.0)))
+    }
+
+    /// Returns the place in the view of a point of the original picture. The place may lie outside
+    /// the frame of the view.
+    pub fn undistorted_from_original(&self, point: Point) -> Option<Point> {
+        if self.is_original() {
+            return Some(point);
+        }
+        let ray = self.camera.ray_from_image(point).filter(|ray| ray.z > 0.0)?;
+        crate::geometry::finite_point(&(self.calibration * ray))
+    }
+
+    /// Returns the place in the original picture whose value a pixel of the view takes. Beyond the
+    /// border the picture is continued by its border: an edge of black would have false corners.
+    pub fn source_of(&self, point: Point) -> Option<Point> {
+        let original = self.original_from_undistorted(point)?;
+        let (right, bottom) = (self.original.right(), self.original.bottom());
+        Some(Point::new(original.x.clamp(0.0, right), original.y.clamp(0.0, bottom)))
+    }
+}
+
+impl Serialize for UndistortedView {
+    /// Writes the calibration matrix as nested rows, the size, and the camera of the original.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let rows = |m: &Matrix3<f64>| m.transpose().data.0;
+        let mut state = serializer.serialize_struct("UndistortedView", 6)?;
+        state.serialize_field("matrix", &rows(&self.calibration))?;
+        state.serialize_field("width", &self.frame.width)?;
+        state.serialize_field("height", &self.frame.height)?;
+        state.serialize_field("original_matrix", &rows(&self.camera.calibration()))?;
+        state.serialize_field("lens", self.camera.lens())?;
+        state.serialize_field("is_original", &self.is_original())?;
+        state.end()
+    }
+}
+
+/// Returns points along the border of an image.
+fn outline(frame: Frame) -> impl Iterator<Item = Point> {
+    let (right, bottom) = (frame.right(), frame.bottom());
+    (0..SAMPLES).map(|k| f64::from(k) / f64::from(SAMPLES)).flat_map(move |t| {
+        [
+            Point::new(t * right, 0.0),
+            Point::new(right, t * bottom),
+            Point::new(right - t * right, bottom),
+            Point::new(0.0, bottom - t * bottom),
+        ]
+    })
+}

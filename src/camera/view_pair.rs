@@ -1,0 +1,81 @@
+//! Two views without distortion, and epipolar curves in the pictures with distortion.
+
+use nalgebra::Matrix3;
+
+use super::model::CameraModel;
+use super::undistorted_view::UndistortedView;
+use crate::geometry::{Frame, FundamentalMatrix, Line, Point, PointPair};
+
+/// Two views without distortion. A fundamental matrix of calibrated cameras belongs to them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ViewPair {
+    /// Views of image 1 and image 2.
+    pub views: [UndistortedView; 2],
+}
+
+/// Offset along a line for the direction of its curve, px.
+const STEP: f64 = 0.5;
+
+impl ViewPair {
+    /// Plans the views of two cameras with pictures of these sizes. `None` as for
+    /// [`UndistortedView::new`].
+    pub fn new(cameras: [&CameraModel; 2], originals: [Frame; 2]) -> Option<Self> {
+        let view = |k: usize| UndistortedView::new(cameras[k], originals[k]);
+        Some(Self { views: [view(0)?, view(1)?] })
+    }
+
+    /// Returns the calibration matrices of the views.
+    pub fn calibrations(&self) -> [Matrix3<f64>; 2] {
+        self.views.each_ref().map(|view| *view.calibration())
+    }
+
+    /// Returns the sizes of the views.
+    pub fn frames(&self) -> [Frame; 2] {
+        self.views.each_ref().map(UndistortedView::frame)
+    }
+
+    /// Returns a point pair of the pictures in the views.
+    pub fn undistorted_from_original(&self, pair: &PointPair) -> Option<PointPair> {
+        Some(PointPair {
+            point1: self.views[0].undistorted_from_original(pair.point1)?,
+            point2: self.views[1].undistorted_from_original(pair.point2)?,
+        })
+    }
+
+    /// Returns a point pair of the views in the pictures.
+    pub fn original_from_undistorted(&self, pair: &PointPair) -> Option<PointPair> {
+        Some(PointPair {
+            point1: self.views[0].original_from_undistorted(pair.point1)?,
+            point2: self.views[1].original_from_undistorted(pair.point2)?,
+        })
+    }
+
+    /// Returns the mean distance in the pictures of both points of a pair of the views from their
+    /// epipolar curves, px. `None` where a curve leaves the range of the lens.
+    pub fn distance_from_curves(&self, f: &FundamentalMatrix, pair: &PointPair) -> Option<f64> {
+        let (line2, line1) = (f.line2_from_point1(pair.point1)?, f.line1_from_point2(pair.point2)?);
+        let [view1, view2] = &self.views;
+        Some(0.5 * (distance(view1, &line1, pair.point1)? + distance(view2, &line2, pair.point2)?))
+    }
+}
+
+impl UndistortedView {
+    /// Returns points of the epipolar curve in the picture: the image of the line from `start` to
+    /// `end`, in `pieces` pieces. Places outside the range of the lens are left out.
+    pub fn curve(&self, start: Point, end: Point, pieces: usize) -> impl Iterator<Item = Point> {
+        (0..=pieces).filter_map(move |k| {
+            self.original_from_undistorted(start + (end - start) * (k as f64 / pieces.max(1) as f64))
+        })
+    }
+}
+
+/// Returns the distance in the picture of a point from the curve of a line: from the tangent at the
+/// foot of the point.
+fn distance(view: &UndistortedView, line: &Line, point: Point) -> Option<f64> {
+    let foot = line.foot(point);
+    let along = line.direction() * STEP;
+    let place = |point: Point| view.original_from_undistorted(point);
+    let tangent = (place(foot + along)? - place(foot - along)?).normalize();
+    let off = place(point)? - place(foot)?;
+    Some((off.x * tangent.y - off.y * tangent.x).abs())
+}

@@ -1,0 +1,91 @@
+//! Calibrated pairs: cameras from files, pictures without distortion.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::CliError;
+use crate::camera::ViewPair;
+use crate::foreign::shown_path;
+use crate::geometry::PointPair;
+use crate::image::Picture;
+use crate::io::{CalibratedCamera, Calibration};
+
+/// Cameras of both images.
+#[derive(Debug, Args)]
+pub(super) struct CalibrationArguments {
+    /// Calibration of the cameras: one file for both images or one for each, of OpenCV, ROS, Kalibr,
+    /// KITTI, Middlebury, COLMAP (cameras.txt), caliscope or anipose
+    #[arg(long, num_args = 1..=2, value_name = "FILE")]
+    calibration: Option<Vec<PathBuf>>,
+    /// Names of the two cameras in the calibration, by default the first two
+    #[arg(long, num_args = 2, value_names = ["LEFT", "RIGHT"], requires = "calibration")]
+    camera_names: Option<Vec<String>>,
+}
+
+/// Two calibrated cameras.
+pub(super) struct CalibratedPair {
+    pub(super) cameras: [CalibratedCamera; 2],
+}
+
+impl CalibrationArguments {
+    /// Returns the files.
+    pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
+        self.calibration.iter().flatten().map(PathBuf::as_path)
+    }
+
+    /// Reads the cameras.
+    pub(super) fn read(&self) -> Result<Option<CalibratedPair>, CliError> {
+        let Some(files) = &self.calibration else { return Ok(None) };
+        let names = match self.camera_names.as_deref() {
+            Some([left, right]) => Some([left.as_str(), right.as_str()]),
+            _ => None,
+        };
+        let pair = |path: &PathBuf| {
+            let found = Calibration::read(path)?.pair(names);
+            found.map_err(|e| CliError::Arguments(format!("{}: {e}", shown_path(path))))
+        };
+        let [first, second] = match &files[..] {
+            [left, right] => [pair(left)?[0].clone(), pair(right)?[usize::from(names.is_some())].clone()],
+            _ => pair(&files[0])?,
+        };
+        Ok(Some(CalibratedPair { cameras: [first, second] }))
+    }
+}
+
+impl CalibratedPair {
+    /// Plans the views without distortion, after checking the sizes of the pictures.
+    pub(super) fn views(&self, pictures: &[Picture; 2]) -> Result<ViewPair, CliError> {
+        for (camera, picture) in self.cameras.iter().zip(pictures) {
+            camera.check_frame(picture.frame()).map_err(CliError::Arguments)?;
+        }
+        let views = ViewPair::new(
+            [&self.cameras[0].model, &self.cameras[1].model],
+            [pictures[0].frame(), pictures[1].frame()],
+        );
+        let problem = "the distortion of the lens cannot be undone: it folds back at the principal point";
+        views.ok_or_else(|| CliError::Arguments(problem.into()))
+    }
+}
+
+/// Draws the pictures without distortion.
+pub(super) fn undistorted(pictures: [Picture; 2], views: &ViewPair) -> [Picture; 2] {
+    let mut views = views.views.iter();
+    pictures.map(|picture| match views.next() {
+        Some(view) if !view.is_original() => picture.redrawn(view.frame(), |p| view.source_of(p)),
+        _ => picture,
+    })
+}
+
+/// Returns the places of point pairs in the views.
+pub(super) fn undistorted_pairs(pairs: &[PointPair], views: &ViewPair) -> Result<Vec<PointPair>, CliError> {
+    let place = |(k, pair): (usize, &PointPair)| {
+        views.undistorted_from_original(pair).ok_or_else(|| {
+            CliError::Arguments(format!(
+                "pair {} lies where the distortion of the lens has no inverse. Use points nearer to the middle",
+                k + 1
+            ))
+        })
+    };
+    pairs.iter().enumerate().map(place).collect()
+}

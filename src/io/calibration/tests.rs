@@ -1,0 +1,193 @@
+//! Calibrations as other programs write them.
+
+use nalgebra::Vector3;
+
+use super::*;
+use crate::camera::Lens;
+use crate::geometry::Point;
+
+fn read(text: &str) -> Vec<CalibratedCamera> {
+    Calibration::parse(text).unwrap_or_else(|e| panic!("{e}\n{text}")).cameras
+}
+
+fn refused(text: &str) -> String {
+    Calibration::parse(text).unwrap_err()
+}
+
+/// Pixel of a ray up and to the right.
+fn pixel(camera: &CalibratedCamera) -> Point {
+    camera.model.image_from_ray(&Vector3::new(0.3, -0.2, 1.0)).unwrap()
+}
+
+const OPENCV: &str = "%YAML:1.0
+---
+K1: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 500., 0., 320., 0., 505., 240., 0., 0., 1. ]
+D1: !!opencv-matrix
+   rows: 1
+   cols: 5
+   dt: d
+   data: [ -0.3, 0.1, 0.001, -0.002, 0.01 ]
+K2: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 490., 0., 310., 0., 495., 250., 0., 0., 1. ]
+D2: !!opencv-matrix
+   rows: 1
+   cols: 5
+   dt: d
+   data: [ 0., 0., 0., 0., 0. ]
+R: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 1., 0., 0., 0., 1., 0., 0., 0., 1. ]
+T: !!opencv-matrix
+   rows: 3
+   cols: 1
+   dt: d
+   data: [ -0.12, 0., 0. ]
+";
+
+#[test]
+fn stereo_calibrations_of_opencv_have_lenses_and_the_pose() {
+    let cameras = read(OPENCV);
+    assert_eq!(cameras.len(), 2);
+    let lens = Lens::from_opencv(&[-0.3, 0.1, 0.001, -0.002, 0.01]).unwrap();
+    assert_eq!(*cameras[0].model.lens(), lens);
+    assert!(cameras[1].model.lens().is_ideal());
+    let pair = Calibration { cameras }.pair(None).unwrap();
+    let (pose, baseline) = CalibratedCamera::relative_pose(&pair).unwrap();
+    assert!((baseline - 0.12).abs() < 1e-15 && (pose.translation - -Vector3::x()).norm() < 1e-15);
+}
+
+#[test]
+fn one_camera_describes_both_images() {
+    let text = "image_width: 640\nimage_height: 480\ncamera_name: left\ncamera_matrix:\n  rows: 3\n  cols: 3\n  \
+                data: [500, 0, 320, 0, 505, 240, 0, 0, 1]\ndistortion_model: plumb_bob\n\
+                distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [-0.3, 0.1, 0, 0, 0]\n";
+    let calibration = Calibration::parse(text).unwrap();
+    let [left, right] = calibration.pair(None).unwrap();
+    assert_eq!(left, right);
+    assert!(left.check_frame(Frame::new(640, 480)).is_ok());
+    assert!(left.check_frame(Frame::new(320, 240)).unwrap_err().contains("640×480"));
+    assert!(CalibratedCamera::relative_pose(&[left, right]).is_none());
+    let json = r#"{"K": [[500, 0, 320], [0, 505, 240], [0, 0, 1]], "D": [-0.3, 0.1, 0, 0]}"#;
+    assert_eq!(pixel(&read(json)[0]), pixel(&read(text)[0]));
+}
+
+#[test]
+fn camera_chains_of_kalibr_go_through_the_chain_or_the_inertial_unit() {
+    let chain = "cam0:\n  camera_model: pinhole\n  intrinsics: [458.6, 457.3, 367.2, 248.4]\n  distortion_model: \
+                 radtan\n  distortion_coeffs: [-0.28, 0.07, 0.0002, 0.00002]\n  resolution: [752, 480]\ncam1:\n  \
+                 T_cn_cnm1:\n    - [1.0, 0.0, 0.0, -0.11]\n    - [0.0, 1.0, 0.0, 0.0]\n    - [0.0, 0.0, 1.0, \
+                 0.0]\n    - [0.0, 0.0, 0.0, 1.0]\n  camera_model: pinhole\n  intrinsics: [190.9, 190.9, 254.9, \
+                 256.8]\n  distortion_model: equidistant\n  distortion_coeffs: [0.003, 0.0007, -0.002, 0.0002]\n  \
+                 resolution: [512, 512]\n";
+    let cameras = read(chain);
+    assert_eq!(cameras[1].name, "cam1");
+    assert_eq!(cameras[1].frame, Some(Frame::new(512, 512)));
+    assert_eq!(cameras[1].model.lens().projection, crate::camera::Projection::Equidistant);
+    let pair = Calibration { cameras }.pair(Some(["cam0", "cam1"])).unwrap();
+    assert!((CalibratedCamera::relative_pose(&pair).unwrap().1 - 0.11).abs() < 1e-12);
+    let through = "T_imu_cam:\n    - [0.0, -1.0, 0.0, X]\n    - [1.0, 0.0, 0.0, 0.5]\n    - [0.0, 0.0, 1.0, 0.2]\n    \
+                   - [0.0, 0.0, 0.0, 1.0]\n  camera_model: pinhole\n  intrinsics: [458, 457, 367, 248]\n  \
+                   distortion_model: none\n  distortion_coeffs: []\n";
+    let text = format!("cam0:\n  {}cam1:\n  {}", through.replace('X', "0.1"), through.replace('X', "0.3"));
+    let pair = Calibration::parse(&text).unwrap().pair(None).unwrap();
+    let (pose, baseline) = CalibratedCamera::relative_pose(&pair).unwrap();
+    // The cameras are 0.2 apart along x of the unit, which is −y of the cameras.
+    assert!((baseline - 0.2).abs() < 1e-12 && (pose.position2() - -Vector3::y()).norm() < 1e-12, "{pose:?}");
+    assert!(refused(&chain.replace("radtan", "magic")).contains("magic"));
+    assert!(refused(&chain.replace("camera_model: pinhole", "camera_model: omni")).contains("omni"));
+}
+
+#[test]
+fn kitti_has_raw_and_rectified_cameras() {
+    let raw = "calib_time: 09-Jan-2012 13:57:47\nS_00: 1392 512\nK_00: 984 0 690 0 981 233 0 0 1\nD_00: -0.37 0.2 \
+               0.002 0.001 -0.07\nR_00: 1 0 0 0 1 0 0 0 1\nT_00: 0 0 0\nK_01: 989 0 702 0 988 245 0 0 1\nD_01: \
+               -0.36 0.18 0.001 -0.0006 -0.05\nR_01: 1 0 0 0 1 0 0 0 1\nT_01: -0.537 0.0048 -0.0125\n";
+    let pair = Calibration::parse(raw).unwrap().pair(Some(["00", "01"])).unwrap();
+    assert_eq!(pair[0].frame, Some(Frame::new(1392, 512)));
+    assert!((CalibratedCamera::relative_pose(&pair).unwrap().1 - 0.5372).abs() < 1e-3);
+    let rectified = "P0: 721 0 609 0 0 721 172 0 0 0 1 0\nP1: 721 0 609 -387.5 0 721 172 0 0 0 1 0\n";
+    let pair = Calibration::parse(rectified).unwrap().pair(None).unwrap();
+    assert!((CalibratedCamera::relative_pose(&pair).unwrap().1 - 387.5 / 721.0).abs() < 1e-12);
+    assert!(refused("K_00: 1 2 3\n").contains("expected 9 numbers"));
+    assert!(refused("P0: 0 0 0 0 0 0 0 0 0 0 0 0\n").contains("impossible"));
+}
+
+#[test]
+fn middlebury_and_colmap_are_read() {
+    let text = "cam0=[3997.684 0 1176.728; 0 3997.684 1011.728; 0 0 1]\ncam1=[3997.684 0 1307.839; 0 3997.684 \
+                1011.728; 0 0 1]\ndoffs=131.111\nbaseline=193.001\nwidth=2964\nheight=1988\n";
+    let pair = Calibration::parse(text).unwrap().pair(None).unwrap();
+    assert_eq!(pair[1].frame, Some(Frame::new(2964, 1988)));
+    assert!((CalibratedCamera::relative_pose(&pair).unwrap().1 - 193.001).abs() < 1e-9);
+    let colmap =
+        "# Camera list\n1 SIMPLE_RADIAL 640 480 688.8 320 240 -0.127\n2 PINHOLE 640 480 600 600 320 240\n";
+    let cameras = read(colmap);
+    assert_eq!((cameras[0].name.as_str(), cameras.len()), ("1", 2));
+    // The centre of the top-left pixel is (0.5, 0.5) in COLMAP.
+    assert!((cameras[1].model.calibration()[(0, 2)] - 319.5).abs() < 1e-12);
+    assert!(refused("1 SIMPLE_RADIAL 640 480 688.8\n").contains("line 1: SIMPLE_RADIAL has 4 parameters"));
+}
+
+#[test]
+fn sections_of_toml_are_cameras() {
+    let text = "[metadata]\nadjusted = true\n\n[cam_0]\nname = \"left\"\nsize = [1280, 720]\nmatrix = [[894.0, 0.0, \
+                624.0], [0.0, 896.0, 361.0], [0.0, 0.0, 1.0]]\ndistortions = [-0.33, 0.09, 0.0, 0.0, 0.0]\nrotation \
+                = [0.0, 0.0, 0.0]\ntranslation = [0.0, 0.0, 0.0]\n\n[cam_1]\nname = \"right\"\nsize = [1280, \
+                720]\nmatrix = [[894.0, 0.0, 624.0], [0.0, 896.0, 361.0], [0.0, 0.0, 1.0]]\ndistortions = [0.0, \
+                0.0, 0.0, 0.0, 0.0]\nrotation = [0.0, 0.1, 0.0]\ntranslation = [1.0, 0.0, 0.0]\n";
+    let pair = Calibration::parse(text).unwrap().pair(Some(["left", "right"])).unwrap();
+    let (pose, _) = CalibratedCamera::relative_pose(&pair).unwrap();
+    assert!((pose.rotation.angle() - 0.1).abs() < 1e-12);
+    let told = Calibration::parse(text).unwrap().pair(Some(["left", "middle"])).unwrap_err();
+    assert!(told.contains("no camera middle") && told.contains("left, right"), "{told}");
+}
+
+#[test]
+fn what_is_no_calibration_is_told_in_words() {
+    for text in ["", "hello", "[1, 2]", "{}", "{\"K\": \"x\"}", "K: [1, 2]", "[a]\nb = 1\n", "1 2 3 4\n"] {
+        assert!(!refused(text).is_empty(), "{text}");
+    }
+    assert!(refused("{\"a\": 1}").contains("no camera calibration"));
+    assert!(
+        refused(
+            &OPENCV.replace(
+                "1., 0., 0., 0., 1., 0., 0., 0., 1. ]\nT",
+                "2., 0., 0., 0., 1., 0., 0., 0., 1. ]\nT"
+            )
+        )
+        .contains("rotation")
+    );
+}
+
+#[test]
+fn calibrations_of_other_programs_are_read() {
+    let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
+    if !data.is_dir() {
+        eprintln!("skipped: {} is missing", data.display());
+        return;
+    }
+    for (name, cameras, has_pose) in [
+        ("projects/calibrations/kalibr-euroc_mav.yaml", 2, true),
+        ("projects/calibrations/kalibr-rs_t265.yaml", 2, true),
+        ("projects/calibrations/kalibr-tum_vi.yaml", 2, true),
+        ("projects/calibrations/kitti-calib_cam_to_cam.txt", 4, true),
+        ("projects/opencv-stereo/stereo.yml", 2, true),
+        ("projects/opencv-stereo/left.yml", 1, false),
+        ("projects/kermit/sparse-text/cameras.txt", 1, false),
+        ("video-charuco/camera_array.toml", 4, true),
+    ] {
+        let found = Calibration::read(&data.join(name)).unwrap();
+        assert_eq!(found.cameras.len(), cameras, "{name}");
+        let pair = found.pair(None).unwrap();
+        assert_eq!(CalibratedCamera::relative_pose(&pair).is_some(), has_pose, "{name}");
+    }
+}

@@ -1,0 +1,81 @@
+//! YAML as a tree of values.
+//!
+//! OpenCV up to version 4 writes the first line `%YAML:1.0`, and so does Kalibr. The line is not
+//! YAML and is removed before parsing.
+
+use saphyr_parser::{Event, Parser, ScalarStyle};
+use serde_json::{Map, Value};
+
+use super::Problem;
+use super::fields::insert;
+
+/// Maximum depth of nested lists. Matrices need three.
+const DEEPEST: usize = 32;
+
+/// List or mapping that is not closed yet.
+enum Open {
+    List(Vec<Value>),
+    Mapping(Map<String, Value>, Option<String>),
+}
+
+/// Parses the first document. Numbers stay numbers; everything else becomes text. Aliases are
+/// refused, because they can grow without bounds.
+pub(in crate::io) fn yaml_value(text: &str) -> Result<Value, Problem> {
+    let text = text.trim_start();
+    // Keeps the line break of the first line, so that line numbers stay correct.
+    let text = if text.starts_with("%YAML") { text.find('\n').map_or("", |end| &text[end..]) } else { text };
+    let mut open: Vec<Open> = Vec::new();
+    for event in Parser::new_from_str(text) {
+        let (event, span) = event
+            .map_err(|e| Problem::at(e.marker().line(), format!("this is not valid YAML: {}", e.info())))?;
+        let line = span.start.line();
+        let complete = match event {
+            Event::SequenceStart(..) => {
+                open.push(Open::List(Vec::new()));
+                None
+            }
+            Event::MappingStart(..) => {
+                open.push(Open::Mapping(Map::new(), None));
+                None
+            }
+            Event::SequenceEnd | Event::MappingEnd => open.pop().map(|closed| match closed {
+                Open::List(items) => Value::Array(items),
+                Open::Mapping(items, _) => Value::Object(items),
+            }),
+            Event::Scalar(text, style, ..) => Some(scalar(&text, style)),
+            Event::Alias(_) => {
+                return Err(Problem::at(line, "aliases (*name) are not supported. Write the numbers out"));
+            }
+            Event::DocumentEnd | Event::StreamEnd => break,
+            Event::Nothing | Event::StreamStart | Event::DocumentStart(_) => None,
+        };
+        if open.len() > DEEPEST {
+            return Err(Problem::at(line, format!("lists are nested more than {DEEPEST} levels deep")));
+        }
+        let Some(complete) = complete else { continue };
+        match open.last_mut() {
+            None => return Ok(complete),
+            Some(Open::List(items)) => items.push(complete),
+            Some(Open::Mapping(items, key)) => match (key.take(), complete) {
+                (Some(key), value) => {
+                    insert(items, key, value).map_err(|e| Problem::at(line, e))?;
+                }
+                (None, Value::String(name)) => *key = Some(name),
+                (None, other) => *key = Some(other.to_string()),
+            },
+        }
+    }
+    Err(Problem::whole("this YAML file is empty or ends too early"))
+}
+
+fn scalar(text: &str, style: ScalarStyle) -> Value {
+    let number = if style == ScalarStyle::Plain { text.parse::<f64>().ok() } else { None };
+    // Integers are counts. A number that is not finite stays text, for the error message.
+    let whole = text.parse::<u64>().ok().map(Value::from);
+    match number {
+        Some(number) => whole
+            .or_else(|| serde_json::Number::from_f64(number).map(Value::Number))
+            .unwrap_or_else(|| Value::String(text.to_owned())),
+        None => Value::String(text.to_owned()),
+    }
+}

@@ -1,0 +1,49 @@
+//! Words for relative poses.
+
+use std::fmt::Write;
+
+use nalgebra::Vector3;
+
+use crate::camera::{PoseDifference, PoseFit};
+
+/// Describes a relative pose: rotation, place of camera 2, parallax, each on a line of its own.
+pub fn pose_in_words(fit: &PoseFit) -> String {
+    let PoseFit { pose, noise, matches, in_front, parallax, uncertainty, .. } = fit;
+    let deviation = |radians: f64| format!(" ± {:.2}°", radians.to_degrees());
+    let [turn_error, place_error] = match uncertainty {
+        Some(u) => [deviation(u.rotation), deviation(u.translation)],
+        None => [String::new(), String::new()],
+    };
+    let mut text = String::from("Relative pose (x2 = R x1 + t, |t| = 1; ± is a standard deviation):\n");
+    let axis = pose.rotation.axis().map_or_else(String::new, |axis| format!(" about {}", triple(&axis)));
+    let angle = pose.rotation.angle().to_degrees();
+    let _ = writeln!(text, "  Camera 2 is turned by {angle:.2}°{turn_error}{axis}");
+    let _ = writeln!(
+        text,
+        "  It lies in the direction {}{place_error} from camera 1 (x right, y down, z forwards)",
+        triple(&pose.position2())
+    );
+    let _ = writeln!(
+        text,
+        "  Parallax of the matches {:.2}° (median), {noise:.3} px from the lines (median), {in_front} of {matches} in \
+         front of both cameras",
+        parallax.to_degrees()
+    );
+    text
+}
+
+/// Describes how far the pose of a calibration is from the pose that the matches show.
+pub fn pose_difference_in_words(difference: &PoseDifference) -> String {
+    let PoseDifference { rotation, translation, uncertainty, is_significant } = difference;
+    let [rotation, translation, turn_error, place_error] =
+        [*rotation, *translation, uncertainty.rotation, uncertainty.translation].map(f64::to_degrees);
+    let sense = if *is_significant { "more than chance explains" } else { "which may be chance" };
+    format!(
+        "The pose that fits the matches best differs from the calibration by {rotation:.2}° ± {turn_error:.2}° in \
+         rotation and {translation:.2}° ± {place_error:.2}° in the direction of the baseline, {sense}."
+    )
+}
+
+fn triple(v: &Vector3<f64>) -> String {
+    format!("({:.4}, {:.4}, {:.4})", v.x, v.y, v.z)
+}
