@@ -8,6 +8,8 @@ use serde_json::Value;
 // Cargo would build files in `tests` as separate test programs.
 #[path = "command_line/barcode.rs"]
 mod barcode;
+#[path = "command_line/calibrated.rs"]
+mod calibrated;
 #[path = "command_line/files.rs"]
 mod files;
 #[path = "command_line/hostile.rs"]

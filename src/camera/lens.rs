@@ -152,7 +152,7 @@ impl Lens {
     /// the lens has no inverse.
     pub(super) fn undistorted(&self, distorted: &Vector2<f64>, fold: f64) -> Option<Vector2<f64>> {
         let goal = distorted.norm();
-        if goal == 0.0 && self.tangential == [0.0; 2] && self.prism == [0.0; 4] {
+        if goal == 0.0 && self.tangential.iter().chain(&self.prism).all(|p| *p == 0.0) {
             return Some(Vector2::zeros());
         }
         let radius = self.radial.inverse(goal, fold);
@@ -229,9 +229,9 @@ impl Radial {
             let (factor, slope) = self.factor(r * r);
             let off = r * factor - goal;
             if off > 0.0 {
-                above = r
+                above = r;
             } else {
-                below = r
+                below = r;
             }
             let next = r - off / (factor + 2.0 * r * r * slope);
             let next = if next > below && next < above { next } else { 0.5 * (below + above) };

@@ -9,7 +9,7 @@ use super::arguments::{on_threads, point_pair, threads};
 use super::console::tell;
 use super::estimate::watched;
 use super::overrides::Overrides;
-use super::result_output::ResultArguments;
+use super::result_output::{Beside, ResultArguments};
 use crate::estimate::{CancelFlag, Estimate, Method, Monitor, PreparedPair, Preset, estimate_prepared};
 use crate::geometry::PointPair;
 use crate::io::{SequenceFile, read_sequence};
@@ -85,7 +85,13 @@ pub(super) fn run(arguments: &BarcodeArguments) -> Result<(), CliError> {
         let found: Estimate = watched(compute)?;
         Ok((pictures, found, offset))
     })??;
-    output.write(&found, &arguments.pairs, &pictures, &parameters, Some(offset), None)
+    output.write(
+        &found,
+        &arguments.pairs,
+        &pictures,
+        &parameters,
+        Beside { offset: Some(offset), ..Beside::default() },
+    )
 }
 
 /// Reads both sequences and prints their notes.

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::CliError;
 use crate::camera::ViewPair;
+use crate::estimate::Match;
 use crate::foreign::shown_path;
 use crate::geometry::PointPair;
 use crate::image::Picture;
@@ -88,4 +89,18 @@ pub(super) fn undistorted_pairs(pairs: &[PointPair], views: &ViewPair) -> Result
         })
     };
     pairs.iter().enumerate().map(place).collect()
+}
+
+/// Moves matches from elsewhere to their places in the views. Those beyond the range of a lens are left
+/// out.
+pub(super) fn undistort_matches(matches: &mut Option<Vec<Match>>, views: &ViewPair) -> Result<(), CliError> {
+    let Some(all) = matches else { return Ok(()) };
+    let moved = |found: &Match| Some(Match { pair: views.undistorted_from_original(&found.pair)?, ..*found });
+    *all = all.iter().filter_map(moved).collect();
+    if all.is_empty() {
+        return Err(CliError::Arguments(
+            "all matches lie where the distortion of the lens has no inverse".into(),
+        ));
+    }
+    Ok(())
 }

@@ -1,5 +1,6 @@
 //! `epiline estimate`: F from point pairs, or from the images alone.
 
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -7,15 +8,17 @@ use clap::Args;
 
 use super::CliError;
 use super::arguments::{ImagePair, on_threads, point_pair, threads};
-use super::calibration::{CalibrationArguments, undistorted, undistorted_pairs};
+use super::calibration::{CalibrationArguments, undistort_matches, undistorted, undistorted_pairs};
 use super::console::tell;
 use super::overrides::Overrides;
-use super::result_output::ResultArguments;
+use super::result_output::{Beside, ResultArguments};
 use crate::estimate::{
-    CancelFlag, Estimate, EstimateError, Method, Monitor, Preset, Progress, Search, estimate,
+    CancelFlag, Estimate, EstimateError, Method, Monitor, PreparedPair, Preset, Progress, Search, estimate,
+    estimate_prepared,
 };
 use crate::geometry::PointPair;
 use crate::image::Picture;
+use crate::io::read_matches;
 
 /// Estimate the fundamental matrix of two images from point pairs, or from none
 #[derive(Debug, Args)]
@@ -40,6 +43,10 @@ pub(super) struct EstimateArguments {
     /// Number of threads, by default one per core
     #[arg(long, value_parser = threads)]
     threads: Option<usize>,
+    /// Matches of another program (text, JSON, or .npz with the names of matchers): their geometry
+    /// competes with the program's own, and the images judge it
+    #[arg(long, value_name = "FILE", conflicts_with = "method")]
+    matches: Option<PathBuf>,
     #[command(flatten)]
     calibration: CalibrationArguments,
     #[command(flatten)]
@@ -56,7 +63,8 @@ struct EstimateInput {
 
 /// Estimates F, writes the JSON file and prints the summary.
 pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
-    let files = arguments.images.files().chain(arguments.calibration.files());
+    let files =
+        arguments.images.files().chain(arguments.calibration.files()).chain(arguments.matches.as_deref());
     let output = arguments.result.prepare(&files.collect::<Vec<_>>())?;
     let mut parameters = arguments.overrides.parameters(arguments.preset)?;
     parameters.seed = arguments.seed;
@@ -68,17 +76,29 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     parameters.method = arguments.method.unwrap_or(fallback);
 
     let calibrated = arguments.calibration.read()?;
+    let mut given = arguments.matches.as_deref().map(read_matches).transpose()?;
     let mut input = input(arguments, parameters.pairs_needed(), parameters.method)?;
     let views = calibrated.map(|calibrated| calibrated.views(&input.pictures)).transpose()?;
     if let Some(views) = &views {
         input.pairs = undistorted_pairs(&input.pairs, views)?;
+        undistort_matches(&mut given, views)?;
         input.pictures = undistorted(input.pictures, views);
     }
     let [image1, image2] = &input.pictures;
-    let compute =
-        |monitor: &Monitor| estimate(&image1.gray, &image2.gray, &input.pairs, &parameters, monitor);
+    let compute = |monitor: &Monitor| {
+        let Some(given) = &given else {
+            return estimate(&image1.gray, &image2.gray, &input.pairs, &parameters, monitor);
+        };
+        let mut prepared = PreparedPair::new(&image1.gray, &image2.gray);
+        if let Err(error) = prepared.add_matches(given, parameters.seed) {
+            tell(format_args!("warning: the matches are not used: {error}"));
+        }
+        estimate_prepared(&prepared, &input.pairs, &parameters, monitor)
+    };
     let found = on_threads(arguments.threads, || watched(compute))??;
-    output.write(&found, &input.pairs, &input.pictures, &parameters, None, views.as_ref())
+    let given: Vec<PointPair> = given.iter().flatten().map(|found| found.pair).collect();
+    let beside = Beside { views: views.as_ref(), given: &given, ..Beside::default() };
+    output.write(&found, &input.pairs, &input.pictures, &parameters, beside)
 }
 
 /// Reads the images after checking the number of pairs, which is faster. A built-in pair has its

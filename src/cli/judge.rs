@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::CliError;
 use super::arguments::{ImagePair, on_threads, pixels, threads};
-use super::calibration::{CalibrationArguments, undistorted, undistorted_pairs};
+use super::calibration::{CalibrationArguments, undistort_matches, undistorted};
 use super::estimate::watched;
 use super::output::Output;
 use crate::camera::{PoseDifference, RelativePose, ViewPair, fit_pose};
@@ -19,7 +19,7 @@ use crate::estimate::{Match, Monitor, Parameters, Verdict, estimate, estimate_fu
 use crate::foreign::{reason, shown_path};
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
 use crate::image::Picture;
-use crate::io::{CalibratedCamera, GeometryFile, read_camera, read_point_pairs, refuse_clashes};
+use crate::io::{CalibratedCamera, GeometryFile, read_camera, read_matches, refuse_clashes};
 use crate::judge::{
     FEWEST_MATCHES, Finding, GivenGeometry, Judgement, LIMIT, ROW_LIMIT, Reference, RowJudgement, judge,
     judge_rows,
@@ -106,20 +106,20 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     let calibrated = arguments.calibration.read()?;
     let needs_file = !arguments.rectified && calibrated.is_none();
     let mut given = if needs_file { Some(arguments.given()?) } else { None };
-    let mut matches = arguments.matches.as_deref().map(read_point_pairs).transpose()?;
+    let mut matches = arguments.matches.as_deref().map(read_matches).transpose()?;
     let (mut pictures, _) = arguments.images.load()?;
     let mut stereo = None;
     if let Some(calibrated) = calibrated {
         let (pose, _) = CalibratedCamera::relative_pose(&calibrated.cameras).ok_or_else(no_pose)?;
         let views = calibrated.views(&pictures)?;
-        matches = matches.map(|pairs| undistorted_pairs(&pairs, &views)).transpose()?;
+        undistort_matches(&mut matches, &views)?;
         pictures = undistorted(pictures, &views);
         given = Some(of_pose(&pose, &views).ok_or_else(no_pose)?);
         stereo = Some((pose, views));
     }
     let frames = pictures.each_ref().map(Picture::frame);
     let shown = match matches {
-        Some(matches) => of_matches(matches, frames, arguments.seed)?,
+        Some(matches) => of_matches(&matches, frames, arguments.seed)?,
         None => of_images(&pictures, arguments)?,
     };
     let too_few = || {
@@ -206,12 +206,11 @@ fn of_images(pictures: &[Picture; 2], arguments: &JudgeArguments) -> Result<Show
 }
 
 /// Fits a geometry to given matches.
-fn of_matches(matches: Vec<PointPair>, frames: [Frame; 2], seed: u64) -> Result<Shown, CliError> {
-    let all: Vec<Match> = matches.iter().copied().map(Match::from).collect();
-    let fit = estimate_fundamental(&all, frames, seed)
+fn of_matches(matches: &[Match], frames: [Frame; 2], seed: u64) -> Result<Shown, CliError> {
+    let fit = estimate_fundamental(matches, frames, seed)
         .map_err(|error| CliError::Arguments(format!("the matches cannot be used: {error}")))?;
-    let right = matches.into_iter().zip(&fit.inlier_probabilities).filter(|(_, right)| **right > 0.5);
-    let matches = right.map(|(pair, _)| pair).collect();
+    let right = matches.iter().zip(&fit.inlier_probabilities).filter(|(_, right)| **right > 0.5);
+    let matches = right.map(|(found, _)| found.pair).collect();
     Ok(Shown { fundamental: fit.fundamental, matches, is_trusted: true, verdict: None })
 }
 

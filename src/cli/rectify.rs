@@ -38,7 +38,7 @@ pub(super) struct RectifyArguments {
     /// Method of rectification
     #[arg(long, value_enum, default_value_t)]
     method: RectifyMethod,
-    /// Matches for measuring the row errors: a file of rows x1 y1 x2 y2
+    /// Matches for measuring the row errors, by default those of the result
     #[arg(long, value_name = "FILE")]
     matches: Option<PathBuf>,
     /// Write a pair that a stereo program reads, with its calibration: parallel cameras, positive
@@ -77,23 +77,16 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let (pictures, known) = arguments.images.load()?;
     let mut matches = given.or(known).unwrap_or_default();
     let views = calibrated.as_ref().map(|calibrated| calibrated.views(&pictures)).transpose()?;
-    let fundamental = match fundamental.transpose()? {
-        Some((fundamental, found)) => {
-            // Matches of a result tell the sign of the baseline.
-            if matches.is_empty() && arguments.program.is_some() {
-                matches = found;
-            } else if let Some(views) = &views {
-                matches = undistorted_pairs(&matches, views)?;
-            }
-            Some(fundamental)
+    let fundamental = fundamental.transpose()?;
+    if let Some(views) = &views {
+        matches = undistorted_pairs(&matches, views)?;
+    }
+    let fundamental = fundamental.map(|(fundamental, found)| {
+        if matches.is_empty() {
+            matches = found;
         }
-        None => {
-            if let Some(views) = &views {
-                matches = undistorted_pairs(&matches, views)?;
-            }
-            None
-        }
-    };
+        fundamental
+    });
     let posed = calibrated.zip(views).map(|(c, views)| posed(&c, &views, fundamental.as_ref(), &matches));
     let limits = arguments.max_megapixels.map_or_else(Limits::default, |pixels| Limits { pixels });
     let images = pictures.iter().filter_map(|picture| picture.path.as_deref());

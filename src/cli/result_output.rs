@@ -10,7 +10,7 @@ use super::geometry_file::{GeometryOutput, image_notes};
 use super::output::Output;
 use crate::camera::{PoseFit, ViewPair, fit_pose};
 use crate::estimate::{Estimate, Parameters};
-use crate::geometry::{Camera, PointPair};
+use crate::geometry::{Camera, PointPair, median, sampson_distance};
 use crate::image::Picture;
 use crate::io::{
     Format, GeometryFile, PairLabel, PairOrigin, ResultFile, TrustNote, refuse_clashes, result_in_words,
@@ -38,6 +38,17 @@ pub(super) struct ResultOutput {
     export: Option<GeometryOutput>,
 }
 
+/// Input of an estimate beside images and pairs.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Beside<'a> {
+    /// Time offset of two sequences.
+    pub(super) offset: Option<i32>,
+    /// Views of calibrated cameras.
+    pub(super) views: Option<&'a ViewPair>,
+    /// Matches from elsewhere.
+    pub(super) given: &'a [PointPair],
+}
+
 impl ResultArguments {
     /// Checks the outputs. Fails if one cannot be written, or would overwrite an input or the other
     /// output.
@@ -55,17 +66,16 @@ impl ResultArguments {
 }
 
 impl ResultOutput {
-    /// Writes the result. `offset` is the time offset of two sequences; `views` are those of
-    /// calibrated cameras.
+    /// Writes the result.
     pub(super) fn write(
         self,
         found: &Estimate,
         pairs: &[PointPair],
         pictures: &[Picture; 2],
         parameters: &Parameters,
-        offset: Option<i32>,
-        views: Option<&ViewPair>,
+        beside: Beside,
     ) -> Result<(), CliError> {
+        let Beside { offset, views, given } = beside;
         let pose = views.and_then(|views| pose(found, views));
         if let Some(export) = self.export {
             let cameras = views.zip(pose.as_ref()).and_then(|(views, fit)| cameras(views, fit));
@@ -74,6 +84,10 @@ impl ResultOutput {
         let images = image_notes(pictures);
         let mut result = ResultFile::new(found, pairs, &images, parameters).at_offset(offset);
         let mut words = result_in_words(found, &images);
+        if !given.is_empty() {
+            result = result.with_given(given);
+            words += &given_in_words(found, given);
+        }
         if let Some(views) = views {
             result = result.calibrated(views, pose.as_ref());
             words += &pose
@@ -85,6 +99,17 @@ impl ResultOutput {
         }
         self.output.write(&result, &words)
     }
+}
+
+/// Describes how well matches from elsewhere fit the result.
+fn given_in_words(found: &Estimate, given: &[PointPair]) -> String {
+    let distances: Vec<f64> = given.iter().map(|pair| sampson_distance(found.fundamental(), pair)).collect();
+    let near = distances.iter().filter(|distance| **distance < 1.0).count();
+    format!(
+        "Given matches: {near} of {} are within 1 px of the result, half of all within {:.2} px\n",
+        given.len(),
+        median(distances)
+    )
 }
 
 /// Refines the pose of a result on its matches.

@@ -7,6 +7,7 @@ mod geometry_file;
 mod ground_truth;
 mod hash;
 mod identity;
+mod match_file;
 mod npy;
 mod number;
 mod output;
@@ -34,6 +35,7 @@ pub use geometry_file::{
 pub use ground_truth::{GroundTruth, TruthError, TruthOrigin};
 #[doc(hidden)]
 pub use identity::refuse_clashes;
+pub use match_file::read_matches;
 pub use npy::matrix_as_npy;
 #[doc(hidden)]
 pub use output::OutputFile;

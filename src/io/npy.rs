@@ -1,4 +1,4 @@
-//! NumPy's format for one array: `numpy.load` reads it.
+//! NumPy's format for one array.
 //!
 //! A file of version 1.0 begins with `\x93NUMPY`, the version, and the length of the header as
 //! 16 bits, little-endian. The header is a Python dictionary in ASCII, padded with spaces and ended
@@ -25,9 +25,98 @@ pub fn matrix_as_npy(matrix: &Matrix3<f64>) -> Vec<u8> {
     file
 }
 
+/// Array of numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Array {
+    pub shape: Vec<usize>,
+    /// Numbers in C order. Numbers that are not finite stay as they are.
+    pub numbers: Vec<f64>,
+}
+
+impl Array {
+    /// Reads the content of a file.
+    ///
+    /// # Errors
+    /// A clause for the user.
+    pub fn parse(file: &[u8]) -> Result<Self, String> {
+        let damaged = || "the array is damaged".to_owned();
+        let rest = file.strip_prefix(b"\x93NUMPY").ok_or("this is not a NumPy array")?;
+        let (version, rest) = rest.split_at_checked(2).ok_or_else(damaged)?;
+        let size = if version[0] == 1 { 2 } else { 4 };
+        let (length, rest) = rest.split_at_checked(size).ok_or_else(damaged)?;
+        let length = length.iter().rev().fold(0, |sum: usize, byte| sum << 8 | usize::from(*byte));
+        let (header, data) = rest.split_at_checked(length).ok_or_else(damaged)?;
+        let header = std::str::from_utf8(header).map_err(|_| damaged())?;
+        let entry = |name: &str| header.split_once(&format!("'{name}':")).map(|(_, rest)| rest.trim_start());
+        let kind = entry("descr").and_then(|rest| rest.split('\'').nth(1)).ok_or_else(damaged)?;
+        if entry("fortran_order").is_none_or(|rest| !rest.starts_with("False")) {
+            return Err("the array is in Fortran order. Save it with numpy.ascontiguousarray".into());
+        }
+        let shape =
+            entry("shape").and_then(|rest| rest.strip_prefix('(')?.split_once(')')).ok_or_else(damaged)?.0;
+        let sides = shape.split(',').map(str::trim).filter(|side| !side.is_empty());
+        let shape: Vec<usize> =
+            sides.map(|side| side.parse().map_err(|_| damaged())).collect::<Result<_, _>>()?;
+        let count =
+            shape.iter().try_fold(1usize, |product, side| product.checked_mul(*side)).ok_or_else(damaged)?;
+        let (width, number) = number_of(kind)?;
+        if count.checked_mul(width).is_none_or(|bytes| bytes != data.len()) {
+            return Err(damaged());
+        }
+        Ok(Self { shape, numbers: data.chunks_exact(width).map(number).collect() })
+    }
+}
+
+/// Conversion of the bytes of a number.
+type Conversion = fn(&[u8]) -> f64;
+
+/// Returns the width in bytes of a kind of number, and its conversion.
+fn number_of(kind: &str) -> Result<(usize, Conversion), String> {
+    macro_rules! of {
+        ($t:ty, $convert:expr) => {
+            Ok((size_of::<$t>(), |bytes| $convert(<$t>::from_le_bytes(bytes.try_into().unwrap_or_default()))))
+        };
+    }
+    match kind {
+        "<f8" => of!(f64, |v: f64| v),
+        "<f4" => of!(f32, f64::from),
+        "<i8" => of!(i64, |v: i64| v as f64),
+        "<u8" => of!(u64, |v: u64| v as f64),
+        "<i4" => of!(i32, f64::from),
+        "<u4" => of!(u32, f64::from),
+        "<i2" => of!(i16, f64::from),
+        "<u2" => of!(u16, f64::from),
+        "|i1" => of!(i8, f64::from),
+        "|u1" | "|b1" => of!(u8, f64::from),
+        other => {
+            let other = crate::foreign::excerpt(other);
+            Err(format!("arrays of {other} are not read. Save it as float64"))
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn arrays_come_back_and_damaged_ones_are_refused() {
+        let file = matrix_as_npy(&Matrix3::new(1.0, -2.5, 3.0, 4.0, 5e-300, 6.0, 7.0, 8.0, 9.0));
+        let array = Array::parse(&file).unwrap();
+        assert_eq!((array.shape, array.numbers[1]), (vec![3, 3], -2.5));
+        for end in 0..file.len() {
+            assert!(Array::parse(&file[..end]).is_err(), "{end}");
+        }
+        let text = |from: &str, to: &str| {
+            let at = file.windows(from.len()).position(|part| part == from.as_bytes()).unwrap();
+            let mut changed = file.clone();
+            changed[at..at + from.len()].copy_from_slice(to.as_bytes());
+            Array::parse(&changed).unwrap_err()
+        };
+        assert!(text("<f8", "<c8").contains("float64"));
+        assert!(text("False", "True ").contains("Fortran"));
+        assert!(text("(3, 3)", "(3, 4)").contains("damaged"));
+    }
 
     #[test]
     fn the_file_has_the_header_of_version_1_and_the_rows_in_order() {

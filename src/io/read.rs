@@ -72,9 +72,21 @@ pub(super) fn limited(sentence: &str) -> String {
 
 /// Reads a whole text file.
 pub(super) fn read_text(path: &Path) -> Result<String, ReadError> {
+    text_of(path, read_bytes(path)?)
+}
+
+/// Returns the text of a file's bytes.
+pub(super) fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, ReadError> {
+    let text = String::from_utf8(bytes).map_err(|_| ReadError::content(path, "this is not a text file"))?;
+    // Spreadsheet programs write a byte order mark before the first number.
+    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
+}
+
+/// Reads a whole file up to the limit for text files.
+pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
     let input = open_input(path).map_err(|reason| ReadError::Open { path: shown_path(path), reason })?;
     let large = || {
-        let problem = format!("the file is larger than {} MiB, the limit for text files", MOST_BYTES >> 20);
+        let problem = format!("the file is larger than {} MiB, the limit", MOST_BYTES >> 20);
         Err(ReadError::content(path, problem))
     };
     if input.size.is_some_and(|size| size > MOST_BYTES) {
@@ -86,9 +98,7 @@ pub(super) fn read_text(path: &Path) -> Result<String, ReadError> {
     if count.map_err(|e| ReadError::open(path, &e))? as u64 > MOST_BYTES {
         return large();
     }
-    let text = String::from_utf8(bytes).map_err(|_| ReadError::content(path, "this is not a text file"))?;
-    // Spreadsheet programs write a byte order mark before the first number.
-    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
+    Ok(bytes)
 }
 
 /// Returns the entries of a folder, sorted to be independent of the file system.

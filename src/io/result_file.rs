@@ -72,6 +72,12 @@ pub struct ResultFile<'a> {
     pairs: Vec<[f64; 4]>,
     /// Symmetric epipolar distance of every pair given, px.
     pair_distances: Vec<f64>,
+    /// Matches from elsewhere, `x1 y1 x2 y2`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    given_matches: Vec<[f64; 4]>,
+    /// Sampson distance of each match from elsewhere, px.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    given_distances: Vec<f64>,
     /// Matches used in place of clicks, `x1 y1 x2 y2`.
     chosen: Vec<[f64; 4]>,
     /// Names of the pairs, if known; empty for a pair without a name.
@@ -222,6 +228,8 @@ impl<'a> ResultFile<'a> {
                 .iter()
                 .map(|p| symmetric_epipolar_distance(found.fundamental(), p))
                 .collect(),
+            given_matches: Vec::new(),
+            given_distances: Vec::new(),
             chosen: trace.map_or_else(Vec::new, |t| t.clicks.chosen().iter().map(numbers).collect()),
             pair_names: Vec::new(),
             pair_origins: Vec::new(),
@@ -235,6 +243,14 @@ impl<'a> ResultFile<'a> {
     #[must_use]
     pub fn at_offset(mut self, offset: Option<i32>) -> Self {
         self.frame_offset = offset;
+        self
+    }
+
+    /// Adds matches from elsewhere, with their distances from the result.
+    #[must_use]
+    pub fn with_given(mut self, matches: &[PointPair]) -> Self {
+        self.given_distances = matches.iter().map(|pair| sampson_distance(self.fundamental, pair)).collect();
+        self.given_matches = matches.iter().map(numbers).collect();
         self
     }
 

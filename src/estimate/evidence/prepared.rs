@@ -8,9 +8,10 @@ use crate::estimate::evidence::features::MatchedFeatures;
 use crate::estimate::evidence::lazy::Lazy;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::PatchLevels;
+use crate::estimate::fit::{Match, MatchFitError, estimate_fundamental};
 use crate::estimate::{CancelFlag, EstimateError, Parameters, PencilParameters};
 use crate::features::FeatureViews;
-use crate::geometry::{Frame, PointPair};
+use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::image::{GrayPlane, PyramidPair, RelativeView};
 use crate::motion::{MotionError, Silhouettes};
 use crate::similarity::{BarcodeSource, LineMeasure, PictureSource, SimilarityParameters, SimilaritySource};
@@ -27,6 +28,15 @@ pub struct PreparedPair {
     views: Mutex<VecDeque<Arc<PatchLevels>>>,
     pencils: PencilCache,
     silhouettes: Option<[Arc<Silhouettes>; 2]>,
+    given: Option<GivenMatches>,
+}
+
+/// Matches from elsewhere, with the geometry that they agree on.
+#[derive(Debug)]
+pub(in crate::estimate) struct GivenMatches {
+    pub fundamental: FundamentalMatrix,
+    /// Matches that the geometry explains.
+    pub inliers: Vec<PointPair>,
 }
 
 /// Least longer side of a pyramid level, px. Parameters that ask for smaller images get the
@@ -47,7 +57,26 @@ impl PreparedPair {
             views: Mutex::default(),
             pencils: PencilCache::default(),
             silhouettes: None,
+            given: None,
         }
+    }
+
+    /// Adds matches from elsewhere. The geometry that they agree on competes with the program's own; the
+    /// images judge it as strictly. It is the result where the images alone show none.
+    ///
+    /// # Errors
+    /// Those of [`estimate_fundamental`]; nothing is added then.
+    pub fn add_matches(&mut self, matches: &[Match], seed: u64) -> Result<(), MatchFitError> {
+        let fit = estimate_fundamental(matches, self.frames(), seed)?;
+        let inliers = matches.iter().zip(&fit.inlier_probabilities).filter(|(_, right)| **right > 0.5);
+        let inliers = inliers.map(|(found, _)| found.pair).collect();
+        self.given = Some(GivenMatches { fundamental: fit.fundamental, inliers });
+        Ok(())
+    }
+
+    /// Returns the matches from elsewhere.
+    pub(in crate::estimate) fn given(&self) -> Option<&GivenMatches> {
+        self.given.as_ref()
     }
 
     /// Adds the silhouettes of moving objects in front of two static cameras. Both sequences have

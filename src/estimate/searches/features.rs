@@ -9,9 +9,10 @@ use super::record::SearchRecord;
 use super::refinement::refine_ranked;
 use crate::estimate::evidence::features::{
     FeatureEvidence, FeatureHypothesis, FeatureSearchParameters, hypotheses_from_features, is_same_view,
-    view_of,
+    view_of, view_of_pairs,
 };
 use crate::estimate::evidence::patches::{Proposal, rank_fine};
+use crate::estimate::evidence::prepared::GivenMatches;
 use crate::estimate::evidence::viewed::ViewedPair;
 use crate::estimate::verdict::selection::{ClickedPairs, select};
 use crate::estimate::{Clicks, Estimate, EstimateError, FeatureParameters, Parameters, PreparedPair, Stage};
@@ -55,10 +56,19 @@ impl FeatureProposals {
             seed: parameters.seed,
             ..FeatureSearchParameters::default()
         };
-        let hypotheses = hypotheses_from_features(&evidence, &search);
+        let mut hypotheses = hypotheses_from_features(&evidence, &search);
         record.cancel().check()?;
+        let frames = prepared.frames();
+        let mut given_view = None;
+        if let Some(GivenMatches { fundamental, inliers }) = prepared.given() {
+            let own = hypotheses.first().map_or(0.0, |best| best.score);
+            let matches = inliers.clone();
+            hypotheses.insert(0, FeatureHypothesis { fundamental: *fundamental, score: own, matches });
+            given_view = view_of_pairs(inliers, frames);
+        }
         let mut views: Vec<RelativeView> = Vec::new();
-        for view in hypotheses.iter().filter_map(|h| view_of(&h.fundamental, features, prepared.frames())) {
+        let found = hypotheses.iter().filter_map(|h| view_of(&h.fundamental, features, frames));
+        for view in given_view.into_iter().chain(found) {
             if views.len() < parameters.features.views
                 && !views.iter().any(|known| is_same_view(known, &view))
             {

@@ -8,10 +8,11 @@
 //! Stand-ins are not observations: fits and verdicts ignore them.
 
 use super::features::FeatureProposals;
-use super::judged::Judged;
+use super::judged::{Found, Judged};
 use super::patches;
 use super::record::SearchRecord;
 use super::stand_ins::{drawn_stand_ins, farthest_apart, putative_matches};
+use crate::estimate::evidence::prepared::GivenMatches;
 use crate::estimate::evidence::viewed::ViewedPair;
 use crate::estimate::verdict::selection::{ClickedPairs, select};
 use crate::estimate::{Clicks, EstimateError, Parameters, PreparedPair};
@@ -53,7 +54,19 @@ pub(in crate::estimate) fn search(
     }
     let clicked = ClickedPairs { pairs: &clicks.observed(), sigma: parameters.click_sigma };
     let best = select(&all, &clicked).map(|k| all.swap_remove(k));
-    best.ok_or(EstimateError::NothingWithoutClicks)
+    let of_given = || {
+        // The images alone show nothing, so the matches from elsewhere decide.
+        let GivenMatches { fundamental, inliers } = prepared.given()?;
+        let found = Found {
+            fundamental: *fundamental,
+            hypotheses: Vec::new(),
+            supporting: inliers.clone(),
+            refined: None,
+            clicks_alone: false,
+        };
+        Some(Judged::of(found, &viewed, clicks, parameters, record))
+    };
+    best.or_else(of_given).ok_or(EstimateError::NothingWithoutClicks)
 }
 
 /// Returns the clicks, with two matches that the leading proposal explains as stand-ins, if there
@@ -70,10 +83,16 @@ fn with_stand_ins(prepared: &PreparedPair, clicks: &Clicks, proposals: &FeatureP
 
 #[cfg(test)]
 mod tests {
+    use std::cell::RefCell;
+
+    use rand::RngExt;
+
     use super::*;
-    use crate::estimate::exact::ExactScene;
-    use crate::estimate::{ClickRole, Method, Monitor, Preset, estimate_prepared};
+    use crate::estimate::exact::{ExactScene, FRAME};
+    use crate::estimate::sampling::{Purpose, stream};
+    use crate::estimate::{ClickRole, Estimate, Match, Method, Monitor, Preset, Verdict, estimate_prepared};
     use crate::geometry::PointPair;
+    use crate::image::GrayPlane;
 
     #[test]
     fn no_click_is_needed_and_stand_ins_are_no_observations() {
@@ -96,6 +115,42 @@ mod tests {
             assert_eq!(shown, trace.clicks.chosen(), "to look at");
             assert_eq!(found.fundamental(), run(pairs).fundamental(), "the seed decides");
         }
+    }
+
+    #[test]
+    fn matches_from_elsewhere_compete_and_the_images_judge_them() {
+        let scene = ExactScene::aside();
+        let run = |matches: &[PointPair]| {
+            let mut prepared = scene.prepared();
+            if !matches.is_empty() {
+                let matches: Vec<Match> = matches.iter().copied().map(Match::from).collect();
+                prepared.add_matches(&matches, 0).unwrap();
+            }
+            estimate_prepared(&prepared, &[], &Parameters::default(), &Monitor::silent()).unwrap()
+        };
+        let right = run(&scene.pairs(60));
+        assert!(scene.error(right.fundamental()) < 0.3);
+        let verdict = |found: &Estimate| found.assessment.trust.as_ref().unwrap().verdict;
+        assert_eq!(verdict(&right), verdict(&run(&[])), "as strict as without");
+        // Matches of another motion agree with each other, and not with the images.
+        let other = ExactScene::moved([0.3, 0.02, 0.3]);
+        let misled = run(&other.pairs(60));
+        assert!(scene.error(misled.fundamental()) < 0.3, "{}", scene.error(misled.fundamental()));
+    }
+
+    #[test]
+    fn matches_from_elsewhere_decide_where_the_images_show_nothing_and_are_not_trusted() {
+        let scene = ExactScene::aside();
+        // Noise without any common texture.
+        let noise = |seed: u64| {
+            let rng = RefCell::new(stream(seed, Purpose::PutativePairs, 0));
+            GrayPlane::from_fn(FRAME, |_, _| 255.0 * rng.borrow_mut().random::<f32>())
+        };
+        let mut prepared = PreparedPair::new(&noise(1), &noise(2));
+        let matches: Vec<Match> = scene.pairs(60).into_iter().map(Match::from).collect();
+        prepared.add_matches(&matches, 0).unwrap();
+        let found = estimate_prepared(&prepared, &[], &Parameters::default(), &Monitor::silent()).unwrap();
+        assert!(found.assessment.trust.as_ref().unwrap().verdict != Verdict::Reliable);
     }
 
     #[test]

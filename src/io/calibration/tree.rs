@@ -160,7 +160,7 @@ fn kalibr(root: &Object) -> Result<Option<Vec<CalibratedCamera>>, String> {
         // From the camera before, or through the inertial unit.
         let chain = matrix("T_cn_cnm1").map_err(told)?;
         let imu = matrix("T_cam_imu").map_err(told)?;
-        let to_imu = matrix("T_imu_cam").map_err(told)?.and_then(|m| m.try_inverse());
+        let to_imu = matrix("T_imu_cam").map_err(told)?.and_then(Matrix4::try_inverse);
         from_first = match (chain, from_first) {
             (Some(step), Some(before)) if k > 0 => Some(step * before),
             (None, _) if k > 0 => None,
@@ -174,7 +174,7 @@ fn kalibr(root: &Object) -> Result<Option<Vec<CalibratedCamera>>, String> {
             })
             .transpose()?;
         let frame = frame(object);
-        cameras.push(CalibratedCamera { model, frame, pose, name });
+        cameras.push(CalibratedCamera { name, model, frame, pose });
     }
     Ok(Some(cameras))
 }

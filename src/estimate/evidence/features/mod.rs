@@ -14,7 +14,7 @@ mod rematching;
 mod views;
 
 pub(in crate::estimate) use matched::MatchedFeatures;
-pub(in crate::estimate) use views::{is_same_view, view_of};
+pub(in crate::estimate) use views::{is_same_view, view_of, view_of_pairs};
 
 use std::f64::consts::TAU;
 

@@ -3,7 +3,7 @@
 use crate::estimate::PreparedPair;
 use crate::estimate::evidence::features::MatchedFeatures;
 use crate::features::{FeatureMatch, FeatureViews};
-use crate::geometry::{Frame, FundamentalMatrix, median, sampson_distance, wrapped};
+use crate::geometry::{Frame, FundamentalMatrix, PointPair, median, sampson_distance, wrapped};
 use crate::image::RelativeView;
 
 /// Distance from its line within which a feature is explained, as a share of the longer side: 4 px
@@ -29,6 +29,20 @@ pub(in crate::estimate) fn view_of(
     let near = EXPLAINED * frames[0].longer_side();
     let explained = features.matches.iter().filter(|m| sampson_distance(f, &m.pair) < near);
     view_shared(&relations(features, explained), 0.0, frames)
+}
+
+/// Returns the view under which matches without orientation and scale look alike: from the
+/// differences between neighbouring matches of the list.
+pub(in crate::estimate) fn view_of_pairs(pairs: &[PointPair], frames: [Frame; 2]) -> Option<RelativeView> {
+    let step = (pairs.len() / 2).max(1);
+    let relation = |(a, b): (&PointPair, &PointPair)| {
+        let [in1, in2] = [b.point1 - a.point1, b.point2 - a.point2];
+        let turn = in2.y.atan2(in2.x) - in1.y.atan2(in1.x);
+        let scale = (in2.norm() / in1.norm()).ln();
+        (turn.is_finite() && scale.is_finite()).then_some((turn, scale))
+    };
+    let relations: Vec<(f64, f64)> = pairs.iter().zip(pairs.iter().skip(step)).filter_map(relation).collect();
+    view_shared(&relations, 0.0, frames)
 }
 
 /// Returns the rotation from each feature to its match, and the logarithm of the ratio of scales.

@@ -1,0 +1,208 @@
+//! Commands with a calibration, on the built-in pair seen through a lens.
+
+use epiline::camera::{CameraModel, UndistortedView};
+use epiline::geometry::{FundamentalMatrix, Point, PointPair, sampson_distance};
+use epiline::synthetic::Sample;
+use nalgebra::Matrix3;
+
+use super::*;
+
+/// The built-in pair through a lens, in a folder.
+struct LensPair {
+    pictures: Pictures,
+    camera: CameraModel,
+    clicks: Vec<PointPair>,
+    matches: Vec<PointPair>,
+}
+
+const FOCAL: f64 = 700.0;
+const DISTORTION: f64 = -0.15;
+
+impl LensPair {
+    fn new() -> Self {
+        let pictures = Pictures::new();
+        let sample = Sample::default().load();
+        let frame = sample.pictures[0].frame();
+        let (x, y) = (frame.centre().x, frame.centre().y);
+        // The centre of the top-left pixel is (0.5, 0.5) in COLMAP.
+        let parameters = [FOCAL, x + 0.5, y + 0.5, DISTORTION];
+        let camera = CameraModel::from_colmap("SIMPLE_RADIAL", &parameters).unwrap();
+        let pinhole = camera.without_distortion();
+        for (name, picture) in ["near.png", "far.png"].iter().zip(&sample.pictures) {
+            let drawn = picture.redrawn(frame, |p| pinhole.image_from_ray(&camera.ray_from_image(p)?));
+            drawn.pixels.save(pictures.path(name)).unwrap();
+        }
+        let (width, height) = (frame.width, frame.height);
+        let text = format!("1 SIMPLE_RADIAL {width} {height} {FOCAL} {} {} {DISTORTION}\n", x + 0.5, y + 0.5);
+        pictures.write("cameras.txt", &text);
+        let bent = |p: Point| camera.image_from_ray(&pinhole.ray_from_image(p)?);
+        let pair = |m: &PointPair| Some(PointPair { point1: bent(m.point1)?, point2: bent(m.point2)? });
+        let clicks = sample.show_me.iter().filter_map(pair).collect();
+        let matches = sample.matches.iter().filter_map(pair).collect();
+        Self { pictures, camera, clicks, matches }
+    }
+
+    fn command<'a>(&self, name: &'a str, rest: &[&'a str]) -> Output {
+        let [near, far, cameras] =
+            ["near.png", "far.png", "cameras.txt"].map(|name| self.pictures.text(name));
+        let start = [name, &near, &far, "--calibration", &cameras];
+        run(&[&start[..], rest].concat())
+    }
+
+    fn result(&self, name: &str, rest: &[&str]) -> Value {
+        let json = self.pictures.text(name);
+        let output = self.command("estimate", &[rest, &["--json", &json]].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        serde_json::from_slice(&std::fs::read(json).unwrap()).unwrap()
+    }
+
+    /// Median distance of the true matches from the lines of a result between views, px.
+    fn error(&self, result: &Value) -> f64 {
+        let frame = epiline::image::Picture::open(&self.pictures.path("near.png")).unwrap().frame();
+        let view = UndistortedView::new(&self.camera, frame).unwrap();
+        let entry = |r: usize, c: usize| result["fundamental"][r][c].as_f64().unwrap();
+        let f = FundamentalMatrix::from_rank_two(Matrix3::from_fn(entry)).unwrap();
+        let flat = |p: Point| view.undistorted_from_original(p).unwrap();
+        let mut distances: Vec<f64> = self
+            .matches
+            .iter()
+            .map(|m| sampson_distance(&f, &PointPair { point1: flat(m.point1), point2: flat(m.point2) }))
+            .collect();
+        distances.sort_by(f64::total_cmp);
+        distances[distances.len() / 2]
+    }
+}
+
+#[test]
+fn clicks_in_bent_pictures_give_the_geometry_of_straight_ones_and_a_pose() {
+    let lens = LensPair::new();
+    let words: Vec<String> = lens
+        .clicks
+        .iter()
+        .flat_map(|m| {
+            let PointPair { point1: p, point2: q } = m;
+            ["--pair".to_owned(), format!("{},{},{},{}", p.x, p.y, q.x, q.y)]
+        })
+        .collect();
+    let clicks: Vec<&str> = words.iter().map(String::as_str).collect();
+    for rest in [&clicks[..], &[]] {
+        let result = lens.result("result.json", rest);
+        let error = lens.error(&result);
+        assert!(error < 0.2, "{error} px");
+        assert_eq!(result["verdict"], "reliable");
+        let pose = &result["calibrated"]["pose"];
+        assert_eq!(pose["in_front"], pose["matches"]);
+        let view = &result["calibrated"]["views"][0];
+        assert_eq!((&view["is_original"], &view["original_matrix"][0][0]), (&false.into(), &FOCAL.into()));
+        let distances = result["calibrated"]["curve_distances"].as_array().unwrap();
+        let mut distances: Vec<f64> = distances.iter().map(|d| d.as_f64().unwrap()).collect();
+        distances.sort_by(f64::total_cmp);
+        assert!(distances[distances.len() / 2] < 0.2);
+    }
+    // Without the calibration the lines bend away.
+    let [near, far] = ["near.png", "far.png"].map(|name| lens.pictures.text(name));
+    let output = run(&["estimate", &near, &far]);
+    let summary = text(&output.stdout);
+    assert!(!summary.contains("Relative pose"), "{summary}");
+    // The result says that it belongs to other pictures.
+    let result = lens.pictures.text("result.json");
+    let folder = lens.pictures.text("rectified");
+    fails(&["rectify", &near, &far, "--fundamental", &result, "--output", &folder], 2, "--calibration");
+    let output = lens.command("rectify", &["--fundamental", &result, "--output", &folder, "--maps"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("Row error of"), "{}", text(&output.stdout));
+}
+
+#[test]
+fn a_stereo_calibration_is_judged_and_a_wrong_lens_is_found() {
+    let lens = LensPair::new();
+    let result = lens.result("result.json", &[]);
+    let pose = &result["calibrated"]["pose"];
+    let k = &result["calibrated"]["views"][0]["original_matrix"];
+    let stereo = |distortion: f64| {
+        serde_json::json!({
+            "K1": k, "K2": k, "D1": [distortion, 0, 0, 0], "D2": [DISTORTION, 0, 0, 0],
+            "R": pose["rotation"], "T": pose["translation"],
+        })
+    };
+    lens.pictures.write("right.json", &stereo(DISTORTION).to_string());
+    lens.pictures.write("wrong.json", &stereo(-DISTORTION).to_string());
+    let [near, far] = ["near.png", "far.png"].map(|name| lens.pictures.text(name));
+    for (name, status) in [("right.json", 0), ("wrong.json", 1)] {
+        let output = run(&["judge", &near, &far, "--calibration", &lens.pictures.text(name)]);
+        assert_eq!(output.status.code(), Some(status), "{name}: {}", text(&output.stdout));
+        if status == 0 {
+            assert!(text(&output.stdout).contains("which may be chance"), "{}", text(&output.stdout));
+        }
+    }
+    let single = lens.pictures.text("cameras.txt");
+    fails(&["judge", &near, &far, "--calibration", &single], 2, "does not tell where the second camera is");
+    let small = lens.pictures.text("left.png");
+    fails(&["estimate", &small, &far, "--calibration", &single], 2, "is for images of");
+    let right = lens.pictures.text("right.json");
+    fails(
+        &["estimate", &near, &far, "--calibration", &right, "--camera-names", "a", "b"],
+        2,
+        "there is no camera a",
+    );
+    fails(&["estimate", &near, &far, "--calibration", &near], 2, "not a text file");
+}
+
+#[test]
+fn pairs_for_stereo_programs_have_their_calibration() {
+    let lens = LensPair::new();
+    lens.result("result.json", &[]);
+    let result = lens.pictures.text("result.json");
+    for (program, file) in
+        [("opencv", "stereo.yml"), ("raft-stereo", "calib.txt"), ("foundation-stereo", "K.txt")]
+    {
+        let folder = lens.pictures.text(program);
+        let output =
+            lens.command("rectify", &["--fundamental", &result, "--for", program, "--output", &folder]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let written = std::fs::read_to_string(Path::new(&folder).join(file)).unwrap();
+        let left = if program == "raft-stereo" { "im0.png" } else { "left.png" };
+        let left = image::open(Path::new(&folder).join(left)).unwrap();
+        assert_eq!(left.color(), image::ColorType::Rgb8);
+        match program {
+            "opencv" => assert!(written.contains("Q: !!opencv-matrix"), "{written}"),
+            "raft-stereo" => assert!(written.contains(&format!("width={}", left.width())), "{written}"),
+            _ => {
+                let numbers: Vec<f64> = written.split_whitespace().map(|n| n.parse().unwrap()).collect();
+                assert_eq!(numbers.len(), 10);
+                // The focal length is kept.
+                assert!((numbers[0] - FOCAL).abs() < 1e-6 && numbers[9].to_bits() == 1.0f64.to_bits());
+            }
+        }
+    }
+    let cameras = lens.pictures.text("cameras.txt");
+    let [near, far] = ["near.png", "far.png"].map(|name| lens.pictures.text(name));
+    let folder = lens.pictures.text("none");
+    fails(
+        &["rectify", &near, &far, "--calibration", &cameras, "--for", "opencv", "--output", &folder],
+        2,
+        "does not tell where the second camera is",
+    );
+}
+
+#[test]
+fn matches_of_another_program_are_measured_and_bad_ones_are_not_used() {
+    let pictures = Pictures::new();
+    let sample = Sample::default().load();
+    let rows: Vec<String> = sample
+        .matches
+        .iter()
+        .map(|m| format!("{} {} {} {}", m.point1.x, m.point1.y, m.point2.x, m.point2.y))
+        .collect();
+    pictures.write("true.txt", &rows.join("\n"));
+    let given = pictures.text("true.txt");
+    let output = run(&["estimate", "--sample", "courtyard", "--matches", &given]);
+    let words = text(&output.stdout);
+    assert!(output.status.success() && words.contains("Given matches: "), "{words}");
+    let json = run(&["estimate", "--sample", "courtyard", "--matches", &given, "--json", "-"]);
+    let result: Value = serde_json::from_slice(&json.stdout).unwrap();
+    assert_eq!(result["given_matches"].as_array().unwrap().len(), sample.matches.len());
+    pictures.write("few.txt", "1 2 3 4\n5 6 7 8\n");
+    let output = run(&["estimate", "--sample", "courtyard", "--matches", &pictures.text("few.txt")]);
+    assert!(output.status.success() && text(&output.stderr).contains("the matches are not used"));
+}
