@@ -5,10 +5,10 @@
 use std::f64::consts::PI;
 
 use nalgebra::{Matrix2, Vector2, Vector3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Ideal projection of rays before distortion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Projection {
     /// `(X/Z, Y/Z)`; only rays in front of the camera.
@@ -18,7 +18,7 @@ pub enum Projection {
 }
 
 /// Factor by which a lens moves a point away from the principal point.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Radial {
     /// `(1 + n1 r² + n2 r⁴ + n3 r⁶ + n4 r⁸) / (1 + d1 r² + d2 r⁴ + d3 r⁶)` of the undistorted radius.
@@ -42,7 +42,7 @@ pub enum Radial {
 }
 
 /// A lens: ideal projection and distortion.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Lens {
     /// Ideal projection.
     pub projection: Projection,

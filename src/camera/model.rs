@@ -1,13 +1,14 @@
 //! Camera models: calibration matrix and lens.
 
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::lens::{Lens, Projection};
 use crate::geometry::Point;
 
 /// A camera model: calibration matrix and lens. The centre of the top-left pixel is (0, 0).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Written", into = "Written")]
 pub struct CameraModel {
     /// Focal lengths in x and y, px.
     focal: [f64; 2],
@@ -17,8 +18,30 @@ pub struct CameraModel {
     skew: f64,
     lens: Lens,
     /// Undistorted radius at which the lens folds back.
-    #[serde(skip)]
     fold: f64,
+}
+
+/// A camera model in files.
+#[derive(Serialize, Deserialize)]
+struct Written {
+    /// Calibration matrix as nested rows.
+    matrix: [[f64; 3]; 3],
+    lens: Lens,
+}
+
+impl From<CameraModel> for Written {
+    fn from(camera: CameraModel) -> Self {
+        Self { matrix: camera.calibration().transpose().data.0, lens: camera.lens }
+    }
+}
+
+impl TryFrom<Written> for CameraModel {
+    type Error = &'static str;
+
+    fn try_from(Written { matrix, lens }: Written) -> Result<Self, Self::Error> {
+        let calibration = Matrix3::from_fn(|row, column| matrix[row][column]);
+        Self::new(&calibration, lens).ok_or("the calibration of a camera is impossible")
+    }
 }
 
 impl CameraModel {

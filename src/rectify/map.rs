@@ -44,8 +44,8 @@ impl ImageMap {
     }
 
     /// Leads the map on through a view without distortion to the picture of the camera.
-    pub(super) fn through(self, view: UndistortedView) -> Self {
-        Self { view: Some(view), ..self }
+    pub(super) fn through(self, view: &UndistortedView) -> Self {
+        Self { view: Some(*view), ..self }
     }
 
     /// Traces row `y` of the picture in the image without distortion. `y` may lie between two rows.

@@ -118,7 +118,7 @@ impl Rectification {
     pub fn through(mut self, views: &[UndistortedView; 2]) -> Self {
         for (map, view) in self.maps.iter_mut().zip(views) {
             if !view.is_original() {
-                *map = map.clone().through(*view);
+                *map = map.clone().through(view);
             }
         }
         self

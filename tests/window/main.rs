@@ -2,6 +2,7 @@
 #![cfg(feature = "inspector")]
 
 mod album;
+mod calibrated;
 mod clipboard;
 mod computing;
 mod editing;

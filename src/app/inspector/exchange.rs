@@ -9,8 +9,8 @@ use crate::app::model::command::{ExchangeCommand, PickPurpose};
 use crate::app::model::comparison::Contestant;
 use crate::app::model::document::{Checked, Imported, Side};
 use crate::app::model::exchange::{
-    ExportContent, ExportKind, ExportOrder, ImportFound, ImportQuestion, ImportSource, ImportedMatrix,
-    PendingImport, ViewPart, content, sources, trust_note,
+    ExportContent, ExportKind, ExportOrder, ImportFound, ImportQuestion, ImportSource, ImportedFile,
+    ImportedMatrix, PendingImport, ViewPart, content, sources, trust_note,
 };
 use crate::app::model::history::Step;
 use crate::app::model::rectified::{Blink, RectifiedCommand, RectifiedLayout, RectifyOrder};
@@ -127,7 +127,8 @@ impl Inspector {
     /// Handles a finished import, and begins the next one once nothing else comes first.
     pub(super) fn take_imports(&mut self) {
         match self.tasks.importing.poll() {
-            Some(Ok(found)) => self.take_found(found),
+            Some(Ok(ImportedFile::Geometry(found))) => self.take_found(found),
+            Some(Ok(ImportedFile::Calibration { name, cameras })) => self.calibrate(&name, &cameras),
             Some(Err(problem)) => self.refuse(problem),
             None => {}
         }
@@ -144,7 +145,9 @@ impl Inspector {
         };
         let frames = pictures.each_ref().map(|picture| picture.frame);
         let matches = self.model.matches_for_import();
-        self.tasks.importing.begin(ImportQuestion { pending, frames, matches });
+        let shown = self.model.open.pictures.as_ref();
+        let shown = shown.map_or(frames, |pictures| pictures.each_ref().map(|opened| opened.shown().frame()));
+        self.tasks.importing.begin(ImportQuestion { pending, frames, shown, matches });
     }
 
     /// Applies a command about the rectified pair.

@@ -13,7 +13,8 @@ use crate::app::model::session::{OpenSession, has_session_extension};
 use crate::app::model::truth::NO_TRUTH;
 use crate::app::tasks::{LoadedPair, OpeningFailure};
 use crate::app::view::{OpenDialog, RelocateDialog};
-use crate::io::{PairOrigin, is_sequence};
+use crate::geometry::PointPair;
+use crate::io::{CalibratedCamera, PairOrigin, is_sequence};
 
 impl Inspector {
     /// Shows newly opened pictures, or a message.
@@ -58,7 +59,11 @@ impl Inspector {
     fn show_pictures(&mut self, ctx: &egui::Context, pair: LoadedPair) {
         // Another pair of the same folder belongs to the same session.
         let turns = pair.restored.is_none() && self.model.is_of_open_folder(pair.folder.as_ref());
-        let set_aside = !turns && self.set_aside();
+        if pair.is_calibrated {
+            // Points stay where they are in the pictures.
+            self.start_pairs = self.model.pairs_in_pictures();
+        }
+        let set_aside = !turns && !pair.is_calibrated && self.set_aside();
         self.note_recent(&pair);
         for (pane, opened) in self.view.panes.iter_mut().zip(&pair.pictures) {
             pane.set_picture(ctx, opened);
@@ -81,8 +86,9 @@ impl Inspector {
                 self.model.open.folder = folder;
             }
         }
-        let document = &mut self.model.document;
         let pairs = std::mem::take(&mut self.start_pairs);
+        let pairs: Vec<PointPair> = pairs.iter().filter_map(|pair| self.model.open.points_of(pair)).collect();
+        let document = &mut self.model.document;
         let (inside, outside): (Vec<_>, Vec<_>) = pairs.into_iter().partition(|pair| {
             let [frame1, frame2] = Side::BOTH.map(|side| document.frame(side));
             pair.is_finite()
@@ -103,6 +109,17 @@ impl Inspector {
         if set_aside {
             self.offer_left_behind();
         }
+    }
+
+    /// Undoes the distortion of the open pictures by the calibration of a file.
+    pub(super) fn calibrate(&mut self, name: &str, cameras: &[CalibratedCamera; 2]) {
+        let Some(pictures) = self.model.open.pictures.clone() else { return };
+        if pictures.iter().any(|opened| opened.recording.is_some()) {
+            self.refuse(format!("{name} is a calibration, which sequences cannot use. Nothing was changed."));
+            return;
+        }
+        self.tasks.loader.calibrate(pictures, [cameras[0].model, cameras[1].model]);
+        self.model.open.done.tell(format!("Lens calibrated by {name}"));
     }
 
     /// Adds the opened files to the recent ones. The built-in pair and copies of unsaved work are

@@ -258,8 +258,18 @@ impl Model {
             views,
             look: self.look.clone(),
             album: self.album.clone(),
+            cameras: self.open.cameras(),
             belongs_to: None,
         }
+    }
+
+    /// Returns the point pairs as places in the pictures on the screen.
+    pub fn pairs_in_pictures(&self) -> Vec<PointPair> {
+        let place = |pair: &PointPair| PointPair {
+            point1: self.open.pixel(document::Side::Left, pair.point1),
+            point2: self.open.pixel(document::Side::Right, pair.point2),
+        };
+        self.document.pairs.iter().map(place).collect()
     }
 
     fn pins(&self) -> impl Iterator<Item = LineSource> + '_ {

@@ -18,8 +18,9 @@ use super::rectified::{Rectified, Viewing};
 use super::suggesting::Suggested;
 use super::tones::{Tones, TonesCommand};
 use super::truth::KnownTruth;
+use crate::camera::CameraModel;
 use crate::estimate::Estimate;
-use crate::geometry::{Point, PointPair};
+use crate::geometry::{Frame, Point, PointPair};
 use crate::suggest::NextClick;
 
 /// A folder, and the numbers of the two views that are open.
@@ -100,6 +101,35 @@ impl OpenPair {
     /// Returns the pixels of both pictures.
     pub fn pictures(&self) -> Option<Pictures> {
         Some(self.pictures.as_ref()?.each_ref().map(|opened| opened.picture.clone()))
+    }
+
+    /// Returns a pair of places in the pictures on the screen as points of the window's coordinates.
+    pub fn points_of(&self, pixels: &PointPair) -> Option<PointPair> {
+        let Some([left, right]) = &self.pictures else { return Some(*pixels) };
+        Some(PointPair { point1: left.point(pixels.point1)?, point2: right.point(pixels.point2)? })
+    }
+
+    /// Returns a point of the window's coordinates as a place in the picture on the screen.
+    pub fn pixel(&self, side: Side, point: Point) -> Point {
+        let opened = self.pictures.as_ref().map(|pictures| &pictures[side.index()]);
+        opened.and_then(|opened| opened.pixel(point)).unwrap_or(point)
+    }
+
+    /// Returns the point of the window's coordinates of a place in the picture on the screen.
+    pub fn point(&self, side: Side, pixel: Point) -> Option<Point> {
+        let Some(pictures) = &self.pictures else { return Some(pixel) };
+        pictures[side.index()].point(pixel)
+    }
+
+    /// Returns the size of the picture on the screen.
+    pub fn shown_frame(&self, side: Side) -> Option<Frame> {
+        Some(self.pictures.as_ref()?[side.index()].shown().frame())
+    }
+
+    /// Returns the calibrated cameras of the pictures, if both have one.
+    pub fn cameras(&self) -> Option<[CameraModel; 2]> {
+        let [left, right] = self.pictures.as_ref()?.each_ref().map(|opened| opened.lens.as_ref());
+        Some([*left?.view.camera(), *right?.view.camera()])
     }
 
     /// Changes brightness or colours of the pictures on the screen.

@@ -7,6 +7,8 @@ use image::DynamicImage;
 
 use super::recording::Recording;
 use super::shared::Shared;
+use crate::camera::{CameraModel, UndistortedView};
+use crate::geometry::Point;
 use crate::image::Picture;
 use crate::io::sha256_of;
 
@@ -27,6 +29,18 @@ pub struct Opened {
     pub sha256: Option<String>,
     /// The sequence of which this is the first frame.
     pub recording: Option<Shared<Recording>>,
+    /// The calibrated camera, if a calibration was given. `picture` is then the view without
+    /// distortion, and so are all coordinates of the window.
+    pub lens: Option<Arc<LensPicture>>,
+}
+
+/// A picture with the distortion of its lens, as it is shown.
+#[derive(Debug)]
+pub struct LensPicture {
+    /// The picture of the camera.
+    pub original: Shared<Picture>,
+    /// The view without distortion.
+    pub view: UndistortedView,
 }
 
 impl Opened {
@@ -34,7 +48,46 @@ impl Opened {
     pub fn new(picture: Picture) -> Self {
         let overview = Arc::new(Overview::new(&picture));
         let sha256 = picture.path.as_deref().and_then(|path| sha256_of(path).ok());
-        Self { picture: Shared::new(picture), overview, sha256, recording: None }
+        Self { picture: Shared::new(picture), overview, sha256, recording: None, lens: None }
+    }
+
+    /// Prepares a picture of a calibrated camera, which is shown as it is and computed on without its
+    /// distortion. `None` if the distortion cannot be undone. This takes a while.
+    pub fn calibrated(self, camera: &CameraModel) -> Option<Self> {
+        let view = UndistortedView::new(camera, self.picture.frame())?;
+        let original = self.picture.clone();
+        let picture = if view.is_original() {
+            self.picture
+        } else {
+            Shared::new(original.redrawn(view.frame(), |p| view.source_of(p)))
+        };
+        Some(Self { picture, lens: Some(Arc::new(LensPicture { original, view })), ..self })
+    }
+
+    /// Returns the picture of the camera without its calibration.
+    pub fn without_calibration(self) -> Self {
+        let picture = self.shown().clone();
+        Self { picture, lens: None, ..self }
+    }
+
+    /// Returns the picture on the screen.
+    pub fn shown(&self) -> &Shared<Picture> {
+        self.lens.as_ref().map_or(&self.picture, |lens| &lens.original)
+    }
+
+    /// Returns the view without distortion, if the picture on the screen is distorted.
+    pub fn distortion(&self) -> Option<UndistortedView> {
+        self.lens.as_ref().map(|lens| lens.view).filter(|view| !view.is_original())
+    }
+
+    /// Returns the place on the screen's picture of a point of the window's coordinates.
+    pub fn pixel(&self, point: Point) -> Option<Point> {
+        self.distortion().map_or(Some(point), |view| view.original_from_undistorted(point))
+    }
+
+    /// Returns the point in the window's coordinates of a place on the screen's picture.
+    pub fn point(&self, pixel: Point) -> Option<Point> {
+        self.distortion().map_or(Some(pixel), |view| view.undistorted_from_original(pixel))
     }
 
     /// Returns the sequence of which this is the first frame.

@@ -12,6 +12,7 @@ use super::look::Look;
 use super::pane_view::PaneView;
 use super::picture::Opened;
 use super::sample::SAMPLE_SEQUENCES;
+use crate::camera::CameraModel;
 use crate::geometry::Frame;
 use crate::io::{ImageReference, ImageSource, SessionFile, relative, resolve};
 use crate::synthetic::Sample;
@@ -36,6 +37,9 @@ pub struct Work {
     /// Folder of the pictures, with the work on its other pairs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub album: Option<Album>,
+    /// Calibrated cameras of the pictures. All points are then in views without distortion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cameras: Option<[CameraModel; 2]>,
     /// Session file that this unsaved work belongs to. Only in the program's own copies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub belongs_to: Option<PathBuf>,
@@ -61,7 +65,7 @@ impl Work {
                 (None, _) => ImageSource::Sample { sample: Sample::default().name().to_owned() },
                 (Some(_), None) => return None,
             };
-            Some(ImageReference { source, frame: opened.picture.frame() })
+            Some(ImageReference { source, frame: opened.shown().frame() })
         };
         let mut content = self.clone();
         content.document.pictures = None;

@@ -2,11 +2,11 @@
 
 use super::task::{Event, Task};
 use super::waker::Waker;
-use crate::app::model::exchange::{ImportFound, ImportQuestion};
+use crate::app::model::exchange::{ImportQuestion, ImportedFile};
 
 /// The reading thread.
 pub struct Importing {
-    task: Task<ImportQuestion, Result<ImportFound, String>>,
+    task: Task<ImportQuestion, Result<ImportedFile, String>>,
     /// Name of the files being read.
     name: String,
 }
@@ -30,7 +30,7 @@ impl Importing {
     }
 
     /// Returns the contents of the files or a message, once reading has ended.
-    pub fn poll(&mut self) -> Option<Result<ImportFound, String>> {
+    pub fn poll(&mut self) -> Option<Result<ImportedFile, String>> {
         match self.task.poll()?.1 {
             Event::Told(answer) | Event::Over(Ok(Some(answer))) => Some(answer),
             Event::Over(_) => Some(Err(format!(

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::opening::{
-    LoadedPair, OpeningFailure, PairReading, open_folder, open_views, sample, sample_sequences,
+    LoadedPair, OpeningFailure, PairReading, calibrated, open_folder, open_views, sample, sample_sequences,
 };
 use super::session_opening::open_session;
 use super::task::{Event, Task, Waiting};
@@ -15,6 +15,7 @@ use super::waker::Waker;
 use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::picture::Opened;
 use crate::app::model::session::OpenSession;
+use crate::camera::CameraModel;
 use crate::cancel::CancelFlag;
 
 /// Request to the loader.
@@ -26,6 +27,7 @@ enum Wanted {
     Folder(PathBuf),
     Views(Arc<PairFolder>, [usize; 2]),
     Session(OpenSession),
+    Calibrated(Box<([Opened; 2], [CameraModel; 2])>),
 }
 
 impl Wanted {
@@ -37,6 +39,11 @@ impl Wanted {
             Self::Folder(path) => open_folder(&path, &mut reading),
             Self::Views(folder, views) => open_views(&folder, views, &mut reading),
             Self::Session(session) => open_session(session, &mut reading),
+            Self::Calibrated(both) => {
+                let (pictures, cameras) = *both;
+                calibrated(pictures, &cameras)
+                    .map(|pictures| LoadedPair { is_calibrated: true, ..LoadedPair::of(pictures) })
+            }
         };
         found.map(|pair| LoadedPair { notes: reading.notes, ..pair })
     }
@@ -91,6 +98,11 @@ impl Loader {
         self.start(Wanted::Session(session));
     }
 
+    /// Gives open pictures their calibrated cameras.
+    pub fn calibrate(&mut self, pictures: [Opened; 2], cameras: [CameraModel; 2]) {
+        self.start(Wanted::Calibrated(Box::new((pictures, cameras))));
+    }
+
     /// Returns the result of the running opening, once it has ended.
     pub fn poll(&mut self) -> Option<Result<LoadedPair, OpeningFailure>> {
         let (_, event) = self.task.as_mut()?.poll()?;
@@ -103,7 +115,8 @@ impl Loader {
             }
         };
         if let Ok(pair) = &result {
-            self.open = pair.pictures.to_vec();
+            // A calibration belongs to this pair alone.
+            self.open = pair.pictures.iter().cloned().map(Opened::without_calibration).collect();
         }
         Some(result)
     }

@@ -12,6 +12,7 @@ use crate::app::model::sample::{SampleRecordings, sample_pair, sample_recordings
 use crate::app::model::session::{Relocation, Restored};
 use crate::app::model::shared::Shared;
 use crate::app::model::truth::KnownTruth;
+use crate::camera::CameraModel;
 use crate::cancel::CancelFlag;
 use crate::geometry::PointPair;
 use crate::image::Picture;
@@ -49,6 +50,8 @@ pub struct LoadedPair {
     pub restored: Option<Box<Restored>>,
     /// Remarks about the pictures, one or two sentences each.
     pub notes: Vec<String>,
+    /// Whether the pictures were open before, and only their calibration is new. Point pairs stay.
+    pub is_calibrated: bool,
 }
 
 /// Reason why nothing was opened.
@@ -78,7 +81,21 @@ impl LoadedPair {
             uses_truth: false,
             restored: None,
             notes: Vec::new(),
+            is_calibrated: false,
         }
+    }
+}
+
+/// Gives open pictures their calibrated cameras.
+pub fn calibrated(pictures: [Opened; 2], cameras: &[CameraModel; 2]) -> Result<[Opened; 2], OpeningFailure> {
+    let [left, right] = pictures.map(Opened::without_calibration);
+    match (left.calibrated(&cameras[0]), right.calibrated(&cameras[1])) {
+        (Some(left), Some(right)) => Ok([left, right]),
+        _ => Err(OpeningFailure::Text(
+            "The distortion of the lens cannot be undone: it folds back at the principal point. Nothing was \
+             changed. Correct the calibration."
+                .to_owned(),
+        )),
     }
 }
 

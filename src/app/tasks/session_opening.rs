@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::opening::{LoadedPair, OpeningFailure, PairReading, sample, sample_sequences};
+use super::opening::{LoadedPair, OpeningFailure, PairReading, calibrated, sample, sample_sequences};
 use crate::app::model::album::Album;
 use crate::app::model::document::TruthSource;
 use crate::app::model::open_pair::OpenFolder;
@@ -61,6 +61,10 @@ pub fn open_session(session: OpenSession, reading: &mut PairReading) -> Result<L
             "The size of an image has changed since the session was saved. Check the points.".to_owned(),
         );
     }
+    if let Some(cameras) = &file.content.cameras {
+        pair.pictures = calibrated(pair.pictures, cameras)?;
+    }
+    let frames = pair.pictures.each_ref().map(|opened| opened.picture.frame());
     let pairs = file.content.document.pairs.len();
     let mut work = file.content.made_valid(frames, &path);
     if work.document.pairs.len() < pairs {

@@ -88,11 +88,13 @@ impl View {
         following.follow(leading);
         let views = leading.view().zip(following.view()).filter(|(view, _)| !view.fits());
         if let Some((from, mut to)) = views
-            && let Some(centre) = model.matched(leader, from.centre)
-            && let Some(frame) = model.document.frame(leader.other())
+            && let Some(pictures) = &model.open.pictures
+            && let Some(point) = pictures[leader.index()].point(from.centre)
+            && let Some(matched) = model.matched(leader, point)
         {
-            to.centre = centre;
-            to.keep_in_sight(frame);
+            let other = &pictures[leader.other().index()];
+            to.centre = other.pixel(matched).unwrap_or(to.centre);
+            to.keep_in_sight(other.shown().frame());
             following.set_view(to);
         }
     }

@@ -4,7 +4,7 @@ use super::ImportSource;
 use crate::app::model::rectified::MatchesAtHand;
 use crate::convention::{ConventionCheck, FEWEST_MATCHES, check_convention};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
-use crate::io::{Format, GeometryFile, read_camera};
+use crate::io::{CalibratedCamera, Calibration, Format, GeometryFile, read_camera};
 
 /// Maximum number of placed pairs. More handles hide the image and cost time in every frame.
 const MOST_PAIRS: usize = 300;
@@ -28,12 +28,28 @@ impl From<ImportSource> for PendingImport {
     }
 }
 
+/// Content of imported files.
+#[derive(Debug, Clone)]
+pub enum ImportedFile {
+    /// A geometry or point pairs.
+    Geometry(ImportFound),
+    /// The calibrated cameras of the open pictures.
+    Calibration {
+        /// The name of the file.
+        name: String,
+        /// Cameras of both pictures.
+        cameras: Box<[CalibratedCamera; 2]>,
+    },
+}
+
 /// Request to import files.
 pub struct ImportQuestion {
     /// The files.
     pub pending: PendingImport,
     /// Sizes of the open images.
     pub frames: [Frame; 2],
+    /// Sizes of the pictures on the screen, for which a calibration is.
+    pub shown: [Frame; 2],
     /// Matches for the check.
     pub matches: MatchesAtHand,
 }
@@ -68,9 +84,9 @@ pub struct ImportFound {
 
 impl ImportQuestion {
     /// Reads the files. The error names the problem and the action.
-    pub fn answer(&self) -> Result<ImportFound, String> {
+    pub fn answer(&self) -> Result<ImportedFile, String> {
         let name = self.pending.source.name();
-        self.read().map_err(|problem| match &self.pending.prelude {
+        self.read_any().map_err(|problem| match &self.pending.prelude {
             Some(prelude) => format!(
                 "{prelude}, and it cannot be imported either: {problem}. Nothing was changed. Try another file."
             ),
@@ -78,6 +94,20 @@ impl ImportQuestion {
                 "{name} could not be imported: {problem}. Nothing was changed. Correct the file, or try another one."
             ),
         })
+    }
+
+    /// Reads a calibration, or else a geometry.
+    fn read_any(&self) -> Result<ImportedFile, String> {
+        let calibration = match &self.pending.source {
+            ImportSource::File(path) => Calibration::read(path).ok(),
+            _ => None,
+        };
+        let Some(calibration) = calibration else { return self.read().map(ImportedFile::Geometry) };
+        let cameras = Box::new(calibration.pair(None)?);
+        for (camera, frame) in cameras.iter().zip(self.shown) {
+            camera.check_frame(frame)?;
+        }
+        Ok(ImportedFile::Calibration { name: self.pending.source.name(), cameras })
     }
 
     fn read(&self) -> Result<ImportFound, String> {

@@ -9,7 +9,7 @@ mod table;
 mod trust;
 
 pub use exporting::{ExportContent, content};
-pub use importing::{ImportFound, ImportQuestion, ImportedMatrix, PendingImport};
+pub use importing::{ImportFound, ImportQuestion, ImportedFile, ImportedMatrix, PendingImport};
 pub use order::{ExportKind, ExportOrder, FigureChoices, FigureFormat, ReportFormat, ViewPart};
 pub use profile::CONVENTION as PROFILE_CONVENTION;
 pub use source::{ImportSource, is_importable, sources};

@@ -42,7 +42,7 @@ pub struct Placed {
 impl Placed {
     /// Finds the pixels that are visible in the rectangle of a transform.
     fn new(transform: Transform, frame: Frame, rendition: Rendition) -> Self {
-        let [low, high] = transform.image_range(transform.rect);
+        let [low, high] = transform.pixel_range(transform.rect);
         let range = |low: f64, high: f64, size: usize| {
             let first = (low + 0.5 + 1e-6).floor().clamp(0.0, size as f64 - 1.0);
             let end = (high + 0.5 - 1e-6).ceil().clamp(first + 1.0, size as f64);
@@ -76,7 +76,8 @@ pub struct Sheet {
 
 /// Composes the sheet: places both images and draws the overlays onto it.
 pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoices) -> Option<Sheet> {
-    let pictures = model.open.pictures()?;
+    let opened = model.open.pictures.as_ref()?;
+    let pictures = opened.each_ref().map(|opened| opened.shown().clone());
     let frames = pictures.each_ref().map(|picture| picture.frame());
     let turns = panes.each_ref().map(|pane| pane.map_or_else(QuarterTurns::default, |pane| pane.view.turn));
     // A visible part has the shape of its pane, a whole image its own shape.
@@ -97,7 +98,7 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
     // The transforms at the size of the sheet.
     let fit = [0, 1].map(|k| {
         let rect = Rect::from_min_size(pos2(0.0, 0.0), sizes[k]);
-        let mut transform = views[k].transform(frames[k], rect);
+        let mut transform = views[k].transform(frames[k], rect).through(opened[k].distortion());
         match (&seen[k], views[k].scale) {
             // The same part of the image, scaled to the sheet.
             (Some(pane), Some(scale)) => {
@@ -149,7 +150,7 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
                 painter: &painter,
                 transform: &place.transform,
                 side,
-                frame: frames[side.index()],
+                frame: opened[side.index()].picture.frame(),
                 model,
                 labels: choices.labels.then_some(&labels),
                 is_figure: true,

@@ -303,7 +303,10 @@ fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
 /// Shows the fields for the coordinates of a point. The selected point is underlined.
 fn position(ui: &mut Ui, model: &Model, at: PointRef, commands: &mut Vec<Command>) {
     let document = &model.document;
-    let Some((point, frame)) = document.point(at).zip(document.frame(at.side)) else { return };
+    let Some(point) = document.point(at) else { return };
+    // Coordinates are those of the picture on the screen.
+    let Some(frame) = model.open.shown_frame(at.side) else { return };
+    let point = model.open.pixel(at.side, point);
     let label =
         ui.add_sized(vec2(34.0, theme::ROW), Label::new(RichText::new(capitalised(at.side.name())).weak()));
     ui.spacing_mut().button_padding.x = 4.0;
@@ -328,7 +331,7 @@ fn position(ui: &mut Ui, model: &Model, at: PointRef, commands: &mut Vec<Command
         // The displayed figure is rounded; a value that was not edited must not change.
         if (typed - before).abs() >= HALF_A_DIGIT {
             let to = if axis == "x" { Point::new(typed, point.y) } else { Point::new(point.x, typed) };
-            commands.push(Command::Drag(at, to));
+            commands.extend(model.open.point(at.side, to).map(|to| Command::Drag(at, to)));
             if !field.dragged() {
                 commands.push(Command::EndDrag);
             }

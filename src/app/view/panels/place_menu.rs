@@ -11,7 +11,8 @@ use crate::geometry::Point;
 /// Shows the menu of a place.
 pub fn show(ui: &mut Ui, model: &Model, side: Side, point: Point, commands: &mut Vec<Command>) {
     let document = &model.document;
-    ui.weak(format!("x {:.2}   y {:.2}", point.x, point.y));
+    let pixel = model.open.pixel(side, point);
+    ui.weak(format!("x {:.2}   y {:.2}", pixel.x, pixel.y));
     let next = pair_name(document.pairs.len());
     let place = match document.half {
         Some(half) if half.side != side => format!("Match of {next} is here"),
@@ -23,7 +24,7 @@ pub fn show(ui: &mut Ui, model: &Model, side: Side, point: Point, commands: &mut
     for (text, enabled, tooltip, command) in [
         (&*place, true, "Place a point here, as a click does.", Command::Place(side, point)),
         ("Pin the lines here", has_lines, "Keep the epipolar lines through this place on the images.", pin),
-        ("Copy coordinates", true, "Copy x and y of this place, px.", Command::CopyPosition(point)),
+        ("Copy coordinates", true, "Copy x and y of this place, px.", Command::CopyPosition(pixel)),
         (
             "Measure from here",
             true,

@@ -22,6 +22,7 @@ use crate::app::model::picture::Opened;
 use crate::app::model::shared::Shared;
 use crate::app::view::panels::{pair_menu, pin_menu, place_menu};
 use crate::app::view::theme;
+use crate::camera::UndistortedView;
 use crate::geometry::{Frame, Point};
 use crate::image::Picture;
 
@@ -75,9 +76,19 @@ pub struct PanePlace {
 
 /// The picture in a pane.
 struct PaneImage {
+    /// The picture of the computation, whose coordinates the window uses.
     picture: Shared<Picture>,
+    /// Size of the picture on the screen.
+    shown: Frame,
+    lens: Option<UndistortedView>,
     texture: PictureTexture,
     view: PaneView,
+}
+
+impl PaneImage {
+    fn transform(&self, rect: Rect) -> Transform {
+        self.view.transform(self.shown, rect).through(self.lens)
+    }
 }
 
 impl ImagePane {
@@ -94,15 +105,16 @@ impl ImagePane {
     /// Shows another picture completely.
     pub fn set_picture(&mut self, ctx: &egui::Context, opened: &Opened) {
         let texture = PictureTexture::new(ctx, opened);
-        let view = PaneView::fitting(opened.picture.frame());
-        self.image = Some(PaneImage { picture: opened.picture.clone(), texture, view });
+        let shown = opened.shown().frame();
+        let (picture, lens, view) = (opened.picture.clone(), opened.distortion(), PaneView::fitting(shown));
+        self.image = Some(PaneImage { picture, shown, lens, texture, view });
         self.drag = None;
     }
 
     /// Shows the whole image.
     pub fn fit(&mut self) {
         if let Some(image) = &mut self.image {
-            image.view = image.view.fitted(image.picture.frame());
+            image.view = image.view.fitted(image.shown);
         }
     }
 
@@ -133,7 +145,7 @@ impl ImagePane {
     /// Shows the same part as another pane.
     pub fn follow(&mut self, leader: &Self) {
         if let (Some(own), Some(other)) = (&mut self.image, &leader.image) {
-            let place = |image: &PaneImage, rect| (image.picture.frame(), rect);
+            let place = |image: &PaneImage, rect| (image.shown, rect);
             own.view = other.view.carried_over(place(other, leader.rect), &own.view, place(own, self.rect));
         }
     }
@@ -162,11 +174,11 @@ impl ImagePane {
             return None;
         };
         let frame = image.picture.frame();
-        zoom(ui, &response, image, frame);
-        let mut transform = image.view.transform(frame, rect);
+        zoom(ui, &response, image);
+        let mut transform = image.transform(rect);
         if let Some(drag) = &self.drag {
             follow(ui, drag, image, &transform, commands);
-            transform = image.view.transform(frame, rect);
+            transform = image.transform(rect);
         }
         self.press(ui, &response, model, &transform, commands);
         let image = self.image.as_mut()?;
@@ -276,10 +288,13 @@ impl ImagePane {
         };
         let mut text = String::new();
         if let Some(picture) = model.document.pictures.as_ref().map(|p| &p[self.side.index()]) {
-            let Frame { width, height } = picture.frame;
+            let Frame { width, height } = self.image.as_ref().map_or(picture.frame, |image| image.shown);
             text = format!("{}  {width} × {height}", picture.name);
+            if self.image.as_ref().is_some_and(|image| image.lens.is_some()) {
+                text += "  lens calibrated";
+            }
             if let Some(image) = self.image.as_ref().filter(|image| !image.view.fits()) {
-                let scale = image.view.transform(picture.frame, self.rect).scale;
+                let scale = image.transform(self.rect).scale;
                 let _ = write!(text, "  {:.0} %", scale * 100.0);
             }
             if !model.open.tones.of[self.side.index()].is_plain() {
@@ -403,10 +418,10 @@ fn handle_at(model: &Model, side: Side, transform: &Transform, position: Pos2) -
     within_reach.min_by(|(_, a), (_, b)| distance(*a).total_cmp(&distance(*b)))
 }
 
-fn zoom(ui: &Ui, response: &Response, image: &mut PaneImage, frame: Frame) {
+fn zoom(ui: &Ui, response: &Response, image: &mut PaneImage) {
     if let Some((at, factor)) = zoom_asked(ui, response) {
-        let transform = image.view.transform(frame, response.rect);
-        image.view.zoom(&transform, frame, at, factor);
+        let transform = image.transform(response.rect);
+        image.view.zoom(&transform, image.shown, at, factor);
     }
 }
 
@@ -416,9 +431,17 @@ fn follow(ui: &Ui, drag: &Drag, image: &mut PaneImage, transform: &Transform, co
     let delta = position - drag.origin;
     match drag.what {
         Dragged::Point(at, start) => {
-            commands.push(Command::Drag(at, start + transform.image_vector(delta)));
+            let moved = if transform.bends() {
+                transform.image_from_screen(transform.screen_from_image(start) + delta)
+            } else {
+                start + transform.image_vector(delta)
+            };
+            // Beyond the range of the lens the point stays where it is.
+            if moved.iter().all(|v| v.is_finite()) {
+                commands.push(Command::Drag(at, moved));
+            }
         }
-        Dragged::View(start) => image.view.pan(transform, image.picture.frame(), start, delta),
+        Dragged::View(start) => image.view.pan(transform, image.shown, start, delta),
     }
 }
 

@@ -28,7 +28,7 @@ pub fn place(pane: &Transform, point: Point) -> Option<Transform> {
     let y = if at.y - GAP - SIDE >= pane.rect.min.y { at.y - GAP - SIDE } else { at.y + GAP };
     let rect = Rect::from_min_size(pos2(x, y), vec2(SIDE, SIDE));
     let scale = PIXEL.clamp(pane.scale * TIMES.start(), pane.scale * TIMES.end());
-    Some(Transform::new(rect, point, scale).turned(pane.turn))
+    Some(pane.around(point, rect, scale))
 }
 
 /// Draws cross hairs and a frame over the pixels.

@@ -65,7 +65,7 @@ impl PictureTexture {
         let handle =
             ctx.load_texture("overview", ColorImage::from_rgba_premultiplied(*size, pixels), options);
         Self {
-            picture: opened.picture.clone(),
+            picture: opened.shown().clone(),
             overview: handle,
             reduced: opened.overview.clone(),
             rendition: Rendition::default(),
@@ -130,7 +130,7 @@ impl PictureTexture {
 
     fn draw_tiles(&mut self, painter: &Painter, transform: &Transform, size: [usize; 2], tint: Color32) {
         self.frame += 1;
-        let [min, max] = transform.image_range(painter.clip_rect());
+        let [min, max] = transform.pixel_range(painter.clip_rect());
         let range = |low: f64, high: f64, size: usize| {
             let pixel = |v: f64| (v + 0.5).floor().clamp(0.0, size as f64 - 1.0) as usize;
             pixel(low) / TILE_SIDE..=pixel(high) / TILE_SIDE
@@ -188,7 +188,7 @@ fn draw(
     let mut mesh = Mesh::with_texture(handle.id());
     for uv in [pos2(0.0, 0.0), pos2(1.0, 0.0), pos2(1.0, 1.0), pos2(0.0, 1.0)] {
         let edge = |k: usize, at: f32| if at > 0.5 { end[k] } else { first[k] } as f64 - 0.5;
-        let pos = transform.screen_from_image(Point::new(edge(0, uv.x), edge(1, uv.y)));
+        let pos = transform.screen_from_pixel(Point::new(edge(0, uv.x), edge(1, uv.y)));
         mesh.vertices.push(Vertex { pos, uv, color: tint });
     }
     mesh.add_triangle(0, 1, 2);

@@ -5,6 +5,7 @@
 
 use crate::app::model::pane_view::{LARGEST_SCALE, PaneView, QuarterTurns};
 use crate::app::model::rectified::{RectifiedView, Viewing};
+use crate::camera::UndistortedView;
 use crate::geometry::{Frame, Point, Vector};
 use egui::{Pos2, Rect, Vec2, vec2};
 
@@ -12,14 +13,14 @@ impl PaneView {
     /// Returns the transform for a pane at `rect`.
     pub fn transform(&self, frame: Frame, rect: Rect) -> Transform {
         let scale = self.scale.unwrap_or_else(|| self.fitting_scale(frame, rect));
-        Transform { rect, centre: self.centre, scale, turn: self.turn }
+        Transform { rect, centre: self.centre, scale, turn: self.turn, lens: None }
     }
 
     /// Zooms by a factor and keeps the image position under `at` in place.
     pub fn zoom(&mut self, transform: &Transform, frame: Frame, at: Pos2, factor: f64) {
         let smallest = self.fitting_scale(frame, transform.rect) * 0.25;
         let scale = (transform.scale * factor).clamp(smallest.min(LARGEST_SCALE), LARGEST_SCALE);
-        let fixed = transform.image_from_screen(at);
+        let fixed = transform.pixel_from_screen(at);
         self.scale = Some(scale);
         self.centre = fixed - transform.at(transform.rect, scale).image_vector(at - transform.rect.center());
         self.keep_in_sight(frame);
@@ -69,7 +70,15 @@ impl Viewing {
     }
 }
 
+/// Position of points that cannot be shown.
+const OUT_OF_SIGHT: Pos2 = Pos2::new(-1e5, -1e5);
+/// Pieces of a curve. With 48, a line bent by 50 px is off by 0.02 px.
+const PIECES: usize = 48;
+
 /// Transform between an image and the pane that shows it.
+///
+/// Image positions are the coordinates of the window. Pixels are those of the picture on the screen. They
+/// differ where a calibration undoes the distortion of a lens.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transform {
     /// The pane.
@@ -79,13 +88,15 @@ pub struct Transform {
     pub scale: f64,
     /// Turn of the image on the screen.
     pub turn: QuarterTurns,
+    /// View without distortion whose coordinates the window uses; `None` if they are the pixels.
+    lens: Option<UndistortedView>,
 }
 
 impl Transform {
     /// Creates a transform with `centre` in the middle of `rect`, at `scale` screen points per
     /// image pixel, not turned.
     pub fn new(rect: Rect, centre: Point, scale: f64) -> Self {
-        Self { rect, centre, scale, turn: QuarterTurns::default() }
+        Self { rect, centre, scale, turn: QuarterTurns::default(), lens: None }
     }
 
     /// Returns the same view in another rectangle and at another scale.
@@ -100,32 +111,74 @@ impl Transform {
         Self { turn, ..self }
     }
 
+    /// Returns the transform of a picture whose lens distorts it.
+    #[must_use]
+    pub fn through(self, lens: Option<UndistortedView>) -> Self {
+        Self { lens, ..self }
+    }
+
+    /// Returns whether straight lines of the image are curves on the screen.
+    pub fn bends(&self) -> bool {
+        self.lens.is_some()
+    }
+
+    /// Returns the transform in another rectangle, with the pixel of an image position in its middle.
+    pub fn around(&self, point: Point, rect: Rect, scale: f64) -> Self {
+        Self { rect, scale, centre: self.pixel(point).unwrap_or(self.centre), ..*self }
+    }
+
+    /// Returns the pixel of an image position. `None` beyond the range of the lens.
+    fn pixel(&self, point: Point) -> Option<Point> {
+        self.lens.as_ref().map_or(Some(point), |lens| lens.original_from_undistorted(point))
+    }
+
     /// Returns the image vector of a screen vector.
     pub fn image_vector(&self, v: Vec2) -> Vector {
         self.turn.inverse().turned(Vector::new(f64::from(v.x), f64::from(v.y))) / self.scale
     }
 
-    /// Returns the screen position of an image position.
+    /// Returns the screen position of an image position; far outside the screen beyond the range of the
+    /// lens.
     pub fn screen_from_image(&self, point: Point) -> Pos2 {
-        let offset = self.turn.turned((point - self.centre) * self.scale);
+        self.pixel(point).map_or(OUT_OF_SIGHT, |pixel| self.screen_from_pixel(pixel))
+    }
+
+    /// Returns the image position at a screen position; not a number beyond the range of the lens.
+    pub fn image_from_screen(&self, position: Pos2) -> Point {
+        let pixel = self.pixel_from_screen(position);
+        let point = self.lens.as_ref().map_or(Some(pixel), |lens| lens.undistorted_from_original(pixel));
+        point.unwrap_or(Point::new(f64::NAN, f64::NAN))
+    }
+
+    /// Returns the screen position of a pixel of the picture.
+    pub fn screen_from_pixel(&self, pixel: Point) -> Pos2 {
+        let offset = self.turn.turned((pixel - self.centre) * self.scale);
         self.rect.center() + vec2(offset.x as f32, offset.y as f32)
     }
 
-    /// Returns the image position at a screen position.
-    pub fn image_from_screen(&self, position: Pos2) -> Point {
+    /// Returns the pixel of the picture at a screen position.
+    pub fn pixel_from_screen(&self, position: Pos2) -> Point {
         self.centre + self.image_vector(position - self.rect.center())
+    }
+
+    /// Returns the curve of a segment of the image on the screen: its two ends, or pieces of it where the
+    /// lens bends it. Parts beyond the range of the lens are left out.
+    pub fn curve(&self, start: Point, end: Point) -> Vec<Pos2> {
+        let pieces = if self.bends() { PIECES } else { 1 };
+        let at = |k: usize| start + (end - start) * (k as f64 / pieces as f64);
+        (0..=pieces).filter_map(|k| Some(self.screen_from_pixel(self.pixel(at(k))?))).collect()
     }
 
     /// Returns the screen rectangle of the pixels from `first` up to but not including `end`.
     pub fn screen_from_pixels(&self, first: [usize; 2], end: [usize; 2]) -> Rect {
-        let corner = |p: [usize; 2]| self.screen_from_image(Point::new(p[0] as f64 - 0.5, p[1] as f64 - 0.5));
+        let corner = |p: [usize; 2]| self.screen_from_pixel(Point::new(p[0] as f64 - 0.5, p[1] as f64 - 0.5));
         Rect::from_two_pos(corner(first), corner(end))
     }
 
-    /// Returns the range of image positions that a rectangle of the screen shows: the smallest and
-    /// the largest coordinates.
-    pub fn image_range(&self, area: Rect) -> [Point; 2] {
-        let (a, b) = (self.image_from_screen(area.min), self.image_from_screen(area.max));
+    /// Returns the range of pixels that a rectangle of the screen shows: the smallest and the largest
+    /// coordinates.
+    pub fn pixel_range(&self, area: Rect) -> [Point; 2] {
+        let (a, b) = (self.pixel_from_screen(area.min), self.pixel_from_screen(area.max));
         [Point::new(a.x.min(b.x), a.y.min(b.y)), Point::new(a.x.max(b.x), a.y.max(b.y))]
     }
 }
@@ -160,7 +213,7 @@ mod tests {
         // Clockwise: the top left corner goes to the top right.
         let corner = transform.screen_from_image(Point::new(-0.5, -0.5));
         assert!((corner - image.right_top()).length() < 1e-3, "{corner} {image}");
-        let [low, high] = transform.image_range(image);
+        let [low, high] = transform.pixel_range(image);
         assert!(
             (low - Point::new(-0.5, -0.5)).norm() < 1e-3 && (high - Point::new(767.5, 575.5)).norm() < 1e-3
         );

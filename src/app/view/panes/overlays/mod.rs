@@ -203,17 +203,16 @@ impl Canvas<'_> {
     /// Draws the part of a line on the image, without an edge, for the many lines of a pencil.
     fn thin_line(&self, line: &Line, width: f32, color: Color32) {
         if let Some(segment) = self.frame.clip(line) {
-            let ends = [segment.start, segment.end].map(|point| self.transform.screen_from_image(point));
-            self.painter.line_segment(ends, Stroke::new(width, color));
+            self.stroke(&self.transform.curve(segment.start, segment.end), width, color);
         }
     }
 
     /// Draws the visible part of a line dashed, with a dark edge.
     fn dashed_line(&self, line: &Line, width: f32, color: Color32) {
         // Dashes out of view would cost time: many thousands when magnified.
-        let Some(ends) = self.in_sight(line) else { return };
-        self.painter.line_segment(ends, Stroke::new(width + 1.5, theme::HALO.gamma_multiply(0.5)));
-        self.painter.extend(Shape::dashed_line(&ends, Stroke::new(width, color), 7.0, 5.0));
+        let path = self.in_sight(line);
+        self.stroke(&path, width + 1.5, theme::HALO.gamma_multiply(0.5));
+        self.painter.extend(Shape::dashed_line(&path, Stroke::new(width, color), 7.0, 5.0));
     }
 
     /// Draws an epipolar line of the geometry shown, in the look of its verdict.
@@ -228,17 +227,37 @@ impl Canvas<'_> {
 
     /// Draws the visible part of a line dotted, with a dark edge.
     fn dotted_line(&self, line: &Line, width: f32, color: Color32) {
-        let Some(ends) = self.in_sight(line) else { return };
+        let path = self.in_sight(line);
         for (radius, color) in [(width * 0.5 + 1.0, theme::HALO), (width * 0.5 + 0.4, color)] {
-            self.painter.extend(Shape::dotted_line(&ends, color, 3.0 * width + 3.0, radius));
+            self.painter.extend(Shape::dotted_line(&path, color, 3.0 * width + 3.0, radius));
         }
     }
 
-    /// Returns the screen ends of the visible part of a line.
-    fn in_sight(&self, line: &Line) -> Option<[Pos2; 2]> {
-        let segment = self.frame.clip(line)?;
-        let ends = [segment.start, segment.end].map(|point| self.transform.screen_from_image(point));
-        within(ends, self.sight())
+    /// Returns the visible part of a line on the screen; empty if there is none.
+    fn in_sight(&self, line: &Line) -> Vec<Pos2> {
+        let Some(segment) = self.frame.clip(line) else { return Vec::new() };
+        let curve = self.transform.curve(segment.start, segment.end);
+        let mut path: Vec<Pos2> = Vec::new();
+        for ends in curve.windows(2).filter_map(|ends| within([ends[0], ends[1]], self.sight())) {
+            if path.last() != Some(&ends[0]) {
+                path.push(ends[0]);
+            }
+            path.push(ends[1]);
+        }
+        path
+    }
+
+    /// Draws a path: a plain segment, or the pieces of a curve.
+    fn stroke(&self, path: &[Pos2], width: f32, color: Color32) {
+        match *path {
+            [] | [_] => {}
+            [start, end] => {
+                self.painter.line_segment([start, end], Stroke::new(width, color));
+            }
+            _ => {
+                self.painter.line(path.to_vec(), Stroke::new(width, color));
+            }
+        }
     }
 
     /// Returns the line of a pair that lies in this image.
@@ -251,10 +270,10 @@ impl Canvas<'_> {
 
     /// Draws a segment between two image positions, with a dark edge.
     fn segment(&self, start: Point, end: Point, width: f32, color: Color32) {
-        let ends = [self.transform.screen_from_image(start), self.transform.screen_from_image(end)];
+        let path = self.transform.curve(start, end);
         let opacity = f32::from(color.a()) / 255.0;
-        self.painter.line_segment(ends, Stroke::new(width + 2.0, theme::HALO.gamma_multiply(opacity)));
-        self.painter.line_segment(ends, Stroke::new(width, color));
+        self.stroke(&path, width + 2.0, theme::HALO.gamma_multiply(opacity));
+        self.stroke(&path, width, color);
     }
 
     /// Draws a dot at an image position, with a dark edge.

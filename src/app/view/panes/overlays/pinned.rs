@@ -42,12 +42,15 @@ fn draw(canvas: &Canvas) {
             canvas.epipolar_line(&line, width, color);
         }
         // Only where the line is visible.
-        numbers.extend(canvas.in_sight(&line).map(|ends| (!strong, number, ends, color)));
+        let path = canvas.in_sight(&line);
+        if !path.is_empty() {
+            numbers.push((!strong, number, path, color));
+        }
     }
     // Above all lines; the number of the inspected line comes first.
     numbers.sort_by_key(|(later, number, ..)| (*later, *number));
-    for (_, number, ends, color) in numbers {
-        write_on(canvas, ends, number, color);
+    for (_, number, path, color) in numbers {
+        write_on(canvas, &path, number, color);
     }
 }
 
@@ -64,19 +67,21 @@ pub fn number_at(canvas: &Canvas, position: Pos2) -> Option<usize> {
 
 /// Writes a number onto its line, as near to the left border as other texts allow. Leaves out a
 /// number that would cover another one.
-fn write_on(canvas: &Canvas, [a, b]: [Pos2; 2], number: usize, color: Color32) {
+fn write_on(canvas: &Canvas, path: &[Pos2], number: usize, color: Color32) {
     let Some(labels) = canvas.labels else { return };
     let font = FontId::proportional(12.0);
     let galley = canvas.painter.layout_no_wrap((number + 1).to_string(), font, color);
     let size = galley.size() + vec2(6.0, 0.0);
-    let (start, end) = if (a.x, a.y) <= (b.x, b.y) { (a, b) } else { (b, a) };
-    let (along, length) = ((end - start).normalized(), start.distance(end));
+    let (Some(a), Some(b)) = (path.first(), path.last()) else { return };
+    let from_left: Vec<Pos2> =
+        if (a.x, a.y) <= (b.x, b.y) { path.to_vec() } else { path.iter().rev().copied().collect() };
+    let length: f32 = path.windows(2).map(|ends| ends[0].distance(ends[1])).sum();
     let sight = canvas.sight();
     let step = size.x + BETWEEN;
     let ways =
         (0..STEPS).map(|k| (0.5 + k as f32) * step).take_while(|way| *way <= (BORDER * length).max(step));
     // The number of a line along the border is moved inside.
-    let places = ways.map(|way| moved_into(Rect::from_center_size(start + along * way, size), sight));
+    let places = ways.map(|way| moved_into(Rect::from_center_size(along(&from_left, way), size), sight));
     let Some(area) = places.into_iter().find(|area| sight.contains_rect(*area) && labels.is_free(*area))
     else {
         return;
@@ -85,6 +90,18 @@ fn write_on(canvas: &Canvas, [a, b]: [Pos2; 2], number: usize, color: Color32) {
     canvas.painter.rect_filled(area, 3.0, theme::LABEL_FILL);
     let corner = Align2::CENTER_CENTER.align_size_within_rect(galley.size(), area).min;
     canvas.painter.galley(corner, galley, color);
+}
+
+/// Returns the point of a path at a distance from its start.
+fn along(path: &[Pos2], mut way: f32) -> Pos2 {
+    for ends in path.windows(2) {
+        let length = ends[0].distance(ends[1]);
+        if way <= length && length > 0.0 {
+            return ends[0] + (ends[1] - ends[0]) * (way / length);
+        }
+        way -= length;
+    }
+    path.last().copied().unwrap_or_default()
 }
 
 /// Moves a rectangle by the smallest distance that brings it inside another one.

@@ -1,7 +1,7 @@
 //! Overlay of lines mapped to the other image and back. Where `l` and `GH l` differ, the maps
 //! contradict each other.
 
-use egui::{Mesh, Shape};
+use egui::{Mesh, Pos2, Shape};
 
 use super::{Canvas, Overlay};
 use crate::app::model::document::Side;
@@ -44,11 +44,14 @@ fn draw(canvas: &Canvas) {
 /// Fills a convex region with a fan of triangles. A filled path would blur its long thin ends.
 fn fill(canvas: &Canvas, region: &[Point]) {
     let color = theme::BACKWARD.gamma_multiply(0.3);
+    let edges = region.iter().zip(region.iter().cycle().skip(1));
+    let outline: Vec<Pos2> =
+        edges.flat_map(|(a, b)| canvas.transform.curve(*a, *b).into_iter().skip(1)).collect();
     let mut mesh = Mesh::default();
-    for point in region {
-        mesh.colored_vertex(canvas.transform.screen_from_image(*point), color);
+    for at in &outline {
+        mesh.colored_vertex(*at, color);
     }
-    for k in 2..region.len() as u32 {
+    for k in 2..outline.len() as u32 {
         mesh.add_triangle(0, k - 1, k);
     }
     canvas.painter.add(Shape::mesh(mesh));

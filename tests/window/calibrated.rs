@@ -1,0 +1,129 @@
+//! A calibration in the window: pictures as they are, lines as curves.
+
+use egui::{PointerButton, Pos2, Shape, vec2};
+use epiline::geometry::{Frame, Point, PointPair};
+use epiline::internals::app::model::document::Side;
+use epiline::internals::app::{Opening, Start};
+
+use crate::support::{
+    ESTIMATED, Files, Window, click, drag, drop_files, pane, save_as, services, settle, window,
+};
+
+const FRAME: Frame = Frame { width: 320, height: 240 };
+
+fn calibration(files: &Files, width: u32) -> std::path::PathBuf {
+    let path = files.0.path().join(format!("cameras-{width}.txt"));
+    std::fs::write(&path, format!("1 SIMPLE_RADIAL {width} 240 250 160 120 -0.2\n")).unwrap();
+    path
+}
+
+fn pairs() -> [PointPair; 2] {
+    [PointPair::new(30.0, 40.0, 50.0, 42.0), PointPair::new(250.0, 200.0, 270.0, 190.0)]
+}
+
+fn calibrated(files: &Files) -> Window {
+    let opening = Opening::Files(files.image("a.png", 320, 240), files.image("b.png", 320, 240));
+    let imports = vec![calibration(files, 320)];
+    let mut window = window(Start { opening, imports, pairs: pairs().to_vec() }, services());
+    settle(&mut window);
+    window
+}
+
+/// Position on the screen of a pixel of a fitting picture.
+fn on_screen(window: &Window, side: Side, pixel: Point) -> Pos2 {
+    let rect = pane(window, side);
+    let scale = (rect.width() / FRAME.width as f32).min(rect.height() / FRAME.height as f32);
+    let offset = pixel - FRAME.centre();
+    rect.center() + vec2(offset.x as f32, offset.y as f32) * scale
+}
+
+fn is_near(a: &PointPair, b: &PointPair, within: f64) -> bool {
+    (a.point1 - b.point1).norm() < within && (a.point2 - b.point2).norm() < within
+}
+
+#[test]
+fn points_stay_where_they_are_in_the_pictures() {
+    let files = Files::new();
+    let mut window = calibrated(&files);
+    let document = window.state().document();
+    let frame = document.frame(Side::Left).unwrap();
+    assert!(frame.width > 320 && document.pairs.len() == 2, "{frame:?}");
+    // Coordinates of the computation are those without distortion, farther from the middle.
+    assert!(document.pairs[0].point1.x < 60.0 && !is_near(&document.pairs[0], &pairs()[0], 5.0));
+    for (found, given) in window.state().model().pairs_in_pictures().iter().zip(&pairs()) {
+        assert!(is_near(found, given, 1e-6), "{found:?}");
+    }
+    // A click places a point under the cursor, and a drag moves it with the cursor.
+    let third = PointPair::new(280.0, 30.0, 290.0, 35.0);
+    for (side, pixel) in [(Side::Left, third.point1), (Side::Right, third.point2)] {
+        let at = on_screen(&window, side, pixel);
+        click(&mut window, at);
+    }
+    let found = window.state().model().pairs_in_pictures()[2];
+    assert!(is_near(&found, &third, 1e-2), "{found:?}");
+    let moved = Point::new(240.0, 60.0);
+    let (from, to) = (on_screen(&window, Side::Left, third.point1), on_screen(&window, Side::Left, moved));
+    drag(&mut window, from, to, PointerButton::Primary);
+    let found = window.state().model().pairs_in_pictures()[2];
+    assert!((found.point1 - moved).norm() < 0.1, "{found:?}");
+}
+
+#[test]
+fn epipolar_lines_are_curves_through_their_points() {
+    let files = Files::new();
+    let window = calibrated(&files);
+    let curves: Vec<Vec<Pos2>> = window
+        .output()
+        .shapes
+        .iter()
+        .filter_map(|clipped| match &clipped.shape {
+            Shape::Path(path)
+                if path.stroke == egui::epaint::PathStroke::new(path.stroke.width, ESTIMATED) =>
+            {
+                Some(path.points.clone())
+            }
+            _ => None,
+        })
+        .collect();
+    assert!(curves.len() >= 4, "{} curves", curves.len());
+    let bend = |curve: &Vec<Pos2>| {
+        let (start, end) = (curve[0], curve[curve.len() - 1]);
+        let across = (end - start).normalized().rot90();
+        curve.iter().map(|at| (*at - start).dot(across).abs()).fold(0.0, f32::max)
+    };
+    assert!(curves.iter().map(bend).fold(0.0, f32::max) > 3.0);
+    // The curve of a point passes through its match.
+    for side in [Side::Left, Side::Right] {
+        let pair = pairs()[0];
+        let at = on_screen(&window, side, if side == Side::Left { pair.point1 } else { pair.point2 });
+        let away = |curve: &Vec<Pos2>| {
+            curve
+                .windows(2)
+                .map(|ends| {
+                    let way = ends[1] - ends[0];
+                    let t = ((at - ends[0]).dot(way) / way.length_sq()).clamp(0.0, 1.0);
+                    (ends[0] + way * t).distance(at)
+                })
+                .fold(f32::INFINITY, f32::min)
+        };
+        assert!(curves.iter().map(away).fold(f32::INFINITY, f32::min) < 0.2, "{side:?}");
+    }
+}
+
+#[test]
+fn a_session_keeps_the_calibration_and_another_size_is_refused() {
+    let files = Files::new();
+    let mut first = calibrated(&files);
+    let path = files.0.path().join("work.json");
+    save_as(&mut first, &path);
+    let again = window(Start { opening: Opening::Session(path), ..Start::default() }, services());
+    assert!(again.state().messages().next().is_none(), "{:?}", again.state().messages().collect::<Vec<_>>());
+    assert_eq!(again.state().model().open.cameras(), first.state().model().open.cameras());
+    for (found, given) in again.state().model().pairs_in_pictures().iter().zip(&pairs()) {
+        assert!(is_near(found, given, 1e-6), "{found:?}");
+    }
+    let before = first.state().document().clone();
+    drop_files(&mut first, &[calibration(&files, 640)]);
+    assert!(first.state().messages().any(|message| message.contains("is for images of 640×240")));
+    assert_eq!(*first.state().document(), before);
+}
