@@ -6,7 +6,7 @@ use super::Inspector;
 use crate::app::model::EditKey;
 use crate::app::model::command::{Command, PickPurpose};
 use crate::app::model::dock::DockLook;
-use crate::app::model::document::Side;
+use crate::app::model::document::{Side, pair_name};
 use crate::app::model::exchange::ViewPart;
 use crate::app::model::history::Step;
 use crate::app::model::ids::{StageId, TabId};
@@ -85,7 +85,12 @@ impl Inspector {
             Command::Recompute => model.open.computation.restart(),
             Command::Place(side, point) => {
                 let before = model.document.clone();
+                let is_moved = before.half.is_some_and(|half| half.side == side);
                 model.edit(Step::Single, |document| document.place(side, point));
+                if is_moved {
+                    let (name, other) = (pair_name(before.pairs.len()), side.other().name());
+                    model.open.done.tell(format!("Moved {name}. Click its match in the {other} image"));
+                }
                 model.open.placed = (before != model.document).then(|| model.document.clone());
             }
             Command::Drag(at, point) => {
@@ -156,6 +161,10 @@ impl Inspector {
             Command::AcceptSuggestion => {
                 if let Some((side, point)) = model.accepted_suggestion() {
                     model.edit(Step::Single, |document| document.accept(side, point));
+                } else {
+                    let text =
+                        "Several places look alike, or none does, so Enter places nothing. Click the match";
+                    model.open.done.tell(text);
                 }
             }
             Command::ShowStage(stage) => model.look.stage = stage,

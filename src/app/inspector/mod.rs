@@ -115,7 +115,7 @@ impl Inspector {
         // Keys come first, as Escape must end a drag before the panes continue it.
         let keyboard = KeyboardState {
             dialog_open: self.view.dialogs.is_open(),
-            suggestion: self.model.accepted_suggestion().is_some(),
+            suggestion: self.model.document.half.is_some() && self.model.open.suggestion.is_some(),
         };
         let mut commands = pressed(&ctx, keyboard);
         commands.extend(Self::dropped_files(&ctx));

@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use super::*;
-use crate::camera::Lens;
-use crate::geometry::Point;
+use crate::camera::{Lens, ViewPair};
+use crate::geometry::{Point, PointPair};
 
 fn read(text: &str) -> Vec<CalibratedCamera> {
     Calibration::parse(text).unwrap_or_else(|e| panic!("{e}\n{text}")).cameras
@@ -189,5 +189,42 @@ fn calibrations_of_other_programs_are_read() {
         assert_eq!(found.cameras.len(), cameras, "{name}");
         let pair = found.pair(None).unwrap();
         assert_eq!(CalibratedCamera::relative_pose(&pair).is_some(), has_pose, "{name}");
+    }
+}
+
+#[test]
+fn corners_of_a_board_lie_on_their_epipolar_curves() {
+    let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/video-charuco");
+    if !data.is_dir() {
+        eprintln!("skipped: {} is missing", data.display());
+        return;
+    }
+    let calibration = Calibration::read(&data.join("camera_array.toml")).unwrap();
+    // Corners by time, camera and number.
+    let text = std::fs::read_to_string(data.join("xy.csv")).unwrap();
+    let mut corners = std::collections::BTreeMap::new();
+    for row in text.lines().skip(1) {
+        let cells: Vec<&str> = row.split(',').collect();
+        let point = Point::new(cells[6].parse().unwrap(), cells[7].parse().unwrap());
+        corners.insert((cells[1], cells[0], cells[5]), point);
+    }
+    for (a, b) in [("0", "1"), ("1", "2"), ("2", "3")] {
+        let cameras = calibration.pair(Some([a, b])).unwrap();
+        let frames = cameras.each_ref().map(|camera| camera.frame.unwrap());
+        let (pose, _) = CalibratedCamera::relative_pose(&cameras).unwrap();
+        let median = |models: [CameraModel; 2]| {
+            let views = ViewPair::new([&models[0], &models[1]], frames).unwrap();
+            let f = pose.fundamental(&views.calibrations()).unwrap();
+            let of_a = corners.iter().filter(|((camera, ..), _)| *camera == a);
+            let distances = of_a.filter_map(|((_, time, number), point1)| {
+                let pair = PointPair { point1: *point1, point2: *corners.get(&(b, *time, *number))? };
+                views.distance_from_curves(&f, &views.undistorted_from_original(&pair)?)
+            });
+            crate::geometry::median(distances)
+        };
+        let models = [cameras[0].model, cameras[1].model];
+        let (bent, straight) = (median(models), median(models.map(|m| m.without_distortion())));
+        // 0.44 to 0.76 px: the poses of the file are that precise.
+        assert!(bent < 0.8 && straight > 1.5 * bent, "{a} and {b}: {bent} and {straight} px");
     }
 }

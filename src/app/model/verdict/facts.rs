@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text, rival};
+use super::gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text};
 use super::tone::Tone;
 use crate::app::model::computation::Freshness;
 use crate::app::model::document::{Document, Imported};
@@ -90,8 +90,13 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
     let scales = (freshness == Freshness::Final)
         .then(|| HypothesisScales::new(estimate, document.parameters.validation.line_score));
     let gauge = |figure: HypothesisFigure| scales.as_ref()?.of_result(figure, figure.of(estimate));
-    facts.extend(line_figures(document, estimate, &gauge));
-    if let Some(support) = &estimate.assessment.support {
+    // The figures of a search do not judge a result that is fitted to matches. The steps of the method show
+    // them.
+    let is_fitted = estimate.is_refined();
+    if !is_fitted {
+        facts.extend(line_figures(document, estimate, &gauge));
+    }
+    if let Some(support) = estimate.assessment.support.as_ref().filter(|_| !is_fitted) {
         let value = format!("{:.1}, over {} corners", support.score, support.matches);
         let gauge =
             scales.as_ref().and_then(|scales| scales.of_result(HypothesisFigure::Support, support.score));
@@ -162,13 +167,10 @@ fn margin(estimate: &Estimate) -> Fact {
     let Some(margin) = estimate.assessment.margin else {
         return Fact { tone: Some(Tone::Good), ..Fact::new("Margin", "no rival", MARGIN) };
     };
-    let rival = rival(estimate).map_or(String::new(), |rival| format!(" to hypothesis {}", rival + 1));
     // The margin after refinement decides, if it was measured.
-    let refined = estimate.assessment.refined_margin;
-    let decides = refined.unwrap_or(margin);
-    let after = refined.map_or(String::new(), |refined| format!(", {:.0} % refined", refined * 100.0));
+    let decides = estimate.assessment.refined_margin.unwrap_or(margin);
     let gauge = Gauge::judged(Scale::MARGIN, decides, |v| format!("{:.0} %", v * 100.0));
-    Fact::new("Margin", format!("{:.0} %{rival}{after}", margin * 100.0), MARGIN).on(Some(gauge))
+    Fact::new("Margin", format!("{:.0} %", decides * 100.0), MARGIN).on(Some(gauge))
 }
 
 const MARGIN: &str = "Difference in support between hypothesis 1, from which the result was \

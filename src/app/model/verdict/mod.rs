@@ -10,7 +10,7 @@ mod tone;
 
 use crate::app::model::computation::{Computation, EstimateFailure, Freshness};
 use crate::app::model::document::{Document, Imported, Role, pair_name};
-use crate::estimate::{self, CLICK_DEVIATIONS, Reason};
+use crate::estimate::{self, CLICK_DEVIATIONS, Estimate, Reason, Warning};
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
 use crate::presentation::{error_in_words, reason_in_words, warning_in_words};
 
@@ -69,10 +69,19 @@ pub fn tone(document: &Document, computation: &Computation) -> Tone {
         Freshness::Final => {
             let has_reasons = trust.is_some_and(|trust| !trust.reasons.is_empty());
             let contradicted = || contradicting_check(document, estimate.fundamental()).is_some();
-            let is_doubtful = has_reasons || !assessment.warnings.is_empty() || contradicted();
+            let is_doubtful = has_reasons || !warnings(estimate).is_empty() || contradicted();
             if is_doubtful { Tone::Caution } else { Tone::Good }
         }
     }
+}
+
+/// Returns the warnings that count. They say what clicks determine on their own, so they do not touch a
+/// result that its matches make reliable.
+fn warnings(estimate: &Estimate) -> &[Warning] {
+    let assessment = &estimate.assessment;
+    let is_reliable =
+        assessment.trust.as_ref().is_some_and(|trust| trust.verdict == estimate::Verdict::Reliable);
+    if is_reliable { &[] } else { &assessment.warnings }
 }
 
 /// Describes the state of the estimate.
@@ -113,7 +122,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     // Warnings about an unfinished result could be outdated a moment later.
     let finished = matches!(freshness, Freshness::Final | Freshness::Stopped);
     let warnings: Vec<_> = reasons
-        .chain(assessment.warnings.iter().map(warning_in_words))
+        .chain(warnings(estimate).iter().map(warning_in_words))
         .map(|sentence| in_names(&sentence, document))
         .chain(checked)
         .filter(|_| finished)

@@ -48,7 +48,7 @@ impl ExportDialog {
         }
         let open = dialog(ctx, "Export rectified pair", 520.0, |ui| {
             ui.weak(
-                "Writes both pictures at full size, a side-by-side picture with guide lines, and \
+                "Writes both pictures at full size, one picture of both with guide lines, and \
                  rectification.json.",
             );
             ui.add_space(6.0);
@@ -100,7 +100,7 @@ impl ExportDialog {
             let value = DragValue::new(&mut self.options.guide_spacing).range(0..=1000).suffix(" rows");
             ui.add(value)
                 .labelled_by(label.id)
-                .on_hover_text("Rows between two guide lines in the side-by-side picture. 0 draws none.");
+                .on_hover_text("Rows between two guide lines in the picture of both. 0 draws none.");
         });
         ui.horizontal(|ui| {
             row_label(ui, "Maps");

@@ -14,7 +14,10 @@ const BESIDE_BUTTONS: f32 = 4.0;
 /// Shows the messages over the top of the images, so that the layout does not move.
 pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<Command>) {
     // The card of the start makes the offers itself, so that nothing covers the pictures.
-    let offered = |message: &&Message| message.kind == MessageKind::LeftBehind && card::offers(model);
+    // Once a person works on the pictures, they wait for the next start.
+    let offered = |message: &&Message| {
+        message.kind == MessageKind::LeftBehind && (card::offers(model) || !model.is_at_start())
+    };
     let shown: Vec<&Message> = model.messages.on_top().filter(|message| !offered(message)).collect();
     if shown.is_empty() {
         return;

@@ -11,7 +11,7 @@ use crate::app::view::theme;
 use crate::estimate::Preset;
 
 /// What the mouse does, before there is a next step to tell.
-const MOUSE: &str = "Scroll zooms · drag pans · double click fits · ? for all keys";
+const MOUSE: &str = "Scroll zooms · drag pans · double click fits · press ? for all keys";
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -28,12 +28,9 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                     .hover
                     .and_then(|hover| Some((hover, model.intensity_at(hover.side, hover.point)?)));
                 if let Some((hover, intensity)) = under {
-                    let text = format!(
-                        "{:<5} {:8.2} {:8.2}  {intensity:5.1}",
-                        hover.side.name(),
-                        hover.point.x,
-                        hover.point.y
-                    );
+                    let pixel = model.open.pixel(hover.side, hover.point);
+                    let side = hover.side.name();
+                    let text = format!("{side:<5} {:8.2} {:8.2}  {intensity:5.1}", pixel.x, pixel.y);
                     ui.label(small(text).monospace()).on_hover_text("Image, x and y in px, intensity.");
                     ui.separator();
                 }

@@ -94,17 +94,21 @@ impl Trust {
         }
         let but_clicks = !reasons.is_empty();
         let suspect = if but_clicks { Suspect::Geometry } else { Suspect::Click };
-        let mut far_off = false;
+        let mut far_off = 0;
         for (k, distance) in evidence.clicks.iter().enumerate() {
             let deviations = distance / evidence.click_sigma;
-            if deviations > CLICK_DEVIATIONS {
-                far_off |= deviations > CLICK_DEVIATIONS_WRONG;
-                reasons.push(Reason::ClickOff { pair: k + 1, distance: *distance, suspect });
+            let reason = Reason::ClickOff { pair: k + 1, distance: *distance, suspect };
+            if deviations > CLICK_DEVIATIONS_WRONG {
+                // First, because such a click is a mistake, and spoils other figures.
+                reasons.insert(far_off, reason);
+                far_off += 1;
+            } else if deviations > CLICK_DEVIATIONS {
+                reasons.push(reason);
             }
         }
         // If all other tests pass, the patches have outvoted a mistaken click. Otherwise a click
         // that is far off makes the result unreliable.
-        unreliable |= far_off && but_clicks;
+        unreliable |= far_off > 0 && but_clicks;
         let verdict = match (reasons.is_empty(), unreliable) {
             (true, _) => Verdict::Reliable,
             (false, false) => Verdict::Doubtful,

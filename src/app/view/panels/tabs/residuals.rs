@@ -67,6 +67,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 pub fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let now = model.look.compared;
     let measured = model.open.comparison.as_ref().map_or(now.measured, |comparison| comparison.measured);
+    ui.weak("Measured on");
     for (set, name, tooltip) in [
         (PointSet::Pairs, "Point pairs", "Measure on the pairs that you clicked."),
         (PointSet::Matches, "Matches", MATCHES),

@@ -82,7 +82,7 @@ pub fn show(ui: &mut Ui, area: Rect, side: Side, model: &Model, commands: &mut V
     ui.painter().text(area.center_top(), Align2::CENTER_TOP, title, font.clone(), weak);
     let room = Rect::from_min_max(area.min + vec2(0.0, CAPTIONS), area.max - vec2(0.0, CAPTIONS));
     let radius = (room.width().min(room.height()) / 2.0 - 2.0).max(8.0);
-    let (centre, rim) = (room.center(), "Rim: infinitely far away. Rectangle: the image.");
+    let (centre, rim) = (room.center(), "Rim: infinity. Rectangle: image.");
     ui.painter().text(area.center_bottom(), Align2::CENTER_BOTTOM, rim, font, weak);
     let disc = PlaneDisc { centre, radius, frame };
     let area = Rect::from_center_size(centre, vec2(radius, radius) * 2.0);
