@@ -73,7 +73,8 @@ def main():
                 )
     areas = [100 * np.mean(np.maximum(0, 1 - np.array(errors) / limit)) for limit in (1, 5, 10)]
     print("AUC at 1, 5, 10°: " + ", ".join(f"{area:.1f}" for area in areas), f"median {np.median(errors):.3f}°")
-    print("in the 95 % regions of reliable results: rotation %.0f %%, translation %.0f %%" % tuple(100 * np.mean(inside, axis=0)))
+    turns, shifts = 100 * np.mean(inside, axis=0)
+    print(f"in the 95 % regions of {len(inside)} reliable results: rotation {turns:.0f} %, translation {shifts:.0f} %")
 
 
 if __name__ == "__main__":
