@@ -19,7 +19,7 @@ use epiline::internals::app::model::ids::{MethodStep, TabId};
 use epiline::internals::app::model::look::Look;
 use epiline::internals::app::{Inspector, Opening, Services, Start, install_theme};
 use epiline::synthetic::Sample;
-use support::{Files, P_LEFT, Window, at, button, click, pane, press, screen, settle, wheel};
+use support::{Files, Window, at, button, click, drop_files, pane, press, settle, wheel};
 
 /// Frames of a drag, at 60 per second.
 const FRAMES: u32 = 180;
@@ -76,21 +76,39 @@ fn while_dragging() {
     let sample = Sample::Courtyard.load();
     let pairs = sample.show_me.into_iter().chain(sample.matches).take(MANY).collect();
     let (mut window, times) = timed(Start { pairs, ..Start::default() });
-    press(&mut window, Key::I);
-    for k in 0..MANY {
-        let place = at(&window, Side::Right, -0.42 + 0.115 * (k % 8) as f32, -0.4 + 0.19 * (k / 8) as f32);
-        click(&mut window, place);
+    let files = Files::new();
+    let calibration = files.0.path().join("cameras.txt");
+    std::fs::write(&calibration, "1 SIMPLE_RADIAL 768 576 700 384 288 -0.2\n").unwrap();
+    for what in ["lines", "curves"] {
+        if what == "curves" {
+            drop_files(&mut window, std::slice::from_ref(&calibration));
+        }
+        press(&mut window, Key::I);
+        for k in 0..MANY {
+            let place = at(&window, Side::Right, -0.32 + 0.09 * (k % 8) as f32, -0.3 + 0.15 * (k / 8) as f32);
+            click(&mut window, place);
+        }
+        press(&mut window, Key::I);
+        println!("{MANY} pairs and {} pinned {what}", window.state().focus().pins().len());
+        drag_in_circles(&mut window, &times);
     }
-    press(&mut window, Key::I);
-    println!("{MANY} pairs and {} pinned lines", window.state().focus().pins().len());
-    drag_in_circles(&mut window, &times);
 }
 
 /// Number of pairs and of pinned lines in a full window.
 const MANY: usize = 40;
 
+/// Returns the place of the first left point on the screen.
+fn on_screen(window: &Window) -> egui::Pos2 {
+    let model = window.state().model();
+    let frame = model.open.shown_frame(Side::Left).unwrap();
+    let offset = model.pairs_in_pictures()[0].point1 - frame.centre();
+    let rect = pane(window, Side::Left);
+    let scale = (rect.width() / frame.width as f32).min(rect.height() / frame.height as f32);
+    rect.center() + vec2(offset.x as f32, offset.y as f32) * scale
+}
+
 fn drag_in_circles(window: &mut Window, times: &RefCell<Vec<Duration>>) {
-    let from = screen(window, P_LEFT);
+    let from = on_screen(window);
     window.hover_at(from);
     button(window, from, PointerButton::Primary, true);
     window.step();

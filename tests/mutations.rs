@@ -17,10 +17,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use epiline::geometry::{Frame, FundamentalMatrix, PointPair};
+use epiline::camera::UndistortedView;
+use epiline::geometry::{Frame, FundamentalMatrix, Point, PointPair};
 use epiline::image::{LoadOptions, Picture};
 use epiline::io::{
-    Format, GeometryFile, ImageNote, ImageReference, ImageSource, SessionFile, parse_point_pairs, read_camera,
+    Calibration, Format, GeometryFile, ImageNote, ImageReference, ImageSource, SessionFile,
+    parse_point_pairs, read_camera, read_matches,
 };
 use image::{DynamicImage, ImageFormat};
 
@@ -34,6 +36,38 @@ const LONGEST: f64 = 20.0;
 const LONGEST_FILE: u64 = 20_000;
 /// Maximum length of a message, characters.
 const LONGEST_MESSAGE: usize = 900;
+
+/// A calibration of each kind.
+const CALIBRATIONS: [(&str, &str); 6] = [
+    (
+        "opencv.yml",
+        "%YAML:1.0\n---\nK1: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 500., 0., 320., 0., 505., \
+         240., 0., 0., 1. ]\nD1: [ -0.3, 0.1, 0., 0. ]\nK2: [ 500., 0., 320., 0., 505., 240., 0., 0., 1. ]\nD2: [ 0., 0., \
+         0., 0. ]\nR: [ 1., 0., 0., 0., 1., 0., 0., 0., 1. ]\nT: [ -1., 0., 0. ]\n",
+    ),
+    (
+        "kalibr.yaml",
+        "cam0:\n  camera_model: pinhole\n  intrinsics: [458.6, 457.3, 367.2, 248.4]\n  distortion_model: equidistant\n  \
+         distortion_coeffs: [0.003, 0.0007, -0.002, 0.0002]\n  resolution: [752, 480]\n",
+    ),
+    (
+        "cameras.toml",
+        "[cameras.0]\nsize = [64, 48]\nmatrix = [[89.0, 0.0, 32.0], [0.0, 89.0, 24.0], [0.0, 0.0, 1.0]]\ndistortions = \
+         [-0.33, 0.09, 0.0, 0.0, 0.0]\nrotation = [0.0, 0.0, 0.0]\ntranslation = [0.0, 0.0, 0.0]\n",
+    ),
+    (
+        "kitti.txt",
+        "K_00: 984 0 690 0 981 233 0 0 1\nD_00: -0.37 0.2 0.002 0.001 -0.07\nP1: 7 0 6 -3 0 7 1 0 0 0 1 0\n",
+    ),
+    (
+        "middlebury.txt",
+        "cam0=[39 0 11; 0 39 10; 0 0 1]\ncam1=[39 0 13; 0 39 10; 0 0 1]\nbaseline=193.001\nwidth=29\n",
+    ),
+    (
+        "colmap.txt",
+        "1 THIN_PRISM_FISHEYE 64 48 30 30 32 24 0.1 0 0 0 0.1 0 0 0\n2 FOV 64 48 30 30 32 24 0.9\n",
+    ),
+];
 
 /// The generator `SplitMix64`, equal on all platforms.
 struct Random(u64);
@@ -62,6 +96,8 @@ impl Random {
 enum Reader {
     Picture,
     Text,
+    Calibration,
+    Matches,
     Session,
 }
 
@@ -119,6 +155,10 @@ fn corpus() -> Vec<Sample> {
     }
     add("camera", b"1 0 0 -1\n0 1 0 0.5\n0 0 1 0\n".to_vec(), Reader::Text);
     add("pairs", b"x1,y1,x2,y2\n1,2.5,3e1,-4\n5;6\t7 8\n# a comment\n".to_vec(), Reader::Text);
+    for (name, text) in CALIBRATIONS {
+        add(name, text.as_bytes().to_vec(), Reader::Calibration);
+    }
+    add("matches.npz", include_bytes!("mutations/matches.npz").to_vec(), Reader::Matches);
     let reference = |path: &str| ImageReference {
         source: ImageSource::File { path: path.to_owned(), sha256: "ab".repeat(32) },
         frame,
@@ -209,6 +249,23 @@ fn read(bytes: &[u8], reader: Reader, file: &Path) -> Vec<String> {
             }
             std::fs::write(file, bytes).unwrap();
             hear(read_camera(file).err().map(|e| e.to_string()));
+        }
+        Reader::Calibration => {
+            std::fs::write(file, bytes).unwrap();
+            match Calibration::read(file) {
+                Ok(found) => {
+                    for camera in found.cameras {
+                        // Every lens that was read can be undone, or not.
+                        let view = UndistortedView::new(&camera.model, Frame::new(640, 480));
+                        let _ = view.map(|view| view.source_of(Point::new(3.0, 400.0)));
+                    }
+                }
+                Err(error) => hear(Some(error.to_string())),
+            }
+        }
+        Reader::Matches => {
+            std::fs::write(file, bytes).unwrap();
+            hear(read_matches(file).err().map(|e| e.to_string()));
         }
         Reader::Session => {
             std::fs::write(file, bytes).unwrap();

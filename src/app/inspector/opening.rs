@@ -118,7 +118,7 @@ impl Inspector {
             self.refuse(format!("{name} is a calibration, which sequences cannot use. Nothing was changed."));
             return;
         }
-        self.tasks.loader.calibrate(pictures, [cameras[0].model, cameras[1].model]);
+        self.tasks.loader.calibrate(pictures, &[cameras[0].model, cameras[1].model]);
         self.model.open.done.tell(format!("Lens calibrated by {name}"));
     }
 

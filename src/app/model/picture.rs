@@ -65,6 +65,7 @@ impl Opened {
     }
 
     /// Returns the picture of the camera without its calibration.
+    #[must_use]
     pub fn without_calibration(self) -> Self {
         let picture = self.shown().clone();
         Self { picture, lens: None, ..self }
@@ -76,8 +77,8 @@ impl Opened {
     }
 
     /// Returns the view without distortion, if the picture on the screen is distorted.
-    pub fn distortion(&self) -> Option<UndistortedView> {
-        self.lens.as_ref().map(|lens| lens.view).filter(|view| !view.is_original())
+    pub fn distortion(&self) -> Option<&UndistortedView> {
+        self.lens.as_ref().map(|lens| &lens.view).filter(|view| !view.is_original())
     }
 
     /// Returns the place on the screen's picture of a point of the window's coordinates.

@@ -99,8 +99,8 @@ impl Loader {
     }
 
     /// Gives open pictures their calibrated cameras.
-    pub fn calibrate(&mut self, pictures: [Opened; 2], cameras: [CameraModel; 2]) {
-        self.start(Wanted::Calibrated(Box::new((pictures, cameras))));
+    pub fn calibrate(&mut self, pictures: [Opened; 2], cameras: &[CameraModel; 2]) {
+        self.start(Wanted::Calibrated(Box::new((pictures, *cameras))));
     }
 
     /// Returns the result of the running opening, once it has ended.

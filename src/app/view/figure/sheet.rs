@@ -41,7 +41,7 @@ pub struct Placed {
 
 impl Placed {
     /// Finds the pixels that are visible in the rectangle of a transform.
-    fn new(transform: Transform, frame: Frame, rendition: Rendition) -> Self {
+    fn new(transform: &Transform, frame: Frame, rendition: Rendition) -> Self {
         let [low, high] = transform.pixel_range(transform.rect);
         let range = |low: f64, high: f64, size: usize| {
             let first = (low + 0.5 + 1e-6).floor().clamp(0.0, size as f64 - 1.0);
@@ -50,7 +50,7 @@ impl Placed {
         };
         let (x, width) = range(low.x, high.x, frame.width);
         let (y, height) = range(low.y, high.y, frame.height);
-        Self { transform, first: [x, y], count: [width, height], rendition }
+        Self { transform: *transform, first: [x, y], count: [width, height], rendition }
     }
 }
 
@@ -130,7 +130,7 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
     let places: [Placed; 2] = std::array::from_fn(|k| {
         let rect = Rect::from_min_size(places[k].to_pos2(), sizes[k]);
         let scale = fit[k].scale * f64::from(enlarged);
-        Placed::new(fit[k].at(rect, scale), frames[k], model.open.tones.of[k])
+        Placed::new(&fit[k].at(rect, scale), frames[k], model.open.tones.of[k])
     });
     let context = egui::Context::default();
     context.set_fonts(theme::fonts());

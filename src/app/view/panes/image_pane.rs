@@ -87,7 +87,7 @@ struct PaneImage {
 
 impl PaneImage {
     fn transform(&self, rect: Rect) -> Transform {
-        self.view.transform(self.shown, rect).through(self.lens)
+        self.view.transform(self.shown, rect).through(self.lens.as_ref())
     }
 }
 
@@ -106,7 +106,8 @@ impl ImagePane {
     pub fn set_picture(&mut self, ctx: &egui::Context, opened: &Opened) {
         let texture = PictureTexture::new(ctx, opened);
         let shown = opened.shown().frame();
-        let (picture, lens, view) = (opened.picture.clone(), opened.distortion(), PaneView::fitting(shown));
+        let (picture, lens, view) =
+            (opened.picture.clone(), opened.distortion().copied(), PaneView::fitting(shown));
         self.image = Some(PaneImage { picture, shown, lens, texture, view });
         self.drag = None;
     }

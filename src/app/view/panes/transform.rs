@@ -113,8 +113,8 @@ impl Transform {
 
     /// Returns the transform of a picture whose lens distorts it.
     #[must_use]
-    pub fn through(self, lens: Option<UndistortedView>) -> Self {
-        Self { lens, ..self }
+    pub fn through(self, lens: Option<&UndistortedView>) -> Self {
+        Self { lens: lens.copied(), ..self }
     }
 
     /// Returns whether straight lines of the image are curves on the screen.
