@@ -20,6 +20,8 @@ mod view_pair;
 
 pub use lens::{Lens, Projection, Radial};
 pub use model::CameraModel;
+#[cfg(feature = "files")]
+pub(crate) use names::IMPOSSIBLE;
 pub use names::calibration;
 pub use pose::{PoseDifference, PoseFit, PoseUncertainty, RelativePose, fit_pose};
 pub use undistorted_view::UndistortedView;

@@ -70,7 +70,7 @@ impl CameraModel {
 }
 
 /// Clause for a calibration matrix that no camera has.
-pub(super) const IMPOSSIBLE: &str =
+pub(crate) const IMPOSSIBLE: &str =
     "the calibration is impossible: focal lengths must be positive, and all numbers finite";
 
 impl Lens {

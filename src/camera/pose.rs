@@ -51,7 +51,7 @@ pub struct PoseUncertainty {
     pub covariance: Matrix5<f64>,
 }
 
-/// How far a pose from elsewhere is from a fitted one.
+/// Difference between a given pose and a fitted one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PoseDifference {
     /// Angle between the rotations, radians.
@@ -88,8 +88,8 @@ impl RelativePose {
         FundamentalMatrix::from_rank_two(inverse2.transpose() * self.essential() * inverse1)
     }
 
-    /// Takes a fundamental matrix apart (Hartley & Zisserman, §9.6.2). Of the four poses the one is
-    /// returned that has most matches in front of both cameras.
+    /// Takes a fundamental matrix apart (Hartley & Zisserman, §9.6.2). Four poses fit; returns the pose
+    /// with most matches in front of both cameras.
     pub fn from_fundamental(
         fundamental: &FundamentalMatrix,
         calibrations: &[Matrix3<f64>; 2],

@@ -77,7 +77,7 @@ struct JudgeFile<'a, T: Serialize> {
     message: &'a str,
     #[serde(flatten)]
     judgement: &'a T,
-    /// Of the calibration that was judged from the pose that the matches show.
+    /// Difference between the judged calibration and the pose that fits the matches.
     #[serde(skip_serializing_if = "Option::is_none")]
     pose_difference: Option<PoseDifference>,
     /// Fundamental matrix of the reference.

@@ -2,9 +2,8 @@
 
 use super::{Frame, Point};
 
-/// Regions along each side of image 1 whose matches are taken as off alike. With 3, true lines of four
-/// sets of pairs lie in the 95 % regions in 92 to 99 % of the cases; with 4, in 86 to 99 %
-/// (`lab/notes.md`). A debt.
+/// Regions along each side of image 1 whose matches are taken as off alike. With 3, the 95 % regions hold
+/// 92 to 99 % of the true lines of four sets of pairs; with 4, 86 to 99 % (`lab/notes.md`). A debt.
 const CELLS: usize = 3;
 /// Number of regions.
 pub(crate) const REGIONS: usize = CELLS * CELLS;

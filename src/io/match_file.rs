@@ -1,9 +1,10 @@
 //! Matches from other programs, with their weights.
 //!
-//! Text and JSON are those of geometry files. NumPy archives (`.npz`) have the names that matchers
-//! use: `keypoints0`, `keypoints1` and `matches`, or `mkpts0` and `mkpts1`; scores are
-//! `matching_scores`, `match_confidence`, `scores` or `mconf`; covariances are `covariances` (N×2×2, of
-//! the point in image 2).
+//! Text and JSON are those of geometry files. NumPy archives (`.npz`) have the names of matchers:
+//!
+//! - `keypoints0`, `keypoints1` and `matches`, or `mkpts0` and `mkpts1`;
+//! - scores: `matching_scores`, `match_confidence`, `scores` or `mconf`;
+//! - covariances of the points in image 2: `covariances`, N×2×2.
 
 use std::io::{Cursor, Read};
 use std::path::Path;

@@ -86,8 +86,8 @@ pub struct ResultFile<'a> {
     /// Origins of the pairs, if known.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pair_origins: Vec<&'static str>,
-    /// Cameras and pose, if a calibration was given. All coordinates are then those of the views without
-    /// distortion.
+    /// Cameras and pose, if a calibration was given. All other coordinates then belong to the views
+    /// without distortion.
     #[serde(skip_serializing_if = "Option::is_none")]
     calibrated: Option<CalibratedFile<'a>>,
     parameters: &'a Parameters,

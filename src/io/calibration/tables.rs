@@ -4,13 +4,9 @@ use nalgebra::{Matrix3, Matrix3x4, Rotation3, Vector3};
 
 use super::super::number::{finite_numbers, rows};
 use super::{CalibratedCamera, CameraPose};
-use crate::camera::{CameraModel, Lens};
+use crate::camera::{CameraModel, IMPOSSIBLE, Lens};
 use crate::foreign::excerpt;
 use crate::geometry::Frame;
-
-/// Clause for a calibration matrix that no camera has.
-pub(super) const IMPOSSIBLE: &str =
-    "the calibration is impossible: focal lengths must be positive, and all numbers finite";
 
 /// Returns whether a text has rows of KITTI's calibration files.
 pub(super) fn is_kitti(text: &str) -> bool {

@@ -3,9 +3,8 @@
 use nalgebra::{Matrix3, Matrix4, Rotation3, Vector3};
 use serde_json::{Map, Value};
 
-use super::tables::IMPOSSIBLE;
 use super::{CalibratedCamera, CameraPose};
-use crate::camera::{CameraModel, Lens, calibration};
+use crate::camera::{CameraModel, IMPOSSIBLE, Lens, calibration};
 use crate::foreign::excerpt;
 use crate::geometry::Frame;
 
