@@ -11,7 +11,7 @@ use crate::geometry::{Frame, Point};
 /// A view without distortion from the place of a camera: epipolar curves are straight lines in it.
 ///
 /// The view keeps the scale of the original at the principal point, and covers the original as far
-/// as its pixels are stretched by at most [`MOST_STRETCH`].
+/// as its pixels are stretched at most three times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UndistortedView {
     camera: CameraModel,
