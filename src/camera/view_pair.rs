@@ -24,6 +24,11 @@ impl ViewPair {
         Some(Self { views: [view(0)?, view(1)?] })
     }
 
+    /// Returns whether a view differs from its picture.
+    pub fn is_undistorted(&self) -> bool {
+        self.views.iter().any(|view| !view.is_original())
+    }
+
     /// Returns the calibration matrices of the views.
     pub fn calibrations(&self) -> [Matrix3<f64>; 2] {
         self.views.each_ref().map(|view| *view.calibration())

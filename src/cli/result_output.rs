@@ -79,7 +79,12 @@ impl ResultOutput {
         let pose = views.and_then(|views| pose(found, views));
         if let Some(export) = self.export {
             let cameras = views.zip(pose.as_ref()).and_then(|(views, fit)| cameras(views, fit));
-            export.write(&GeometryFile { cameras, ..geometry_file(found, pairs, pictures) })?;
+            let is_undistorted = views.is_some_and(ViewPair::is_undistorted);
+            export.write(&GeometryFile {
+                cameras,
+                is_undistorted,
+                ..geometry_file(found, pairs, pictures)
+            })?;
         }
         let images = image_notes(pictures);
         let mut result = ResultFile::new(found, pairs, &images, parameters).at_offset(offset);
@@ -93,7 +98,7 @@ impl ResultOutput {
             words += &pose
                 .as_ref()
                 .map_or_else(|| "Relative pose: too few matches for one\n".to_owned(), pose_in_words);
-            if views.views.iter().any(|view| !view.is_original()) {
+            if views.is_undistorted() {
                 words += "All coordinates are those of the views without distortion\n";
             }
         }

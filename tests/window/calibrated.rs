@@ -127,3 +127,19 @@ fn a_session_keeps_the_calibration_and_another_size_is_refused() {
     assert!(first.state().messages().any(|message| message.contains("is for images of 640×240")));
     assert_eq!(*first.state().document(), before);
 }
+
+#[test]
+fn files_of_point_pairs_are_places_in_the_pictures() {
+    let files = Files::new();
+    let mut window = calibrated(&files);
+    let model = window.state().model();
+    let row = model.copied_pairs().lines().nth(1).unwrap().to_owned();
+    let numbers: Vec<f64> = row.split('\t').skip(1).map(|cell| cell.parse().unwrap()).collect();
+    assert!(is_near(&PointPair::new(numbers[0], numbers[1], numbers[2], numbers[3]), &pairs()[0], 1e-6));
+    let path = files.0.path().join("pairs.txt");
+    std::fs::write(&path, "300 20 310 30\n20 220 25 210\n").unwrap();
+    drop_files(&mut window, &[path]);
+    let found = window.state().model().pairs_in_pictures();
+    assert!(is_near(&found[0], &PointPair::new(300.0, 20.0, 310.0, 30.0), 1e-6), "{found:?}");
+    assert_eq!(found.len(), 2);
+}

@@ -222,6 +222,8 @@ impl Inspector {
             self.view.dialogs.reading = Some(ReadingDialog::new(found, matrix, has_pairs));
             return;
         }
+        // Pairs of a file are places in the pictures.
+        found.pairs = found.pairs.iter().filter_map(|pair| self.model.open.points_of(pair)).collect();
         let count = found.pairs.len();
         self.model.edit(Step::Single, |document| document.set_pairs(found.pairs, PairOrigin::Imported));
         let plural = if count == 1 { "" } else { "s" };

@@ -18,7 +18,7 @@ use super::rectified::{Rectified, Viewing};
 use super::suggesting::Suggested;
 use super::tones::{Tones, TonesCommand};
 use super::truth::KnownTruth;
-use crate::camera::CameraModel;
+use crate::camera::{CameraModel, ViewPair};
 use crate::estimate::Estimate;
 use crate::geometry::{Frame, Point, PointPair};
 use crate::suggest::NextClick;
@@ -124,6 +124,12 @@ impl OpenPair {
     /// Returns the size of the picture on the screen.
     pub fn shown_frame(&self, side: Side) -> Option<Frame> {
         Some(self.pictures.as_ref()?[side.index()].shown().frame())
+    }
+
+    /// Returns the views without distortion, if the coordinates of the window differ from the pixels.
+    pub fn undistorted(&self) -> Option<ViewPair> {
+        let [left, right] = self.pictures.as_ref()?.each_ref().map(|opened| opened.lens.as_ref());
+        Some(ViewPair { views: [left?.view, right?.view] }).filter(ViewPair::is_undistorted)
     }
 
     /// Returns the calibrated cameras of the pictures, if both have one.

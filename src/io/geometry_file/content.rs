@@ -39,8 +39,8 @@ pub struct GeometryFile {
     pub labels: Vec<PairLabel>,
     /// Matches found by the estimate of a result, px. Read only.
     pub found: Vec<PointPair>,
-    /// Whether the numbers belong to views without distortion of calibrated cameras: results of an
-    /// estimate with a calibration. Read only.
+    /// Whether the numbers belong to views without distortion of calibrated cameras. JSON and OpenCV files keep
+    /// the mark; the others say so in words.
     pub is_undistorted: bool,
     /// Verdict on the geometry. Written only.
     pub trust: Option<TrustNote>,

@@ -50,6 +50,8 @@ pub(super) struct WrittenGeometry<'a> {
     /// Name and origin, one per pair; may be empty.
     pub(super) labels: &'a [PairLabel],
     pub(super) trust: Option<&'a TrustNote>,
+    /// Whether the numbers belong to views without distortion.
+    pub(super) is_undistorted: bool,
 }
 
 impl<'a> WrittenGeometry<'a> {
@@ -79,7 +81,8 @@ impl<'a> WrittenGeometry<'a> {
         let check = fundamental.and_then(|f| SelfCheck::new(&f, &pairs));
         let labels = if file.labels.len() == pairs.len() { &file.labels[..] } else { &[] };
         let trust = file.trust.as_ref();
-        Self { format, matrices, pairs, images: file.images.as_ref(), check, labels, trust }
+        let is_undistorted = file.is_undistorted;
+        Self { format, matrices, pairs, images: file.images.as_ref(), check, labels, trust, is_undistorted }
     }
 
     /// Returns all matrices, vectors as columns, and the points of each image as a separate table.
@@ -122,6 +125,10 @@ impl<'a> WrittenGeometry<'a> {
             env!("CARGO_PKG_VERSION")
         )];
         lines.extend(self.format.convention());
+        if self.is_undistorted {
+            lines
+                .push("All coordinates belong to views without lens distortion, not to the pictures.".into());
+        }
         if let Some(check) = &self.check {
             lines.push(check.sentence());
         }

@@ -137,7 +137,10 @@ impl Fields {
                     let table = table(value).map_err(|e| Problem::whole(format!("{name}: {e}")))?;
                     fields.add(quantity, table)?;
                 }
-                (None, "calibrated") => fields.is_undistorted = distorts(value),
+                (None, "calibrated") => fields.is_undistorted |= distorts(value),
+                (None, "undistorted") => {
+                    fields.is_undistorted |= *value == Value::Bool(true) || value.as_u64() == Some(1);
+                }
                 (None, "image1") => fields.images[0] = image(value),
                 (None, "image2") => fields.images[1] = image(value),
                 (None, "images") => {
@@ -185,7 +188,8 @@ impl Fields {
         if !file.pairs.iter().all(PointPair::is_finite) || !homographies.all(is_finite) {
             return Err(Problem::whole("the numbers are too large"));
         }
-        if file == GeometryFile::default() {
+        let empty = GeometryFile { is_undistorted: file.is_undistorted, ..GeometryFile::default() };
+        if file == empty {
             return Err(Problem::whole(
                 "no fundamental matrix, cameras or point pairs found. Known names are F or fundamental, P1 and P2, points1 and points2, pairs",
             ));

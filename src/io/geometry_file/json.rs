@@ -20,6 +20,9 @@ struct File<'a> {
     pairs: Vec<[f64; 4]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     images: Option<&'a [ImageNote; 2]>,
+    /// Whether the numbers belong to views without distortion.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    undistorted: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
     self_check: Option<Value>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -43,6 +46,7 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
             .collect(),
         pairs: written.pairs.iter().map(pair_numbers).collect(),
         images: written.images,
+        undistorted: written.is_undistorted,
         self_check: written
             .check
             .map(|c| json!({ "pairs": c.pairs, "mean_distance": c.mean, "max_distance": c.max })),

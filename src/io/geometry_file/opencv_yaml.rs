@@ -18,6 +18,9 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
     for (k, image) in written.images.iter().flat_map(|i| i.iter()).enumerate() {
         text.push_str(&image_map(k + 1, image));
     }
+    if written.is_undistorted {
+        text.push_str("undistorted: 1\n");
+    }
     for table in written.tables() {
         text.push_str(&matrix_map(&table));
     }

@@ -5,7 +5,7 @@ use super::profile;
 use super::table;
 use super::trust::{result_note, trust_note};
 use crate::app::model::Model;
-use crate::app::model::document::counted;
+use crate::app::model::document::{Side, counted};
 use crate::app::model::rectified::RectifyQuestion;
 use crate::estimate::PlaneHomography;
 use crate::geometry::PointPair;
@@ -66,6 +66,21 @@ pub fn content(
     if matches!(order.what, ExportKind::Geometry | ExportKind::Pairs | ExportKind::Table) {
         file.pairs = pairs(model, order.with_matches);
         file.labels = labels(model, order.with_matches);
+    }
+    if model.open.undistorted().is_some() {
+        file.is_undistorted = true;
+        if order.what == ExportKind::Pairs {
+            // Pairs alone are places in the pictures.
+            let pixel = |pair: &PointPair| PointPair {
+                point1: model.open.pixel(Side::Left, pair.point1),
+                point2: model.open.pixel(Side::Right, pair.point2),
+            };
+            file.pairs = file.pairs.iter().map(pixel).collect();
+            file.is_undistorted = false;
+            for (note, side) in file.images.iter_mut().flatten().zip(Side::BOTH) {
+                note.frame = model.open.shown_frame(side).unwrap_or(note.frame);
+            }
+        }
     }
     match order.what {
         ExportKind::Geometry => file.trust = trust_note(model),
@@ -164,7 +179,11 @@ fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Opt
         ReportFormat::Json => {
             let file = ResultFile::new(estimate, &pairs, images, &model.document.parameters);
             let offset = model.compared_recordings().map(|compared| compared.offset);
-            let file = file.at_offset(offset).labelled(&labels(model, false));
+            let mut file = file.at_offset(offset).labelled(&labels(model, false));
+            let views = model.open.undistorted();
+            if let Some(views) = &views {
+                file = file.calibrated(views, None);
+            }
             serde_json::to_string_pretty(&file).ok()? + "\n"
         }
         ReportFormat::Text => {
@@ -173,6 +192,9 @@ fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Opt
                 env!("CARGO_PKG_VERSION")
             )];
             lines.extend(Format::Text.convention());
+            if model.open.undistorted().is_some() {
+                lines.push("All coordinates belong to views without lens distortion.".to_owned());
+            }
             lines.push(String::new());
             for (image, place) in images.iter().zip(["left", "right"]) {
                 let (width, height) = (image.frame.width, image.frame.height);

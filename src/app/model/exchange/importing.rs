@@ -134,16 +134,20 @@ impl ImportQuestion {
             });
         }
         let mut notes = Vec::new();
-        if file
-            .images
-            .as_ref()
-            .is_some_and(|images| images.each_ref().map(|image| image.frame) != self.frames)
-        {
+        if file.is_undistorted && self.frames == self.shown {
+            notes.push(format!(
+                "{name} belongs to views without lens distortion. Import the calibration of the pictures first."
+            ));
+        }
+        if file.images.as_ref().is_some_and(|images| {
+            ![self.frames, self.shown].contains(&images.each_ref().map(|image| image.frame))
+        }) {
             notes.push(format!(
                 "{name} belongs to images of other sizes. Check that it fits the open images."
             ));
         }
-        let (pairs, note) = on_the_images(&file.pairs, self.frames, &name);
+        let sizes = if file.is_undistorted { self.frames } else { self.shown };
+        let (pairs, note) = on_the_images(&file.pairs, sizes, &name);
         notes.extend(note);
         if geometry.is_none() && pairs.is_empty() {
             return Err("none of its point pairs lies on the open images".to_owned());

@@ -21,8 +21,9 @@ pub fn csv(model: &Model) -> String {
         }
     }
     text.push_str("x1,y1,x2,y2,name,origin,role,distance\n");
+    let places = model.pairs_in_pictures();
     for pair in model.listed_pairs() {
-        let points = document.pairs[pair];
+        let points = places[pair];
         let role = match document.role(pair) {
             Role::Used => "used",
             Role::Check => "check only",

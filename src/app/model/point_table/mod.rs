@@ -132,8 +132,9 @@ impl Model {
         let document = &self.document;
         let mut text = String::from("name\tx1\ty1\tx2\ty2\n");
         let all = document.chosen.is_empty();
+        let places = self.pairs_in_pictures();
         for pair in self.listed_pairs().into_iter().filter(|pair| all || document.chosen.contains(pair)) {
-            let PointPair { point1, point2 } = document.pairs[pair];
+            let PointPair { point1, point2 } = places[pair];
             let name = document.name(pair);
             let _ = writeln!(text, "{name}\t{}\t{}\t{}\t{}", point1.x, point1.y, point2.x, point2.y);
         }
@@ -149,7 +150,9 @@ impl Model {
         let Some(pictures) = &self.document.pictures else { return };
         let frames = pictures.each_ref().map(|picture| picture.frame);
         let total = rows.len();
-        let mut inside = rows;
+        // Rows are places in the pictures.
+        let points = |(name, pair): (_, PointPair)| Some((name, self.open.points_of(&pair)?));
+        let mut inside: Vec<_> = rows.into_iter().filter_map(points).collect();
         inside.retain(|(_, pair)| frames[0].contains(pair.point1) && frames[1].contains(pair.point2));
         let (count, outside) = (inside.len(), total - inside.len());
         if outside > 0 {
