@@ -1,18 +1,23 @@
 //! Quality of a rectified pair: row errors and distortion.
 
 use nalgebra::Matrix2;
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::map::ImageMap;
 use super::outline::{diagonals, middle_lines};
-use crate::geometry::{Frame, Point, PointPair, Vector};
+use crate::geometry::{Frame, Point, PointPair};
 
 /// Points per side of the grid on which areas are compared.
 const GRID: usize = 48;
 
-/// Minimum interquartile range of disparities, px. Without it a planar scene would have no
-/// tolerance.
-const NARROW: f64 = 8.0;
+/// Neighbours that are asked about the disparity of a match.
+const NEIGHBOURS: usize = 6;
+/// Neighbours that must agree. One alone may be a wrong match with about the same disparity.
+const AGREEING: usize = 2;
+/// Largest disparity gradient of two matches on one surface (Burt & Julesz 1980; Pollard, Mayhew &
+/// Frisby 1985): change of disparity over distance. Hardly any visible surface exceeds it.
+const STEEPEST: f64 = 1.0;
 
 /// Measurements of a rectified pair.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -36,7 +41,7 @@ pub struct RowErrors {
     pub max: f64,
     /// Smallest and largest disparity `x1 − x2`, without the outliers counted in `far_off`.
     pub disparity: [f64; 2],
-    /// Number of disparity outliers. Most are wrong matches that happen to fit F.
+    /// Number of matches with disparities unlike those of their neighbours. Most are wrong matches that happen to fit F.
     pub far_off: usize,
 }
 
@@ -77,40 +82,62 @@ impl Measures {
 
 impl RowErrors {
     fn of(maps: &[ImageMap; 2], matches: &[PointPair]) -> Option<Self> {
-        let placed: Vec<Vector> = matches
+        let placed: Vec<PointPair> = matches
             .iter()
             .filter_map(|m| {
-                let a = maps[0].rectified_from_original(m.point1)?;
-                Some(a - maps[1].rectified_from_original(m.point2)?)
+                Some(PointPair {
+                    point1: maps[0].rectified_from_original(m.point1)?,
+                    point2: maps[1].rectified_from_original(m.point2)?,
+                })
             })
             .collect();
         if placed.is_empty() {
             return None;
         }
-        let errors = placed.iter().map(|d| d.y.abs());
-        let mut disparities: Vec<f64> = placed.iter().map(|d| d.x).collect();
-        disparities.sort_by(f64::total_cmp);
-        let near = near(&disparities);
+        let errors = placed.iter().map(|m| (m.point1.y - m.point2.y).abs());
+        let agreed = on_surfaces(&placed);
+        let range = agreed
+            .iter()
+            .map(disparity)
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], d| [low.min(d), high.max(d)]);
         Some(Self {
             matches: placed.len(),
             outside: matches.len() - placed.len(),
             mean: errors.clone().sum::<f64>() / placed.len() as f64,
             max: errors.fold(0.0, f64::max),
-            disparity: [near[0], near[near.len() - 1]],
-            far_off: disparities.len() - near.len(),
+            disparity: range,
+            far_off: placed.len() - agreed.len(),
         })
     }
 }
 
-/// Returns the values within Tukey's outer fences: three interquartile ranges beyond the quartiles.
-/// The range counts as at least [`NARROW`]. Never empty; `ascending` is sorted.
-fn near(ascending: &[f64]) -> &[f64] {
-    let last = ascending.len() - 1;
-    let [low, high] = [last / 4, last - last / 4].map(|k| ascending[k]);
-    let reach = 3.0 * (high - low).max(NARROW);
-    let from = ascending.partition_point(|v| *v < low - reach);
-    let to = ascending.partition_point(|v| *v <= high + reach);
-    &ascending[from..to]
+fn disparity(rectified: &PointPair) -> f64 {
+    rectified.point1.x - rectified.point2.x
+}
+
+/// Returns the rectified matches that lie on one surface with some of their neighbours. Wrong matches
+/// that happen to fit F have any disparity. All are returned if there are too few to compare, or none
+/// agree. Never empty unless `rectified` is.
+fn on_surfaces(rectified: &[PointPair]) -> Vec<PointPair> {
+    let middle = |m: &PointPair| nalgebra::center(&m.point1, &m.point2);
+    let agrees = |k: &usize| {
+        let one = &rectified[*k];
+        let mut others: Vec<(f64, f64)> = (0..rectified.len())
+            .filter(|other| other != k)
+            .map(|other| &rectified[other])
+            .map(|other| ((middle(other) - middle(one)).norm(), (disparity(other) - disparity(one)).abs()))
+            .collect();
+        others.select_nth_unstable_by(NEIGHBOURS - 1, |a, b| a.0.total_cmp(&b.0));
+        let agreeing =
+            others[..NEIGHBOURS].iter().filter(|(distance, change)| *change <= STEEPEST * distance);
+        agreeing.count() >= AGREEING
+    };
+    if rectified.len() <= NEIGHBOURS {
+        return rectified.to_vec();
+    }
+    let kept: Vec<PointPair> =
+        (0..rectified.len()).into_par_iter().filter(agrees).map(|k| rectified[k]).collect();
+    if kept.is_empty() { rectified.to_vec() } else { kept }
 }
 
 impl Distortion {
@@ -166,11 +193,16 @@ mod tests {
 
     #[test]
     fn wrong_matches_do_not_widen_the_range_of_disparities_and_near_objects_do() {
-        let scene: Vec<f64> = (0..100).map(|k| 4.0 + 0.13 * f64::from(k)).chain([35.0]).collect();
-        assert_eq!(near(&scene), scene);
-        let wrong: Vec<f64> = [-189.0].into_iter().chain(scene.clone()).chain([427.0]).collect();
-        assert_eq!(near(&wrong), scene);
-        assert_eq!(near(&[3.0]), [3.0]);
-        assert_eq!(near(&[-2.0, 3.0]), [-2.0, 3.0]);
+        let at = |x: f64, y: f64, disparity: f64| PointPair::new(x, y, x - disparity, y);
+        // A slope, a near object with three matches, and wrong matches all over.
+        let mut scene: Vec<PointPair> = (0..100)
+            .map(|k| (f64::from(k % 10), f64::from(k / 10)))
+            .map(|(i, j)| at(40.0 * i, 30.0 * j, 4.0 + 0.5 * 30.0 * j))
+            .collect();
+        scene.extend([at(205.0, 100.0, 235.0), at(212.0, 104.0, 236.0), at(208.0, 109.0, 234.0)]);
+        let mut all = scene.clone();
+        all.extend([at(10.0, 12.0, -900.0), at(333.0, 215.0, 1200.0), at(90.0, 260.0, -300.0)]);
+        assert_eq!(on_surfaces(&all), scene);
+        assert_eq!(on_surfaces(&scene[..3]), scene[..3]);
     }
 }
