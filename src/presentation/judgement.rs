@@ -100,7 +100,7 @@ pub fn rows_in_words(judgement: &RowJudgement) -> String {
         return format!("The images are rectified: rows agree to {typical:.2} px. {parts}");
     }
     let cause = if *typical > FAR_FROM_ROWS * limit {
-        "This pair was not rectified, or for other cameras: rectify it (epiline rectify)."
+        "This pair was not rectified, or for other cameras: rectify it."
     } else if *curved > 0.5 * limit {
         "The rest is curved, as distortion of a lens leaves it: calibrate again."
     } else {

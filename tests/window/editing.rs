@@ -13,7 +13,7 @@ use epiline::internals::app::model::document::Side;
 fn the_sample_opens_and_the_window_says_what_to_do() {
     let window = sample();
     assert!(window.state().document().pictures.is_some());
-    window.get_by_label_contains("Click a point in the left image");
+    window.get_by_label_contains("Click a point in one image");
     window.get_by_label("Show me");
 }
 
@@ -35,7 +35,7 @@ fn the_sentence_follows_the_clicks() {
     let mut window = sample();
     let left = at(&window, Side::Left, 0.1, 0.1);
     click(&mut window, left);
-    window.get_by_label_contains("Pair p: now click the same scene point in the right image");
+    window.get_by_label_contains("Pair p: now click the same scene point in the other image");
     let right = at(&window, Side::Right, 0.1, 0.1);
     click(&mut window, right);
     window.get_by_label_contains("One more pair: click q");

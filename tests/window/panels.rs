@@ -8,7 +8,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::estimate::{Apart, Parameters, Search, Trust, Verdict};
 use epiline::geometry::{FundamentalMatrix, Point};
 use epiline::internals::app::Start;
-use epiline::internals::app::model::document::Side;
+use epiline::internals::app::model::document::{Role as PairRole, Side};
 use epiline::internals::app::model::focus::{LineSource, Target};
 
 /// The sample with two pairs and a result with hypotheses and pencils.
@@ -224,7 +224,7 @@ fn the_start_shows_one_card_and_every_tab_says_what_will_appear() {
     assert!(window.get_by_label("Rectified").accesskit_node().is_disabled(), "there is nothing to rectify");
     let left = at(&window, Side::Left, 0.1, 0.1);
     click(&mut window, left);
-    window.get_by_label_contains("Click the same scene point in the right image");
+    window.get_by_label_contains("Click the same scene point in the other image");
     for (key, says) in [
         (Key::Num1, "Intensities along the epipolar lines of p"),
         (Key::Num2, "The costs of matching all lines through p and q"),
@@ -265,7 +265,7 @@ fn the_steps_are_followed_by_one_key_and_switch_their_overlays_on() {
     for (step, says) in [
         ("Candidates", "A candidate is a line pair"),
         ("Epipoles", "A candidate through p and one through q meet"),
-        ("Round trip", "H carries a line from left to right"),
+        ("Round trip", "H maps the epipolar lines from left to right"),
     ] {
         press(&mut window, Key::N);
         assert_eq!(window.state().look().step.title(), step);
@@ -311,6 +311,44 @@ fn the_button_of_the_card_does_what_its_sentence_asks_for() {
     window.get_by_label("Move q to its match").click();
     settle(&mut window);
     assert_eq!(window.state().document().pairs[1].point2, matched);
+}
+
+#[test]
+fn a_pair_whose_match_is_not_found_can_be_left_out() {
+    let mut services = services();
+    services.estimate = Box::new(|request, _| {
+        let mut estimate = fake_estimate(&request.pairs, &request.parameters)?;
+        let reasons = vec![click_off(2, 40.0)];
+        estimate.assessment.trust = Some(Trust { verdict: Verdict::Doubtful, reasons });
+        Ok(estimate)
+    });
+    services.repair = Box::new(|_| Err("Nothing is alike".to_owned()));
+    let mut window = window(Start::default(), services);
+    click_two_pairs(&mut window);
+    window.get_by_label("Move q to its match").click();
+    settle(&mut window);
+    window.get_by_label_contains("or leave the pair out");
+    window.get_by_label("Leave out q").click();
+    settle(&mut window);
+    assert_eq!(window.state().document().role(1), PairRole::Excluded);
+    // Another place of the pair is another question.
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut window);
+    press(&mut window, Key::ArrowRight);
+    settle(&mut window);
+    window.get_by_label("Move q to its match");
+}
+
+#[test]
+fn the_window_tells_whether_the_pair_is_rectified() {
+    let mut window = sample();
+    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
+    window.run();
+    window.event(egui::Event::Text("rectified?".to_owned()));
+    window.run();
+    press(&mut window, Key::Enter);
+    settle(&mut window);
+    window.get_by_label_contains("There are too few matches to compare rows");
 }
 
 #[test]

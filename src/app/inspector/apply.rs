@@ -81,6 +81,10 @@ impl Inspector {
                 let dark = ctx.theme() == Theme::Dark;
                 ctx.set_theme(if dark { ThemePreference::Light } else { ThemePreference::Dark });
             }
+            Command::JudgeRows => {
+                let text = model.judged_rows();
+                model.messages.tell(text);
+            }
             Command::Stop => self.tasks.estimating.stop(&mut model.open.computation),
             Command::Recompute => model.open.computation.restart(),
             Command::Place(side, point) => {

@@ -87,6 +87,8 @@ pub enum Command {
     ToggleTheme,
     /// Show or hide the list of keys.
     ToggleShortcuts,
+    /// Tell whether the pictures are rectified.
+    JudgeRows,
     /// Stop the computation.
     Stop,
     /// Compute again.

@@ -125,6 +125,11 @@ impl Computation {
         self.begun.last().map(|(stage, _)| *stage)
     }
 
+    /// Returns how long the running computation has taken, from its first stage.
+    pub fn elapsed(&self) -> Option<Duration> {
+        self.begun.first().filter(|_| self.running).map(|(_, begun)| begun.elapsed())
+    }
+
     /// Returns the stages of the latest computation with their total times; `None` for the running
     /// stage.
     pub fn stages(&self) -> Vec<(Stage, Option<Duration>)> {

@@ -1,7 +1,7 @@
 //! The hint about the next step.
 
 use super::Model;
-use super::document::{Side, pair_name};
+use super::document::pair_name;
 use super::look::Tool;
 use crate::suggest::Clarity;
 
@@ -25,9 +25,8 @@ pub fn guide(model: &Model) -> String {
     if model.tool == Tool::Measure {
         return "Measure tool: click two places in one image. Escape removes the measurement.".into();
     }
-    if let Some(half) = document.half {
+    if document.half.is_some() {
         let name = pair_name(document.pairs.len());
-        let other = half.side.other().name();
         let offer = match &model.open.suggestion {
             Some(Ok(found)) if found.clear().is_some() => "Enter accepts the suggested match.".to_owned(),
             Some(Ok(found)) => match found.verdict {
@@ -39,7 +38,7 @@ pub fn guide(model: &Model) -> String {
             Some(Err(_)) => "No match is suggested.".to_owned(),
             None => "Escape removes the point.".to_owned(),
         };
-        return format!("Pair {name}: now click the same scene point in the {other} image. {offer}");
+        return format!("Pair {name}: now click the same scene point in the other image. {offer}");
     }
     let needed = document.pairs_needed();
     match document.used().count() {
@@ -47,18 +46,17 @@ pub fn guide(model: &Model) -> String {
             "Searching automatically. Any points you add will be used.".into()
         }
         _ if document.is_unclicked() && computation.failure().is_some() => {
-            "Click a distinct point in the left image, then its match in the right one.".into()
+            "Click a distinct point in one image, then its match in the other.".into()
         }
         _ if document.is_unclicked() && computation.result().is_some() => {
             "Point at an image to see its epipolar line in the other. Click pairs for more certainty.".into()
         }
-        0 => "Click a point in the left image, then the same scene point in the right one.".into(),
+        0 => "Click a point in one image, then the same scene point in the other.".into(),
         placed if placed < needed => {
             let name = pair_name(document.pairs.len());
             format!(
-                "{}: click {name} in the {} image, on texture and far from the others.",
+                "{}: click {name} in either image, on texture and far from the others.",
                 if needed - placed == 1 { "One more pair" } else { "Two more pairs" },
-                Side::Left.name(),
             )
         }
         _ if computation.is_running() => "Estimating. Points can be dragged meanwhile.".into(),

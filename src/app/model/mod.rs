@@ -84,6 +84,8 @@ use truth::KnownTruth;
 
 use crate::estimate::Preset;
 use crate::geometry::{PointPair, Vector};
+use crate::judge::{ROW_LIMIT, judge_rows};
+use crate::presentation::rows_in_words;
 use crate::similarity::LineMeasure;
 
 /// Key of edits that are merged into one step of the history.
@@ -265,11 +267,27 @@ impl Model {
 
     /// Returns the point pairs as places in the pictures on the screen.
     pub fn pairs_in_pictures(&self) -> Vec<PointPair> {
-        let place = |pair: &PointPair| PointPair {
+        self.document.pairs.iter().map(|pair| self.in_pictures(pair)).collect()
+    }
+
+    fn in_pictures(&self, pair: &PointPair) -> PointPair {
+        PointPair {
             point1: self.open.pixel(document::Side::Left, pair.point1),
             point2: self.open.pixel(document::Side::Right, pair.point2),
-        };
-        self.document.pairs.iter().map(place).collect()
+        }
+    }
+
+    /// Returns a sentence on whether the pictures are rectified, by the matches of the result.
+    pub fn judged_rows(&self) -> String {
+        let found = self.open.computation.result().map_or(&[][..], |(estimate, _)| estimate.matches());
+        let matches: Vec<PointPair> = found.iter().map(|found| self.in_pictures(&found.pair)).collect();
+        let frame = self.open.shown_frame(document::Side::Right);
+        match frame.and_then(|frame| judge_rows(&matches, frame, ROW_LIMIT)) {
+            Some(judgement) => rows_in_words(&judgement),
+            None => "There are too few matches to compare rows. Click two point pairs, or find the geometry \
+                     without clicks; then ask again."
+                .to_owned(),
+        }
     }
 
     fn pins(&self) -> impl Iterator<Item = LineSource> + '_ {

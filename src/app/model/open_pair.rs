@@ -64,6 +64,8 @@ pub struct OpenPair {
     pub suggestion: Option<Suggested>,
     /// Most useful place for one more pair, once known. The inner `None`: no place stands out.
     pub next_click: Option<Option<NextClick>>,
+    /// The pair whose match was last sought in vain.
+    pub unmatched: Option<PointPair>,
     /// The rectified pair, while it is visible. The old one stays until the new one is made.
     pub rectified: Option<Rectified>,
     /// Visible part of the rectified pair.

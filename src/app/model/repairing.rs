@@ -52,10 +52,13 @@ impl Model {
                     document.set_origin(pair, origin);
                 });
             }
-            Err(why) => self.messages.tell(format!(
-                "Pair {name} was not changed. {why}. Drag its right point to the match yourself, \
-                 or delete the pair."
-            )),
+            Err(why) => {
+                self.open.unmatched = Some(points).filter(|_| how == Repair::Rematch);
+                self.messages.tell(format!(
+                    "Pair {name} was not changed. {why}. Drag its right point to the match yourself, \
+                     or leave the pair out."
+                ));
+            }
         }
     }
 }

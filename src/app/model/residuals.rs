@@ -1,41 +1,17 @@
-//! Distances between the points and the shown geometry, in figures and words.
+//! Distances of the check pairs from the shown geometry, in words.
 
 use super::Model;
 use super::document::Role;
 use crate::comparison::median;
 use crate::geometry::symmetric_epipolar_distance;
 
-/// A line of the summary.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct SummaryLine {
-    /// Name of the group of pairs.
-    pub name: &'static str,
-    /// Number of pairs and their distances.
-    pub value: String,
-    /// Explanation of the group.
-    pub tooltip: &'static str,
-}
-
-/// Summarises the distances of check pairs and refined matches. Empty without a geometry.
-pub fn summary(model: &Model) -> Vec<SummaryLine> {
-    let Some(shown) = model.shown() else { return Vec::new() };
+/// Summarises the distances of the check pairs. `None` without any, or without a geometry.
+pub fn check_summary(model: &Model) -> Option<String> {
+    let shown = model.shown()?;
     let document = &model.document;
-    let of_role = |role: Role| -> Vec<f64> {
-        let pairs = document.pairs.iter().enumerate().filter(|(pair, _)| document.role(*pair) == role);
-        pairs.map(|(_, pair)| symmetric_epipolar_distance(shown.fundamental, pair)).collect()
-    };
-    let matches = shown.estimate.matches().iter();
-    let matches = matches.map(|m| symmetric_epipolar_distance(shown.fundamental, &m.pair)).collect();
-    let groups = [
-        ("Check pairs", of_role(Role::Check), "Pairs not used in the estimate: an independent test."),
-        ("Refined matches", matches, "Image patches matched along the epipolar lines by the refinement."),
-    ];
-    groups
-        .into_iter()
-        .filter_map(|(name, distances, tooltip)| {
-            Some(SummaryLine { name, value: spread(distances)?, tooltip })
-        })
-        .collect()
+    let pairs = document.pairs.iter().enumerate().filter(|(pair, _)| document.role(*pair) == Role::Check);
+    let distances = pairs.map(|(_, pair)| symmetric_epipolar_distance(shown.fundamental, pair)).collect();
+    Some(format!("Check pairs {}", spread(distances)?))
 }
 
 /// Describes distances by number, root mean square and median; `None` without distances.

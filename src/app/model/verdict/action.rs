@@ -40,6 +40,11 @@ impl Model {
             _ => None,
         });
         if let Some(pair) = off.filter(|pair| self.repair_question(*pair, Repair::Rematch).is_some()) {
+            if self.open.unmatched.is_some() && self.open.unmatched == self.document.pairs.get(pair).copied()
+            {
+                let label = format!("Leave out {}", pair_name(pair));
+                return Some(CardAction::new(label, Command::IncludePair(pair, false)));
+            }
             let label = format!("Move {} to its match", pair_name(pair));
             return Some(CardAction::new(label, Command::Repair(pair, Repair::Rematch)));
         }

@@ -6,8 +6,14 @@ use super::gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text};
 use super::tone::Tone;
 use crate::app::model::computation::Freshness;
 use crate::app::model::document::{Document, Imported};
-use crate::estimate::{Determined, EpipoleBearing, EpipoleCertainty, Estimate, LineScore, Reason};
-use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, Point, Vector, finite_point};
+use crate::camera::{PoseFit, PoseUncertainty};
+use crate::comparison::median;
+use crate::estimate::{
+    Determined, EpipoleBearing, EpipoleCertainty, Estimate, LineScore, Reason, RefinedMatch,
+};
+use crate::geometry::{
+    Frame, FundamentalMatrix, HomogeneousPoint, Point, Vector, finite_point, symmetric_epipolar_distance,
+};
 use crate::presentation::{Scale, interval_in_words};
 
 /// A figure with its name.
@@ -76,12 +82,12 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
         let count = refinement.matches.len();
         let fact = Fact::new(
             "Matches",
-            match &refinement.noise {
-                Some(noise) => format!("{count}, to {noise:.2} px"),
+            match median_distance(estimate) {
+                Some(median) => format!("{count}, median {median:.2} px"),
                 None => count.to_string(),
             },
-            "Image patches matched along the epipolar lines at full resolution. The result is fitted to them. \
-             Half of the correct matches lie within the distance given.",
+            "Image patches matched along the epipolar lines at full resolution, and the median of their \
+             symmetric distances from the lines. The result is fitted to them.",
         );
         let gauge = Gauge::judged(Scale::MATCHES, count as f64, |v| format!("{v:.0}"));
         facts.push(fact.on(Some(gauge).filter(|_| count > 0)));
@@ -118,6 +124,13 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
         ));
     }
     facts
+}
+
+/// Returns the median symmetric distance of the matches, px.
+fn median_distance(estimate: &Estimate) -> Option<f64> {
+    let distance = |m: &RefinedMatch| symmetric_epipolar_distance(estimate.fundamental(), &m.pair);
+    let distances: Vec<f64> = estimate.matches().iter().map(distance).filter(|d| d.is_finite()).collect();
+    (!distances.is_empty()).then(|| median(&distances))
 }
 
 /// Returns the figures of motion barcodes, if sequences were compared.
@@ -215,6 +228,33 @@ const LEFT_EPIPOLE: &str = "Image of the other camera. All epipolar lines of the
 const RIGHT_EPIPOLE: &str = "Image of the other camera. All epipolar lines of the right image meet there. \
                              The 95 % interval of its distance from the middle of the image follows \
                              from the matches.";
+
+/// Returns the figures of a relative pose.
+pub fn pose_facts(fit: &PoseFit) -> Vec<Fact> {
+    let deviation = |of: fn(&PoseUncertainty) -> f64| {
+        fit.uncertainty.as_ref().map_or_else(String::new, |u| format!(" ± {:.2}°", of(u).to_degrees()))
+    };
+    let place = fit.pose.position2();
+    let turn = fit.pose.rotation.angle().to_degrees();
+    vec![
+        Fact::new(
+            "Rotation",
+            format!("{turn:.2}°{}", deviation(|u| u.rotation)),
+            "Angle by which camera 2 is turned against camera 1, with its standard deviation.",
+        ),
+        Fact::new(
+            "Camera 2 lies at",
+            format!("({:.2}, {:.2}, {:.2}){}", place.x, place.y, place.z, deviation(|u| u.translation)),
+            "Direction of camera 2 from camera 1: x right, y down, z forwards. The distance is unknown. The \
+             standard deviation is that of the direction.",
+        ),
+        Fact::new(
+            "Parallax",
+            format!("{:.2}°", fit.parallax.to_degrees()),
+            "Median angle between the rays of a match. With a small angle, depths are uncertain.",
+        ),
+    ]
+}
 
 /// Describes an epipole outside the image by its side and its interval, and one inside by its place.
 pub(super) fn bearing_text(epipole: &HomogeneousPoint, frame: Frame, bearing: &EpipoleBearing) -> String {

@@ -16,7 +16,7 @@ use crate::presentation::{error_in_words, reason_in_words, warning_in_words};
 
 pub use action::{CardAction, LineLook};
 use facts::facts;
-pub use facts::{Fact, card_facts, epipole_text, epipoles, hypothesis_facts, import_facts};
+pub use facts::{Fact, card_facts, epipole_text, epipoles, hypothesis_facts, import_facts, pose_facts};
 pub use gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text};
 pub use standing::Standing;
 pub use tone::Tone;

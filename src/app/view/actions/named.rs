@@ -85,6 +85,13 @@ pub fn by_name() -> Vec<Action> {
         .listed(|_| "Find the geometry without clicks")
         .when(Model::can_find_without_clicks),
         action(
+            Command::JudgeRows,
+            "Is this pair rectified?",
+            "Compare the rows of the matches over the whole picture, and tell by how much they differ.",
+        )
+        .listed(|_| "Is this pair rectified?")
+        .when(|model| model.document.pictures.is_some()),
+        action(
             Command::KeepMatches,
             "Turn matches into point pairs",
             "Turn the two matches that replace clicks into point pairs, to inspect and correct them. They \

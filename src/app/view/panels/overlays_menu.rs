@@ -47,6 +47,10 @@ fn content(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                 if entry.on_hover_text(overlay.tooltip).clicked() {
                     commands.push(Command::ToggleOverlay(overlay.id));
                 }
+                if !kept && model.look.shows(overlay.id) {
+                    ui.weak("shown by the open tab")
+                        .on_hover_text("Goes with the tab or step. Tick it to keep it.");
+                }
             });
         }
         ui.add_space(3.0);

@@ -15,7 +15,7 @@ use crate::app::model::command::Command;
 use crate::app::model::document::{PointRef, Role, Side, pair_name};
 use crate::app::model::focus::Target;
 use crate::app::model::point_table::{Choosing, ChosenEdit, PointColumn, PointOrder, PointsCommand};
-use crate::app::model::residuals::summary;
+use crate::app::model::residuals::check_summary;
 use crate::app::model::suggesting::Repair;
 use crate::app::model::verdict::capitalised;
 use crate::app::view::theme;
@@ -58,27 +58,18 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         }
         let hint = match (document.pictures.is_some(), document.pairs.len(), document.half) {
             (false, ..) => return,
-            (_, _, Some(half)) => {
-                format!("Click the same scene point in the {} image", half.side.other().name())
-            }
-            (_, 0, _) => {
-                "Click a point in the left image, then the same scene point in the right one".to_owned()
-            }
-            _ => "Click a point in either image to add a pair".to_owned(),
+            (_, _, Some(_)) => "Click the same scene point in the other image",
+            (_, 0, _) => "Click a point in one image, then the same scene point in the other",
+            _ => "Click a point in either image to add a pair",
         };
         ui.add_space(2.0);
         ui.add(Label::new(RichText::new(hint).size(theme::CAPTION).weak()).wrap());
         if model.can_keep_matches() {
             command_button(ui, Command::KeepMatches, true, commands);
         }
-        for line in summary(model) {
-            ui.add(
-                Label::new(
-                    RichText::new(format!("{} {}", line.name, line.value)).size(theme::CAPTION).weak(),
-                )
-                .wrap(),
-            )
-            .on_hover_text(line.tooltip);
+        if let Some(checks) = check_summary(model) {
+            ui.add(Label::new(RichText::new(checks).size(theme::CAPTION).weak()).wrap())
+                .on_hover_text("Pairs not used in the estimate: an independent test.");
         }
     });
 }

@@ -54,6 +54,9 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 
 /// Describes duration and seed of the result.
 fn time_and_seed(model: &Model) -> Option<String> {
+    if let Some(elapsed) = model.open.computation.elapsed() {
+        return Some(format!("{:.0} s so far", elapsed.as_secs_f64()));
+    }
     let (estimate, _) = model.open.computation.result()?;
     let trace = estimate.trace.as_ref()?;
     let preset = match trace.preset {

@@ -240,7 +240,7 @@ impl Titled<'_> {
 }
 
 /// Returns marks of an axis at round numbers, about `count` of them in view.
-fn marks(input: &GridInput, count: f64) -> Vec<GridMark> {
+pub(super) fn marks(input: &GridInput, count: f64) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let wanted = ((high - low) / count).max(f64::MIN_POSITIVE);
     let power = 10f64.powf(wanted.log10().floor());

@@ -1,59 +1,73 @@
-//! The last step: the fit to patches, and what the whole computation took.
+//! The last step: how far the matches lie from the lines of the result.
 
-use egui::{Grid, Label, RichText, ScrollArea, Ui};
+use egui::{RichText, Ui, vec2};
+use egui_plot::{AxisHints, Bar, BarChart, HPlacement, Plot, VLine};
 
+use super::super::{empty, profiles::marks};
 use crate::app::model::Model;
-use crate::app::model::computation::Freshness;
-use crate::app::model::step::{StepProgress, progress, result_text};
 use crate::app::view::theme;
-use crate::estimate::Stage;
+use crate::comparison::median;
+use crate::geometry::symmetric_epipolar_distance;
 
-/// Width of one column for the stage, its state and its result, screen points.
-const ROOM_FOR_ALL: f32 = 420.0;
+/// Number of bars.
+const BARS: usize = 24;
+/// The last bar also has all farther matches. Half of the matches lie below the first quarter.
+const MEDIANS: f64 = 4.0;
 
-/// Shows what each stage of the computation found and how long it took.
+/// Shows a histogram of the distances, with their median.
 pub fn show(ui: &mut Ui, model: &Model) {
-    ScrollArea::vertical().id_salt("stages").auto_shrink([false, false]).show(ui, |ui| {
-        if ui.available_width() < ROOM_FOR_ALL {
-            for stage in Stage::ALL {
-                ui.horizontal(|ui| {
-                    ui.label(stage.label());
-                    state(ui, stage, model);
-                });
-                if let Some(text) = result_text(stage, &model.document, &model.open.computation) {
-                    ui.add(Label::new(RichText::new(text).weak()).wrap());
-                }
-            }
-            return;
-        }
-        let rows = Grid::new("stages").num_columns(3).spacing([12.0, 2.0]).min_row_height(theme::ROW - 3.0);
-        rows.show(ui, |ui| {
-            for stage in Stage::ALL {
-                ui.label(stage.label());
-                state(ui, stage, model);
-                ui.weak(result_text(stage, &model.document, &model.open.computation).unwrap_or_default());
-                ui.end_row();
-            }
+    let shown = model.shown();
+    let matches = shown.as_ref().map_or(&[][..], |shown| shown.estimate.matches());
+    let f = shown.as_ref().map(|shown| shown.fundamental);
+    let distance = |pair| f.map_or(f64::NAN, |f| symmetric_epipolar_distance(f, pair));
+    let distances: Vec<f64> =
+        matches.iter().map(|m| distance(&m.pair)).filter(|distance| distance.is_finite()).collect();
+    if distances.is_empty() {
+        empty(ui, "The distances of the matches from their lines appear here. There are no matches yet.");
+        return;
+    }
+    let median = median(&distances);
+    let (counts, width) = histogram(&distances, median);
+    ui.label(
+        RichText::new(format!("{} matches, median distance {median:.2} px", distances.len()))
+            .size(theme::CAPTION)
+            .weak(),
+    );
+    let text = ui.visuals().text_color();
+    let color = theme::line_color(model.line_look());
+    Plot::new("fit")
+        .custom_x_axes(vec![
+            AxisHints::new_x().label("Distance from the line, px; the last bar has all beyond"),
+        ])
+        .custom_y_axes(vec![AxisHints::new_y().label("Matches").placement(HPlacement::Left)])
+        .y_grid_spacer(|input| marks(&input, 4.0))
+        .x_grid_spacer(|input| marks(&input, 8.0))
+        .grid_color(ui.visuals().widgets.noninteractive.bg_stroke.color)
+        .show_x(false)
+        .show_y(false)
+        .set_margin_fraction(vec2(0.01, 0.05))
+        .allow_scroll(false)
+        .allow_zoom(false)
+        .allow_drag(false)
+        .allow_boxed_zoom(false)
+        .label_formatter(|_| None)
+        .show(ui, |plot| {
+            let bar = |(k, count): (usize, &usize)| {
+                Bar::new((k as f64 + 0.5) * width, *count as f64).width(0.9 * width).fill(color)
+            };
+            plot.bar_chart(BarChart::new("distances", counts.iter().enumerate().map(bar).collect()));
+            plot.vline(VLine::new("median", median).color(text).width(1.5));
         });
-    });
 }
 
-/// Shows the state of a stage, or how long it took.
-fn state(ui: &mut Ui, stage: Stage, model: &Model) {
-    let color = theme::palette(ui.visuals());
-    match progress(stage, &model.open.computation) {
-        StepProgress::Waiting if is_finished(model) => ui.weak("not needed"),
-        StepProgress::Waiting => ui.weak("waiting"),
-        StepProgress::Running => ui.label("running"),
-        StepProgress::Done(None) => ui.weak("not needed"),
-        StepProgress::Done(Some(seconds)) => ui.label(duration(seconds)),
-        StepProgress::Stopped => ui.colored_label(color.caution, "stopped"),
-        StepProgress::Failed => ui.colored_label(color.bad, "failed"),
-    };
-}
-
-fn is_finished(model: &Model) -> bool {
-    matches!(model.open.computation.result(), Some((_, Freshness::Final)))
+/// Returns the number of distances in each bar, and the width of the bars, px.
+fn histogram(distances: &[f64], median: f64) -> ([usize; BARS], f64) {
+    let width = (MEDIANS * median / BARS as f64).max(1e-3);
+    let mut counts = [0; BARS];
+    for distance in distances {
+        counts[((distance / width) as usize).min(BARS - 1)] += 1;
+    }
+    (counts, width)
 }
 
 /// Writes a duration with a suitable unit.
@@ -65,5 +79,20 @@ pub fn duration(seconds: f64) -> String {
         format!("{ms:.0} ms")
     } else {
         format!("{seconds:.2} s")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_distance_is_in_a_bar_and_half_of_them_in_the_first_quarter() {
+        let distances: Vec<f64> = (0..100).map(f64::from).map(|k| 0.1 * k * k).collect();
+        let (counts, width) = histogram(&distances, median(&distances));
+        assert_eq!(counts.iter().sum::<usize>(), 100);
+        assert_eq!(counts[..BARS / 4].iter().sum::<usize>(), 50);
+        assert!((width - 4.0 * 245.05 / 24.0).abs() < 1e-9, "{width}");
+        assert_eq!(histogram(&[0.0, 0.0], 0.0).0[0], 2);
     }
 }

@@ -21,7 +21,7 @@ const COLUMNS: [Column; 7] = [
         74.0,
         "Rank before refinement, best first. The result is the refined best hypothesis. The rival is the \
          best clearly different geometry; the margin of the result is the lead of hypothesis 1 over the \
-         rival. Hypotheses marked near agree with the result: at least half of the matches before \
+         rival. Hypotheses marked ≈ agree with the result: at least half of the matches before \
          refinement lie within 0.5 % of the image size of their lines. Point at a row for details.",
     ),
     Column::figures(
@@ -44,8 +44,8 @@ const COLUMNS: [Column; 7] = [
          result a small one.",
     ),
     Column::figures(
-        "κ(H)/κ(G)",
-        84.0,
+        "Stretch",
+        72.0,
         "Stretch κ of the line map H (left to right) divided by that of G (right to left). 1 means that \
          both directions agree.",
     ),
@@ -102,7 +102,7 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
         text: &|row, column| match (of[column], number(row)) {
             (0, None) => "Result".to_owned(),
             (0, Some(number)) => match standing(row) {
-                Some(Standing::Near) => format!("near   {}", number + 1),
+                Some(Standing::Near) => format!("≈ {}", number + 1),
                 Some(Standing::Rival) => format!("rival   {}", number + 1),
                 Some(Standing::Behind) | None => (number + 1).to_string(),
             },

@@ -61,8 +61,9 @@ impl MethodStep {
                  and a third line pair give the map between the lines, and so a hypothesis."
             }
             Self::RoundTrip => {
-                "H carries a line from left to right, G carries it back. The orange region lies between a \
-                 line and its return: the true geometry returns every line to its place."
+                "H maps the epipolar lines from left to right, G maps them back; the orange region lies \
+                 between a line and its return. A small region speaks for a hypothesis, but the \
+                 validation decides."
             }
             Self::Validation => {
                 "The best hypotheses are scored over the whole of both images. The margin is the lead of \
