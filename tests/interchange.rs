@@ -1,31 +1,19 @@
 //! Exchange of files with OpenCV itself.
 //!
 //! The tests need Python with `cv2`: the program named by `EPILINE_PYTHON`, or `python3`. Otherwise
-//! they print "skipped", or fail if `EPILINE_REQUIRE_OPENCV` is set, as in `.ci/run`.
+//! they print "skipped", or fail if `EPILINE_REQUIRE_PYTHON` is set, as in `.ci/run`.
 
 mod skipping;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
+use epiline::camera::RelativePose;
 use epiline::geometry::{Camera, Frame, Point, PointPair};
-use epiline::io::{Format, GeometryFile, ImageNote};
-use nalgebra::{Matrix3, Point3, Vector3};
+use epiline::io::{CalibratedNote, Format, GeometryFile, ImageNote};
+use nalgebra::{Matrix3, Matrix6, Point3, Rotation3, SMatrix, Vector3};
 use serde_json::Value;
-use skipping::skipped;
-
-/// Returns a Python that has OpenCV.
-fn python() -> Option<PathBuf> {
-    let python = std::env::var_os("EPILINE_PYTHON").map_or_else(|| PathBuf::from("python3"), PathBuf::from);
-    let found = Command::new(&python).args(["-c", "import cv2"]).output().is_ok_and(|o| o.status.success());
-    if found {
-        return Some(python);
-    }
-    let message = format!("{} has no module cv2", python.display());
-    assert!(std::env::var_os("EPILINE_REQUIRE_OPENCV").is_none(), "{message}");
-    skipped(&message);
-    None
-}
+use skipping::python;
 
 /// Runs the script and returns its output.
 fn opencv(python: &Path, task: &str, path: &Path) -> Value {
@@ -71,7 +59,7 @@ fn rows<const R: usize, const C: usize>(matrix: &nalgebra::SMatrix<f64, R, C>) -
 /// Every number arrives bit for bit, and OpenCV's residual equals the one stated in the file.
 #[test]
 fn opencv_reads_what_we_write() {
-    let Some(python) = python() else { return };
+    let Some(python) = python("cv2") else { return };
     let folder = tempfile::tempdir().unwrap();
     let mut file = example();
     // The first image has a name with every character that could be misread.
@@ -108,7 +96,7 @@ fn opencv_reads_what_we_write() {
 
 #[test]
 fn numpy_loads_the_array_of_f() {
-    let Some(python) = python() else { return };
+    let Some(python) = python("cv2") else { return };
     let folder = tempfile::tempdir().unwrap();
     let f = example().fundamental.unwrap();
     let path = folder.path().join("F.npy");
@@ -120,8 +108,41 @@ fn numpy_loads_the_array_of_f() {
 }
 
 #[test]
+fn numpy_loads_the_covariances_of_a_result() {
+    let Some(python) = python("cv2") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("result.npz");
+    let covariance = SMatrix::<f64, 9, 9>::from_fn(|r, c| 1.0 / (1.0 + (r + c) as f64));
+    let pose_covariance = Matrix6::from_fn(|r, c| 2.0 / (3.0 + (r * c) as f64));
+    let rotation = Rotation3::from_euler_angles(0.1, -0.2, 0.3);
+    let pose = RelativePose { rotation, translation: Vector3::new(0.6, 0.0, 0.8) };
+    let file = GeometryFile {
+        covariance: Some(covariance),
+        calibrated: Some(CalibratedNote {
+            pose: Some(pose),
+            pose_covariance: Some(pose_covariance),
+            ..CalibratedNote::default()
+        }),
+        ..example()
+    };
+    std::fs::write(&path, file.covariances_as_npz().unwrap()).unwrap();
+    let script = "import json, sys, numpy; print(json.dumps({k: a.tolist() for k, a in numpy.load(sys.argv[1]).items()}))";
+    let output = Command::new(python).args(["-c", script]).arg(&path).output().unwrap();
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let expected = serde_json::json!({
+        "fundamental": rows(file.fundamental.unwrap().matrix()),
+        "covariance": rows(&covariance),
+        "rotation": rows(rotation.matrix()),
+        "translation": [0.6, 0.0, 0.8],
+        "pose_covariance": rows(&pose_covariance),
+    });
+    assert_eq!(found, expected);
+    assert!(example().covariances_as_npz().unwrap_err().contains("only refined results"));
+}
+
+#[test]
 fn we_read_what_opencv_writes() {
-    let Some(python) = python() else { return };
+    let Some(python) = python("cv2") else { return };
     let folder = tempfile::tempdir().unwrap();
     let written = opencv(&python, "write", folder.path());
     let (file, told) = GeometryFile::read(&folder.path().join("written.yml")).unwrap();

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::{Matrix3, Matrix5, Rotation3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, Matrix5, Matrix6, Rotation3, SMatrix, SVector, Vector3};
 use serde::Serialize;
 
 use crate::geometry::{Frame, FundamentalMatrix, PointPair, REGIONS, deviation, median, region};
@@ -148,11 +148,13 @@ impl RelativePose {
         SVector::from([turn.x, turn.y, turn.z, across[0], across[1]])
     }
 
+    /// Returns whether the scene point of two rays lies in front of both cameras.
+    fn sees(&self, rays: &[Vector3<f64>; 2]) -> bool {
+        self.depths(rays).is_some_and(|depths| depths.iter().all(|depth| *depth > 0.0))
+    }
+
     fn in_front(&self, rays: &[[Vector3<f64>; 2]]) -> usize {
-        let is_in_front = |rays: &&[Vector3<f64>; 2]| {
-            self.depths(rays).is_some_and(|depths| depths.iter().all(|depth| *depth > 0.0))
-        };
-        rays.iter().filter(is_in_front).count()
+        rays.iter().filter(|rays| self.sees(rays)).count()
     }
 
     /// Returns the pose after a small change: a turn after `R`, and a step of `t` across its
@@ -166,6 +168,16 @@ impl RelativePose {
 }
 
 impl PoseFit {
+    /// Returns the covariance of six numbers: the rotation vector of a small turn after `R`, radians,
+    /// and the three entries of `t`. The turn `ω` gives `exp([ω]×) R`. The rank is 5, because the
+    /// length of `t` is 1. `None` without uncertainty.
+    pub fn covariance(&self) -> Option<Matrix6<f64>> {
+        let mut entries = SMatrix::<f64, 6, 5>::identity();
+        let [first, second] = across(&self.pose.translation);
+        entries.fixed_view_mut::<3, 2>(3, 3).copy_from(&SMatrix::from_columns(&[first, second]));
+        Some(entries * self.uncertainty?.covariance * entries.transpose())
+    }
+
     /// Compares the fitted pose with another. `None` without uncertainty.
     pub fn difference(&self, other: &RelativePose) -> Option<PoseDifference> {
         let uncertainty = self.uncertainty?;

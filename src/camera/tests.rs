@@ -211,6 +211,11 @@ fn the_fit_is_at_least_as_precise_as_its_deviations_say() {
     assert!(significant <= 3, "{significant} of {trials}");
     let (pose, calibrations, matches) = scene(3, 0.5);
     let fit = fit_pose(&pose.fundamental(&calibrations).unwrap(), &calibrations, &matches, FRAME).unwrap();
+    // The covariance of the entries has the deviations, and t keeps its length.
+    let (covariance, uncertainty) = (fit.covariance().unwrap(), fit.uncertainty.unwrap());
+    let across: Matrix3<f64> = covariance.fixed_view::<3, 3>(3, 3).into();
+    assert!((covariance.columns(3, 3) * fit.pose.translation).norm() < 1e-12 * covariance.norm());
+    assert!((across.symmetric_eigenvalues().max().sqrt() / uncertainty.translation - 1.0).abs() < 1e-9);
     let turned = Rotation3::from_scaled_axis(Vector3::new(0.0, 0.1, 0.0)) * pose.rotation;
     let difference = fit.difference(&RelativePose { rotation: turned, ..pose }).unwrap();
     assert!(difference.is_significant && (difference.rotation - 0.1).abs() < 0.01, "{difference:?}");

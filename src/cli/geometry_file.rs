@@ -73,24 +73,52 @@ pub(super) fn image_notes(pictures: &[Picture; 2]) -> [ImageNote; 2] {
 pub(super) struct GeometryOutput {
     /// Output file; `None` is standard output.
     file: Option<OutputFile>,
-    /// Format; `None` is a NumPy array of F.
-    format: Option<Format>,
+    content: Content,
+}
+
+/// Content of an output.
+#[derive(Debug, Clone, Copy)]
+enum Content {
+    /// The geometry in a format of its own.
+    Geometry(Format),
+    /// F as a NumPy array.
+    Array,
+    /// F, R and t with their covariances as a NumPy archive.
+    Covariances,
+}
+
+impl Content {
+    /// Returns the content for a format or, without one, for a file extension.
+    fn new(path: &Path, format: Option<Format>) -> Option<Self> {
+        let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+        match (format, extension.as_deref()) {
+            (None, Some("npy")) => Some(Self::Array),
+            (None, Some("npz")) => Some(Self::Covariances),
+            _ => format.or_else(|| Format::of_path(path)).map(Self::Geometry),
+        }
+    }
+
+    fn label(self) -> &'static str {
+        match self {
+            Self::Geometry(format) => format.label(),
+            Self::Array => "NumPy array of F",
+            Self::Covariances => "NumPy archive of covariances",
+        }
+    }
 }
 
 impl GeometryOutput {
-    /// Prepares an output. Without `format`, the file extension decides, and `.npy` is a NumPy array.
+    /// Prepares an output. Without `format`, the file extension decides.
     pub(super) fn prepare(path: &Path, format: Option<Format>) -> Result<Self, CliError> {
         let is_piped = path == Path::new("-");
-        let is_array = format.is_none() && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npy"));
-        let format = format.or_else(|| Format::of_path(path));
-        if format.is_none() && !is_array {
+        let content = Content::new(path, format).ok_or_else(|| {
             let known = Format::ALL.map(|f| format!("{} (.{})", f.name(), f.extension())).join(", ");
-            return Err(CliError::Arguments(format!(
+            CliError::Arguments(format!(
                 "the format is not clear from the name {}. Add --format with one of {known}",
                 shown_path(path)
-            )));
-        }
-        Ok(Self { file: if is_piped { None } else { Some(OutputFile::prepare(path)?) }, format })
+            ))
+        })?;
+        Ok(Self { file: if is_piped { None } else { Some(OutputFile::prepare(path)?) }, content })
     }
 
     /// Prepares an optional output.
@@ -113,7 +141,7 @@ impl GeometryOutput {
 
     /// Describes the destination and the format.
     pub(super) fn place(&self) -> String {
-        let label = self.format.map_or("NumPy array of F", Format::label);
+        let label = self.content.label();
         match &self.file {
             Some(file) => format!("{} ({label})", shown_path(file.path())),
             None => format!("standard output ({label})"),
@@ -122,16 +150,20 @@ impl GeometryOutput {
 
     /// Writes the geometry, with a note if the target program cannot use the file name.
     pub(super) fn write(&self, file: &GeometryFile) -> Result<(), CliError> {
-        let content = if let Some(format) = self.format {
-            file.to_text(format).into_bytes()
-        } else {
-            let missing = "there is no F, which is all that a NumPy array holds";
-            let geometry = file.geometry().ok_or_else(|| CliError::Arguments(missing.into()))?;
-            matrix_as_npy(geometry.matrix())
+        let content = match self.content {
+            Content::Geometry(format) => file.to_text(format).into_bytes(),
+            Content::Array => {
+                let missing = "there is no F, which is all that a NumPy array holds";
+                let geometry = file.geometry().ok_or_else(|| CliError::Arguments(missing.into()))?;
+                matrix_as_npy(geometry.matrix())
+            }
+            Content::Covariances => file.covariances_as_npz().map_err(CliError::Arguments)?,
         };
         let Some(output) = &self.file else { return print(&String::from_utf8_lossy(&content)) };
         output.write(&content)?;
-        if let Some(note) = self.format.and_then(|format| format.note_on_name(output.path())) {
+        if let Content::Geometry(format) = self.content
+            && let Some(note) = format.note_on_name(output.path())
+        {
             tell(format_args!("note: {note}"));
         }
         Ok(())

@@ -9,11 +9,12 @@ use super::CliError;
 use super::geometry_file::{GeometryOutput, image_notes};
 use super::output::Output;
 use crate::camera::{PoseFit, ViewPair, fit_pose};
-use crate::estimate::{Estimate, Parameters};
+use crate::estimate::{Estimate, Parameters, Uncertainty};
 use crate::geometry::{Camera, PointPair, median, sampson_distance};
 use crate::image::Picture;
 use crate::io::{
-    Format, GeometryFile, PairLabel, PairOrigin, ResultFile, TrustNote, refuse_clashes, result_in_words,
+    CalibratedNote, Format, GeometryFile, PairLabel, PairOrigin, ResultFile, TrustNote,
+    refuse_clashes, result_in_words,
 };
 use crate::presentation::pose_in_words;
 
@@ -24,7 +25,8 @@ pub(super) struct ResultArguments {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Write F, the epipoles, the points and the matched patches for another program; if only a
-    /// plane or a rotation of the camera is certain, also its homography H21
+    /// plane or a rotation of the camera is certain, also its homography H21. A file .npz gets the
+    /// covariances
     #[arg(long, value_name = "FILE")]
     export: Option<PathBuf>,
     /// Format of the export, by default from the file extension
@@ -83,6 +85,8 @@ impl ResultOutput {
             export.write(&GeometryFile {
                 cameras,
                 is_undistorted,
+                covariance: found.uncertainty().map(Uncertainty::covariance),
+                calibrated: views.map(|_| CalibratedNote::new(pose.as_ref())),
                 ..geometry_file(found, pairs, pictures)
             })?;
         }

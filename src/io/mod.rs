@@ -3,6 +3,7 @@
 
 mod calibration;
 mod camera_rig;
+mod covariance;
 mod geometry_file;
 mod ground_truth;
 mod hash;
@@ -28,8 +29,8 @@ pub use calibration::{CalibratedCamera, Calibration, CameraPose};
 #[doc(hidden)]
 pub use camera_rig::CameraRig;
 pub use geometry_file::{
-    Format, GeometryFile, ImageNote, Notation, PairLabel, PairOrigin, Problem, TrustNote, read_fundamental,
-    read_point_pairs,
+    CalibratedNote, Format, GeometryFile, ImageNote, Notation, PairLabel, PairOrigin, Problem, TrustNote,
+    read_fundamental, read_point_pairs,
 };
 #[doc(hidden)]
 pub use ground_truth::{GroundTruth, TruthError, TruthOrigin};

@@ -1,10 +1,16 @@
-//! NumPy's format for one array.
+//! NumPy's format for one array, and archives of arrays.
 //!
 //! A file of version 1.0 begins with `\x93NUMPY`, the version, and the length of the header as
 //! 16 bits, little-endian. The header is a Python dictionary in ASCII, padded with spaces and ended
-//! by a line feed. The numbers follow. Source: `numpy.lib.format`.
+//! by a line feed. The numbers follow. An archive is a ZIP file of arrays `NAME.npy`. Source:
+//! `numpy.lib.format`.
+
+use std::io::{Cursor, Write};
 
 use nalgebra::Matrix3;
+use zip::ZipWriter;
+use zip::result::ZipResult;
+use zip::write::SimpleFileOptions;
 
 /// Alignment of the first number, bytes.
 const ALIGNMENT: usize = 64;
@@ -13,15 +19,37 @@ const BEFORE_HEADER: usize = 10;
 
 /// Returns the file of a 3×3 array of `float64` in C order.
 pub fn matrix_as_npy(matrix: &Matrix3<f64>) -> Vec<u8> {
-    let mut header = "{'descr': '<f8', 'fortran_order': False, 'shape': (3, 3), }".to_owned();
+    // nalgebra stores columns; the transpose has the rows in that order.
+    array_as_npy(&[3, 3], matrix.transpose().as_slice())
+}
+
+/// Returns an archive of arrays of `float64`: names, shapes, and numbers in C order.
+pub(super) fn arrays_as_npz(arrays: &[(&str, &[usize], &[f64])]) -> Vec<u8> {
+    let packed = || -> ZipResult<Vec<u8>> {
+        let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+        for (name, shape, numbers) in arrays {
+            archive.start_file(format!("{name}.npy"), SimpleFileOptions::default())?;
+            archive.write_all(&array_as_npy(shape, numbers))?;
+        }
+        Ok(archive.finish()?.into_inner())
+    };
+    packed().expect("writing to memory does not fail")
+}
+
+/// Returns the file of an array of `float64` in C order.
+fn array_as_npy(shape: &[usize], numbers: &[f64]) -> Vec<u8> {
+    let sides: Vec<String> = shape.iter().map(ToString::to_string).collect();
+    // A tuple of one element needs its comma.
+    let comma = if shape.len() == 1 { "," } else { "" };
+    let shape = format!("({}{comma})", sides.join(", "));
+    let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
     let padded = (BEFORE_HEADER + header.len() + 1).next_multiple_of(ALIGNMENT) - BEFORE_HEADER;
     header.push_str(&" ".repeat(padded - header.len() - 1));
     header.push('\n');
     let mut file = b"\x93NUMPY\x01\x00".to_vec();
     file.extend((padded as u16).to_le_bytes());
     file.extend(header.as_bytes());
-    // nalgebra stores columns; the transpose has the rows in that order.
-    file.extend(matrix.transpose().iter().flat_map(|value| value.to_le_bytes()));
+    file.extend(numbers.iter().flat_map(|value| value.to_le_bytes()));
     file
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, SMatrix};
 use serde::Serialize;
 
 use super::geometry_file::{Format, ImageNote, PairLabel};
@@ -100,6 +100,8 @@ pub struct ResultFile<'a> {
 struct CalibratedFile<'a> {
     /// View without distortion of each image, with the lens of its camera.
     views: &'a [UndistortedView; 2],
+    /// Given pairs in the pictures as they are, `x1 y1 x2 y2`; null beyond the range of a lens.
+    original_pairs: Vec<Option<[f64; 4]>>,
     /// Matches in the pictures as they are, `x1 y1 x2 y2`, in the order of `matches`; null beyond the range
     /// of a lens.
     original_matches: Vec<Option<[f64; 4]>>,
@@ -130,6 +132,8 @@ struct PoseFile {
     rotation_deviation: Option<f64>,
     /// Standard deviation of the direction of `t`, radians.
     translation_deviation: Option<f64>,
+    /// Covariance of the rotation vector of a small turn after `R`, and of `t`.
+    covariance: Option<Vec<[f64; 6]>>,
 }
 
 /// Fit of the homography of a plane.
@@ -190,9 +194,9 @@ impl<'a> ResultFile<'a> {
             determined: found.determined(frames),
             epipole_bearings: found.epipole_bearings(frames),
             reasons: trust.iter().flat_map(|t| t.reasons.iter().map(reason_in_words)).collect(),
-            covariance: refinement.and_then(|r| r.uncertainty.as_ref()).map(|uncertainty| {
-                uncertainty.covariance().row_iter().map(|row| std::array::from_fn(|k| row[k])).collect()
-            }),
+            covariance: refinement
+                .and_then(|r| r.uncertainty.as_ref())
+                .map(|uncertainty| square(&uncertainty.covariance())),
             noise: refinement.and_then(|r| r.noise),
             homography21: assessment.plane.map(|plane| nested(&plane.homography21)),
             plane: assessment.plane.map(|PlaneHomography { matches, share, residual, .. }| PlaneFigures {
@@ -260,6 +264,7 @@ impl<'a> ResultFile<'a> {
         let pairs: Vec<PointPair> = self.matches.iter().map(|found| from_numbers(&found.pair)).collect();
         let original = |pair: &PointPair| views.original_from_undistorted(pair).map(|pair| numbers(&pair));
         self.calibrated = Some(CalibratedFile {
+            original_pairs: self.pairs.iter().map(|pair| original(&from_numbers(pair))).collect(),
             original_matches: pairs.iter().map(original).collect(),
             curve_distances: pairs
                 .iter()
@@ -295,6 +300,7 @@ impl PoseFile {
             noise: *noise,
             rotation_deviation: uncertainty.map(|u| u.rotation),
             translation_deviation: uncertainty.map(|u| u.translation),
+            covariance: fit.covariance().map(|covariance| square(&covariance)),
         }
     }
 }
@@ -306,6 +312,11 @@ fn from_numbers([x1, y1, x2, y2]: &[f64; 4]) -> PointPair {
 /// Returns the rows of a matrix.
 fn nested(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
     std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)]))
+}
+
+/// Returns the rows of a square matrix.
+fn square<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<[f64; N]> {
+    matrix.row_iter().map(|row| std::array::from_fn(|k| row[k])).collect()
 }
 
 /// Returns `x1 y1 x2 y2`.

@@ -99,6 +99,14 @@ fn clicks_in_bent_pictures_give_the_geometry_of_straight_ones_and_a_pose() {
         distances.sort_by(f64::total_cmp);
         assert!(distances[distances.len() / 2] < 0.2);
     }
+    // The covariances of F and of the pose leave together.
+    let (result, archive) = (lens.pictures.text("result.json"), lens.pictures.text("result.npz"));
+    assert!(run(&["convert", &result, "--output", &archive]).status.success());
+    let archive = std::fs::read(archive).unwrap();
+    for name in ["fundamental", "covariance", "rotation", "translation", "pose_covariance"] {
+        let entry = format!("{name}.npy");
+        assert!(archive.windows(entry.len()).any(|part| part == entry.as_bytes()), "{name}");
+    }
     // Without the calibration the lines bend away.
     let [near, far] = ["near.png", "far.png"].map(|name| lens.pictures.text(name));
     let output = run(&["estimate", &near, &far]);

@@ -4,6 +4,7 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// Prints that the running test is skipped. The test runner would hide an `eprintln!` of a passed
 /// test.
@@ -24,4 +25,18 @@ pub fn shared(folder: &str) -> Option<PathBuf> {
         skipped(&format!("there is no folder ../shared/{folder}"));
     }
     found
+}
+
+/// Returns a Python that has a module: the program named by `EPILINE_PYTHON`, or `python3`. Without it,
+/// prints that the test is skipped, or fails if `EPILINE_REQUIRE_PYTHON` is set, as in `.ci/run`.
+pub fn python(module: &str) -> Option<PathBuf> {
+    let python = std::env::var_os("EPILINE_PYTHON").map_or_else(|| PathBuf::from("python3"), PathBuf::from);
+    let import = format!("import {module}");
+    if Command::new(&python).args(["-c", &import]).output().is_ok_and(|output| output.status.success()) {
+        return Some(python);
+    }
+    let message = format!("{} has no module {module}", python.display());
+    assert!(std::env::var_os("EPILINE_REQUIRE_PYTHON").is_none(), "{message}");
+    skipped(&message);
+    None
 }

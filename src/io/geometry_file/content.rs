@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Matrix6, SMatrix};
 use serde::{Deserialize, Serialize};
 
 use super::super::read::ReadError;
 use super::labels::{PairLabel, TrustNote};
+use crate::camera::{PoseFit, RelativePose};
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
 
 /// Name and size of an image.
@@ -44,6 +45,34 @@ pub struct GeometryFile {
     pub is_undistorted: bool,
     /// Verdict on the geometry. Written only.
     pub trust: Option<TrustNote>,
+    /// Covariance of the nine entries of `F` with norm 1, row by row. Read from results only.
+    pub covariance: Option<SMatrix<f64, 9, 9>>,
+    /// Calibrated part of a result. Read from results only.
+    pub calibrated: Option<CalibratedNote>,
+}
+
+/// Calibrated part of a result.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CalibratedNote {
+    /// Pose of camera 2 in the coordinates of camera 1.
+    pub pose: Option<RelativePose>,
+    /// Covariance of the pose as for [`PoseFit::covariance`].
+    pub pose_covariance: Option<Matrix6<f64>>,
+    /// Sizes of the pictures as they are.
+    pub frames: Option<[Frame; 2]>,
+    /// Clicks, then matches, in the pictures as they are; `None` beyond the range of a lens.
+    pub originals: Vec<Option<PointPair>>,
+}
+
+impl CalibratedNote {
+    /// Creates the note of a pose.
+    pub fn new(fit: Option<&PoseFit>) -> Self {
+        Self {
+            pose: fit.map(|fit| fit.pose),
+            pose_covariance: fit.and_then(PoseFit::covariance),
+            ..Self::default()
+        }
+    }
 }
 
 impl GeometryFile {

@@ -1,9 +1,9 @@
 //! Named tables of numbers found in a file, and their meaning.
 
-use nalgebra::{Matrix3, Matrix3x4};
+use nalgebra::{Matrix3, Matrix3x4, SMatrix};
 use serde_json::{Map, Value};
 
-use super::content::{BareNumbers, GeometryFile, ImageNote, Problem};
+use super::content::{BareNumbers, CalibratedNote, GeometryFile, ImageNote, Problem};
 use super::quantity::Quantity;
 use crate::foreign::excerpt;
 use crate::geometry::{Camera, FundamentalMatrix, PointPair};
@@ -42,7 +42,7 @@ impl NumberTable {
 
     /// Returns the numbers of a matrix of a given shape; one row or one column with all numbers is
     /// accepted.
-    fn matrix(&self, rows: usize, columns: usize) -> Result<&[f64], String> {
+    pub(super) fn matrix(&self, rows: usize, columns: usize) -> Result<&[f64], String> {
         let is_list = (self.rows == 1 || self.columns == 1) && self.numbers.len() == rows * columns;
         if is_list || (self.rows, self.columns) == (rows, columns) {
             return Ok(&self.numbers);
@@ -71,6 +71,10 @@ pub(super) struct Fields {
     is_undistorted: bool,
     /// Matches of a result.
     found: Vec<PointPair>,
+    /// Covariance of `F` of a result.
+    pub(super) covariance: Option<SMatrix<f64, 9, 9>>,
+    /// Calibrated part of a result.
+    pub(super) calibrated: Option<CalibratedNote>,
 }
 
 impl Fields {
@@ -173,6 +177,8 @@ impl Fields {
             trust: None,
             is_undistorted: self.is_undistorted,
             found: self.found.clone(),
+            covariance: self.covariance,
+            calibrated: self.calibrated.clone(),
             fundamental,
             cameras: self.both([Quantity::Camera1, Quantity::Camera2], camera)?,
             homographies: self.both([Quantity::Homography1, Quantity::Homography2], NumberTable::matrix3)?,
@@ -188,7 +194,12 @@ impl Fields {
         if !file.pairs.iter().all(PointPair::is_finite) || !homographies.all(is_finite) {
             return Err(Problem::whole("the numbers are too large"));
         }
-        let empty = GeometryFile { is_undistorted: file.is_undistorted, ..GeometryFile::default() };
+        let empty = GeometryFile {
+            is_undistorted: file.is_undistorted,
+            calibrated: self.calibrated,
+            covariance: self.covariance,
+            ..GeometryFile::default()
+        };
         if file == empty {
             return Err(Problem::whole(
                 "no fundamental matrix, cameras or point pairs found. Known names are F or fundamental, P1 and P2, points1 and points2, pairs",
@@ -270,7 +281,7 @@ fn is_rows(value: &Value) -> bool {
 }
 
 /// Reads a table from nested rows, a flat list or an OpenCV matrix.
-fn table(value: &Value) -> Result<NumberTable, String> {
+pub(super) fn table(value: &Value) -> Result<NumberTable, String> {
     match value {
         Value::Object(_) => opencv_matrix(value),
         Value::Array(rows) if !rows.is_empty() && is_rows(value) => {

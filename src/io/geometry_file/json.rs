@@ -2,14 +2,18 @@
 
 use std::fmt::{self, Formatter};
 
+use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
+use super::content::CalibratedNote;
 use super::coordinates::{WrittenGeometry, pair_numbers};
-use super::fields::{Fields, insert};
+use super::fields::{Fields, insert, table};
 use super::quantity::Quantity;
 use super::{ImageNote, Problem};
+use crate::camera::RelativePose;
+use crate::geometry::{Frame, PointPair};
 
 #[derive(Serialize)]
 struct File<'a> {
@@ -67,7 +71,44 @@ pub(super) fn read(text: &str) -> Result<Fields, Problem> {
     let value = value.map_err(|e| {
         Problem::whole(if e.is_data() { e.to_string() } else { format!("this is not valid JSON: {e}") })
     })?;
-    Fields::from_value(&value)
+    let mut fields = Fields::from_value(&value)?;
+    fields.covariance =
+        value.get("covariance").and_then(|rows| numbers(rows, 9, 9)).map(|n| SMatrix::from_row_slice(&n));
+    fields.calibrated = value.get("calibrated").map(calibrated);
+    Ok(fields)
+}
+
+/// Reads the calibrated part of a result. Anything else is left out.
+fn calibrated(value: &Value) -> CalibratedNote {
+    let pose = &value["pose"];
+    let side = |k: usize, name: &str| Some(value["views"][k][name].as_u64()? as usize);
+    let frame = |k| Some(Frame::new(side(k, "original_width")?, side(k, "original_height")?));
+    let pair = |value: &Value| match numbers(value, 1, 4)?[..] {
+        [x1, y1, x2, y2] => Some(PointPair::new(x1, y1, x2, y2)),
+        _ => None,
+    };
+    let originals = ["original_pairs", "original_matches"].iter().filter_map(|name| value[name].as_array());
+    CalibratedNote {
+        frames: frame(0).zip(frame(1)).map(<[Frame; 2]>::from),
+        originals: originals.flatten().map(pair).collect(),
+        pose: relative_pose(pose),
+        pose_covariance: numbers(&pose["covariance"], 6, 6).map(|n| SMatrix::from_row_slice(&n)),
+    }
+}
+
+fn relative_pose(value: &Value) -> Option<RelativePose> {
+    let rotation = Matrix3::from_row_slice(&numbers(&value["rotation"], 3, 3)?);
+    let translation = Vector3::from_row_slice(&numbers(&value["translation"], 1, 3)?);
+    let is_rotation =
+        (rotation.transpose() * rotation - Matrix3::identity()).norm() < 1e-6 && rotation.determinant() > 0.0;
+    let is_unit = (translation.norm() - 1.0).abs() < 1e-6;
+    (is_rotation && is_unit)
+        .then(|| RelativePose { rotation: Rotation3::from_matrix_unchecked(rotation), translation })
+}
+
+/// Returns the numbers of a matrix of a given shape, row by row.
+fn numbers(value: &Value, rows: usize, columns: usize) -> Option<Vec<f64>> {
+    table(value).ok()?.matrix(rows, columns).ok().map(<[f64]>::to_vec)
 }
 
 /// Object of the file. [`Value`] would silently keep the last of repeated names.

@@ -39,7 +39,7 @@ use super::output::{OutputFile, WriteError};
 use super::read::{ReadError, read_text};
 use crate::geometry::{FundamentalMatrix, PointPair};
 
-pub use self::content::{GeometryFile, ImageNote, Problem};
+pub use self::content::{CalibratedNote, GeometryFile, ImageNote, Problem};
 pub use self::format::Format;
 pub use self::labels::{PairLabel, PairOrigin, TrustNote};
 pub use self::notation::Notation;
