@@ -65,7 +65,8 @@
 //! |---|---|
 //! | `pictures` | [`image::Picture`]: reading of picture files, warping of rectified pictures; [`synthetic`] |
 //! | `files` (with `pictures`) | [`io`], `synthetic::Sample`: JSON, YAML and `.npy` arrays, sequences of frames |
-//! | `cli` (with `files`) | the program `epiline` |
+//! | `colmap` (with `files`) | `io::GeometryFile::add_to_colmap`: databases of COLMAP; needs a C compiler |
+//! | `cli` (with `colmap`) | the program `epiline` |
 //! | `inspector` (with `cli`) | the window of the program |
 //!
 //! `ARCHITECTURE.md` shows the layout of the code and how to add to it.

@@ -10,6 +10,8 @@ use serde_json::Value;
 mod barcode;
 #[path = "command_line/calibrated.rs"]
 mod calibrated;
+#[path = "command_line/colmap.rs"]
+mod colmap;
 #[path = "command_line/files.rs"]
 mod files;
 #[path = "command_line/hostile.rs"]

@@ -30,7 +30,8 @@ const TWICE: [&str; 22] = [
     "block2",
 ];
 
-/// Banned crates: C code that decodes files, network access, and unmaintained code.
+/// Banned crates: C code that decodes files (except SQLite, see `deny.toml`), network access, and
+/// unmaintained code.
 const UNWANTED: [&str; 7] =
     ["openssl-sys", "libwebp-sys", "curl-sys", "reqwest", "hyper", "roxmltree", "ttf-parser"];
 

@@ -21,7 +21,7 @@ use epiline::camera::UndistortedView;
 use epiline::geometry::{Frame, FundamentalMatrix, Point, PointPair};
 use epiline::image::{LoadOptions, Picture};
 use epiline::io::{
-    Calibration, Format, GeometryFile, ImageNote, ImageReference, ImageSource, SessionFile,
+    Calibration, Format, GeometryFile, ImageNote, ImageReference, ImageSource, OutputFile, SessionFile,
     parse_point_pairs, read_camera, read_matches,
 };
 use image::{DynamicImage, ImageFormat};
@@ -34,6 +34,8 @@ const MOST_MEMORY: usize = 96 << 20;
 const LONGEST: f64 = 20.0;
 /// Largest file that is mutated, bytes.
 const LONGEST_FILE: u64 = 20_000;
+/// Size of the images of the geometry.
+const FRAME: Frame = Frame { width: 640, height: 480 };
 /// Maximum length of a message, characters.
 const LONGEST_MESSAGE: usize = 900;
 
@@ -98,6 +100,7 @@ enum Reader {
     Text,
     Calibration,
     Matches,
+    Database,
     Session,
 }
 
@@ -105,6 +108,19 @@ struct Sample {
     name: String,
     bytes: Vec<u8>,
     reader: Reader,
+}
+
+/// Returns a geometry with pairs and images.
+fn geometry() -> GeometryFile {
+    let rows = [[0.0, -1e-4, 0.02], [1.2e-4, 1e-6, -0.3], [-0.03, 0.29, 1.0]];
+    let pair = |t: f64| PointPair::new(t, t * 0.7, t + 3.0, t * 0.69);
+    let note = |name: &str| ImageNote { name: name.to_owned(), frame: FRAME };
+    GeometryFile {
+        fundamental: FundamentalMatrix::nearest_rank_two(nalgebra::Matrix3::from_fn(|r, c| rows[r][c])),
+        pairs: (0..6).map(|k| pair(f64::from(k) * 17.25)).collect(),
+        images: Some([note("left.png"), note("right é.png")]),
+        ..GeometryFile::default()
+    }
 }
 
 /// Returns a small file of every kind, and files that once broke something, if present.
@@ -138,18 +154,7 @@ fn corpus() -> Vec<Sample> {
             }
         }
     }
-    let rows = [[0.0, -1e-4, 0.02], [1.2e-4, 1e-6, -0.3], [-0.03, 0.29, 1.0]];
-    let pairs: Vec<PointPair> =
-        (0..6).map(|k| f64::from(k) * 17.25).map(|t| PointPair::new(t, t * 0.7, t + 3.0, t * 0.69)).collect();
-    let frame = Frame::new(640, 480);
-    let note = |name: &str| ImageNote { name: name.to_owned(), frame };
-    let fundamental = FundamentalMatrix::nearest_rank_two(nalgebra::Matrix3::from_fn(|r, c| rows[r][c]));
-    let file = GeometryFile {
-        fundamental,
-        pairs: pairs.clone(),
-        images: Some([note("left.png"), note("right é.png")]),
-        ..GeometryFile::default()
-    };
+    let file = geometry();
     for format in Format::ALL {
         add(format.name(), file.to_text(format).into_bytes(), Reader::Text);
     }
@@ -158,17 +163,20 @@ fn corpus() -> Vec<Sample> {
     for (name, text) in CALIBRATIONS {
         add(name, text.as_bytes().to_vec(), Reader::Calibration);
     }
+    add("database.db", include_bytes!("mutations/database.db").to_vec(), Reader::Database);
     add("matches.npz", include_bytes!("mutations/matches.npz").to_vec(), Reader::Matches);
     let reference = |path: &str| ImageReference {
         source: ImageSource::File { path: path.to_owned(), sha256: "ab".repeat(32) },
-        frame,
+        frame: FRAME,
     };
     let content =
         serde_json::json!({"document": {"pairs": [], "excluded": [1, 2]}, "pins": [null, {"a": [1e3]}]});
-    let session =
-        SessionFile {
-            images: [reference("a.png"), reference("b/ä.jpg")], fundamental, trust: None, content
-        };
+    let session = SessionFile {
+        images: [reference("a.png"), reference("b/ä.jpg")],
+        fundamental: file.fundamental,
+        trust: None,
+        content,
+    };
     add("session", session.to_text().unwrap().into_bytes(), Reader::Session);
     let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/hostile");
     if !shared.is_dir() {
@@ -266,6 +274,11 @@ fn read(bytes: &[u8], reader: Reader, file: &Path) -> Vec<String> {
         Reader::Matches => {
             std::fs::write(file, bytes).unwrap();
             hear(read_matches(file).err().map(|e| e.to_string()));
+        }
+        Reader::Database => {
+            std::fs::write(file, bytes).unwrap();
+            let output = OutputFile::prepare(&file.with_extension("db")).unwrap();
+            hear(geometry().add_to_colmap(None, file, &output).err().map(|e| e.to_string()));
         }
         Reader::Session => {
             std::fs::write(file, bytes).unwrap();

@@ -1,14 +1,14 @@
 //! `epiline convert`: conversion of a geometry to the format and convention of another program.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::CliError;
 use super::console::{print, tell};
 use super::geometry_file::{GeometryInput, GeometryOutput};
-use crate::foreign::shown_path;
-use crate::io::{Format, refuse_clashes};
+use crate::foreign::{excerpt, shown_path};
+use crate::io::{Format, OutputFile, refuse_clashes};
 
 /// Convert F, cameras, homographies and point pairs between file formats and their conventions
 #[derive(Debug, Args)]
@@ -21,10 +21,20 @@ pub(super) struct ConvertArguments {
     /// Format of the output, by default from the file extension
     #[arg(long, value_enum)]
     format: Option<Format>,
+    /// Database of COLMAP. The output is a copy with the points, the matches and the geometry added
+    /// (.db), or a list of the matches at its keypoints for matches_importer (.txt)
+    #[arg(long, value_name = "FILE", conflicts_with = "format")]
+    database: Option<PathBuf>,
+    /// Names of both images in the database, by default those of the result
+    #[arg(long, num_args = 2, value_names = ["LEFT", "RIGHT"], requires = "database")]
+    names: Option<Vec<String>>,
 }
 
 /// Reads the input, writes the output and prints a summary.
 pub(super) fn run(arguments: &ConvertArguments) -> Result<(), CliError> {
+    if let Some(database) = &arguments.database {
+        return to_colmap(arguments, database);
+    }
     let output = GeometryOutput::prepare(&arguments.output, arguments.format)?;
     refuse_clashes(&output.file().into_iter().collect::<Vec<_>>(), &arguments.input.inputs())?;
     let (file, format) = arguments.input.read()?;
@@ -44,6 +54,45 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<(), CliError> {
     if output.is_piped() {
         tell(text.trim_end());
         return Ok(());
+    }
+    print(&text)
+}
+
+/// Adds the input to a copy of a database, or writes its list of matches.
+fn to_colmap(arguments: &ConvertArguments, database: &Path) -> Result<(), CliError> {
+    let extension = arguments.output.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    let is_list = match extension.as_deref() {
+        Some("db") => false,
+        Some("txt") => true,
+        _ => {
+            let problem =
+                "with --database the output is a copy of the database (.db) or a list of matches (.txt)";
+            return Err(CliError::Arguments(problem.into()));
+        }
+    };
+    let output = OutputFile::prepare(&arguments.output)?;
+    let inputs: Vec<&Path> = arguments.input.inputs().into_iter().chain([database]).collect();
+    refuse_clashes(&[output.path()], &inputs)?;
+    let (file, _) = arguments.input.read()?;
+    let names = match arguments.names.as_deref() {
+        Some([left, right]) => Some([left.as_str(), right.as_str()]),
+        _ => None,
+    };
+    let pair = if is_list {
+        file.write_colmap_matches(names, database, &output)?
+    } else {
+        file.add_to_colmap(names, database, &output)?
+    };
+    let [left, right] = pair.names.each_ref().map(|name| excerpt(name));
+    let mut text = format!(
+        "{} matches of {left} and {right}, {} of them within 4 px of the geometry, to {}\n",
+        pair.matches,
+        pair.verified,
+        shown_path(output.path())
+    );
+    if !is_list {
+        let [first, second] = pair.keypoints;
+        text += &format!("New keypoints: {first} in {left}, {second} in {right}\n");
     }
     print(&text)
 }

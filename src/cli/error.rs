@@ -5,7 +5,7 @@ use thiserror::Error;
 use crate::convention::CheckError;
 use crate::estimate::EstimateError;
 use crate::image::LoadError;
-use crate::io::{ReadError, RectifiedError, SequenceError, WriteError};
+use crate::io::{ColmapError, ReadError, RectifiedError, SequenceError, WriteError};
 use crate::motion::MotionError;
 use crate::presentation::error_in_words;
 use crate::rectify::RectifyError;
@@ -56,6 +56,9 @@ pub enum CliError {
     /// A file other than an image cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
+    /// A pair cannot be added to a database of COLMAP.
+    #[error(transparent)]
+    Colmap(#[from] ColmapError),
     /// A result cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),

@@ -3,6 +3,8 @@
 
 mod calibration;
 mod camera_rig;
+#[cfg(feature = "colmap")]
+mod colmap;
 mod covariance;
 mod geometry_file;
 mod ground_truth;
@@ -28,6 +30,8 @@ mod vgg;
 pub use calibration::{CalibratedCamera, Calibration, CameraPose};
 #[doc(hidden)]
 pub use camera_rig::CameraRig;
+#[cfg(feature = "colmap")]
+pub use colmap::{ColmapError, ColmapPair};
 pub use geometry_file::{
     CalibratedNote, Format, GeometryFile, ImageNote, Notation, PairLabel, PairOrigin, Problem, TrustNote,
     read_fundamental, read_point_pairs,

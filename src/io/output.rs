@@ -108,6 +108,17 @@ impl OutputFile {
         Ok(StagedFile { target: self.clone(), part })
     }
 
+    /// Copies a stream to a temporary file, which can be changed before [`StagedFile::put`].
+    #[cfg(feature = "colmap")]
+    pub(super) fn stage_from(&self, content: &mut impl std::io::Read) -> Result<StagedFile, WriteError> {
+        let part = PartFile::create(self.folder(), self.private).and_then(|mut part| {
+            part.copy(content)?;
+            Ok(part)
+        });
+        let part = part.map_err(|e| WriteError::new(&self.path, reason(&e)))?;
+        Ok(StagedFile { target: self.clone(), part })
+    }
+
     fn folder(&self) -> &Path {
         match self.path.parent() {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -117,6 +128,18 @@ impl OutputFile {
 }
 
 impl StagedFile {
+    /// Returns the path of the temporary file.
+    #[cfg(feature = "colmap")]
+    pub(super) fn path(&self) -> &Path {
+        self.part.path()
+    }
+
+    /// Writes changes to the disk.
+    #[cfg(feature = "colmap")]
+    pub(super) fn sync(&self) -> std::io::Result<()> {
+        self.part.sync()
+    }
+
     /// Replaces the target.
     pub(super) fn put(self) -> Result<(), WriteError> {
         let Self { target, part } = self;

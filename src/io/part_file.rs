@@ -47,6 +47,23 @@ impl PartFile {
         self.0.as_file().sync_all()
     }
 
+    /// Copies `content`, and gives up the lock: elsewhere than on Linux it would keep out a database.
+    #[cfg(feature = "colmap")]
+    pub(super) fn copy(&mut self, content: &mut impl std::io::Read) -> std::io::Result<()> {
+        std::io::copy(content, &mut self.0)?;
+        self.0.as_file().unlock()
+    }
+
+    #[cfg(feature = "colmap")]
+    pub(super) fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    #[cfg(feature = "colmap")]
+    pub(super) fn sync(&self) -> std::io::Result<()> {
+        self.0.as_file().sync_all()
+    }
+
     /// Replaces `target` and adopts its permissions, unless the file is `private`.
     pub(super) fn persist(self, target: &Path, private: bool) -> std::io::Result<()> {
         if !private && let Ok(found) = target.metadata() {

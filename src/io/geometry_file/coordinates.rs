@@ -11,7 +11,7 @@ use super::{Format, GeometryFile, ImageNote, PairLabel, TrustNote};
 use crate::geometry::{FundamentalMatrix, Point, PointPair, symmetric_epipolar_distance};
 
 /// Returns the shift from the pixels of this program to the pixels of a format.
-fn shift(origin: f64) -> Matrix3<f64> {
+pub(in crate::io) fn shift(origin: f64) -> Matrix3<f64> {
     Matrix3::new(1.0, 0.0, origin, 0.0, 1.0, origin, 0.0, 0.0, 1.0)
 }
 
@@ -154,7 +154,7 @@ impl SelfCheck {
 }
 
 /// Returns `F` for pixels shifted by `origin` along both axes.
-pub(super) fn moved_fundamental(f: &FundamentalMatrix, origin: f64) -> Option<FundamentalMatrix> {
+pub(in crate::io) fn moved_fundamental(f: &FundamentalMatrix, origin: f64) -> Option<FundamentalMatrix> {
     if origin == 0.0 {
         return Some(*f);
     }
@@ -163,7 +163,7 @@ pub(super) fn moved_fundamental(f: &FundamentalMatrix, origin: f64) -> Option<Fu
 }
 
 /// Returns a pair in pixels shifted by `origin`.
-fn moved_pair(pair: &PointPair, origin: f64) -> PointPair {
+pub(in crate::io) fn moved_pair(pair: &PointPair, origin: f64) -> PointPair {
     let moved = |p: Point| Point::new(p.x + origin, p.y + origin);
     PointPair { point1: moved(pair.point1), point2: moved(pair.point2) }
 }

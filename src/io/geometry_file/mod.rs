@@ -40,6 +40,8 @@ use super::read::{ReadError, read_text};
 use crate::geometry::{FundamentalMatrix, PointPair};
 
 pub use self::content::{CalibratedNote, GeometryFile, ImageNote, Problem};
+#[cfg(feature = "colmap")]
+pub(super) use self::coordinates::{moved_fundamental, moved_pair, shift};
 pub use self::format::Format;
 pub use self::labels::{PairLabel, PairOrigin, TrustNote};
 pub use self::notation::Notation;
