@@ -134,6 +134,17 @@ impl RelativePose {
         Some(0.5 * (rays[0] * first + from2))
     }
 
+    /// Returns the scene point of each match as by [`Self::triangulated`]; `None` for points that are not
+    /// in front of both cameras.
+    pub fn scene_points(
+        &self,
+        calibrations: &[Matrix3<f64>; 2],
+        matches: &[PointPair],
+    ) -> Vec<Option<Vector3<f64>>> {
+        let Some(rays) = rays(calibrations, matches) else { return vec![None; matches.len()] };
+        rays.iter().map(|rays| self.triangulated(rays).filter(|_| self.sees(rays))).collect()
+    }
+
     /// Returns the place of camera 2 in the coordinates of camera 1.
     pub fn position2(&self) -> Vector3<f64> {
         self.rotation.inverse() * -self.translation

@@ -85,6 +85,8 @@ enum Content {
     Array,
     /// F, R and t with their covariances as a NumPy archive.
     Covariances,
+    /// Scene points and cameras as PLY.
+    Cloud,
 }
 
 impl Content {
@@ -94,6 +96,7 @@ impl Content {
         match (format, extension.as_deref()) {
             (None, Some("npy")) => Some(Self::Array),
             (None, Some("npz")) => Some(Self::Covariances),
+            (None, Some("ply")) => Some(Self::Cloud),
             _ => format.or_else(|| Format::of_path(path)).map(Self::Geometry),
         }
     }
@@ -103,6 +106,7 @@ impl Content {
             Self::Geometry(format) => format.label(),
             Self::Array => "NumPy array of F",
             Self::Covariances => "NumPy archive of covariances",
+            Self::Cloud => "PLY",
         }
     }
 }
@@ -156,6 +160,11 @@ impl GeometryOutput {
                 let missing = "there is no F, which is all that a NumPy array holds";
                 let geometry = file.geometry().ok_or_else(|| CliError::Arguments(missing.into()))?;
                 matrix_as_npy(geometry.matrix())
+            }
+            Content::Cloud => {
+                let missing = "there are no scene points. Make them with epiline estimate --calibration … --export cloud.ply";
+                let cloud = file.cloud.as_ref().ok_or_else(|| CliError::Arguments(missing.into()))?;
+                cloud.to_ply().into_bytes()
             }
             Content::Covariances => file.covariances_as_npz().map_err(CliError::Arguments)?,
         };

@@ -13,7 +13,7 @@ use crate::estimate::{Estimate, Parameters, Uncertainty};
 use crate::geometry::{Camera, PointPair, median, sampson_distance};
 use crate::image::Picture;
 use crate::io::{
-    CalibratedNote, Format, GeometryFile, PairLabel, PairOrigin, ResultFile, TrustNote,
+    CalibratedNote, Format, GeometryFile, PairLabel, PairOrigin, PointCloud, ResultFile, TrustNote,
     refuse_clashes, result_in_words,
 };
 use crate::presentation::pose_in_words;
@@ -26,7 +26,7 @@ pub(super) struct ResultArguments {
     json: Option<PathBuf>,
     /// Write F, the epipoles, the points and the matched patches for another program; if only a
     /// plane or a rotation of the camera is certain, also its homography H21. A file .npz gets the
-    /// covariances
+    /// covariances, a file .ply the triangulated matches of calibrated cameras
     #[arg(long, value_name = "FILE")]
     export: Option<PathBuf>,
     /// Format of the export, by default from the file extension
@@ -87,6 +87,7 @@ impl ResultOutput {
                 is_undistorted,
                 covariance: found.uncertainty().map(Uncertainty::covariance),
                 calibrated: views.map(|_| CalibratedNote::new(pose.as_ref())),
+                cloud: views.zip(pose.as_ref()).map(|(views, fit)| cloud(found, views, fit, &pictures[0])),
                 ..geometry_file(found, pairs, pictures)
             })?;
         }
@@ -125,6 +126,12 @@ fn given_in_words(found: &Estimate, given: &[PointPair]) -> String {
 fn pose(found: &Estimate, views: &ViewPair) -> Option<PoseFit> {
     let matches: Vec<PointPair> = found.matches().iter().map(|found| found.pair).collect();
     fit_pose(found.fundamental(), &views.calibrations(), &matches, views.frames()[0])
+}
+
+/// Triangulates the matches.
+fn cloud(found: &Estimate, views: &ViewPair, fit: &PoseFit, left: &Picture) -> PointCloud {
+    let matches: Vec<PointPair> = found.matches().iter().map(|found| found.pair).collect();
+    PointCloud::new(&fit.pose, views, &matches, &left.pixels)
 }
 
 /// Returns the cameras `K1 [I | 0]` and `K2 [R | t]` of the views.

@@ -17,6 +17,7 @@ mod output;
 mod pair_folder;
 mod part_file;
 mod picture_file;
+mod ply;
 mod point_pairs;
 mod read;
 mod rectified;
@@ -50,6 +51,7 @@ pub use pair_folder::{PairFiles, pair_folder};
 pub use picture_file::{PictureError, PictureFormat};
 #[doc(hidden)]
 pub use picture_file::{described, encode_picture};
+pub use ply::PointCloud;
 pub use point_pairs::{PairProblem, parse_point_pairs};
 pub use read::{IMAGE_EXTENSIONS, ReadError, has_image_extension};
 pub use rectified::{RectifiedError, RectifiedFiles, RectifiedOptions};

@@ -5,6 +5,7 @@ use std::path::Path;
 use nalgebra::{Matrix3, Matrix6, SMatrix};
 use serde::{Deserialize, Serialize};
 
+use super::super::ply::PointCloud;
 use super::super::read::ReadError;
 use super::labels::{PairLabel, TrustNote};
 use crate::camera::{PoseFit, RelativePose};
@@ -49,6 +50,8 @@ pub struct GeometryFile {
     pub covariance: Option<SMatrix<f64, 9, 9>>,
     /// Calibrated part of a result. Read from results only.
     pub calibrated: Option<CalibratedNote>,
+    /// Scene points of the matches. Written only, as PLY.
+    pub cloud: Option<PointCloud>,
 }
 
 /// Calibrated part of a result.

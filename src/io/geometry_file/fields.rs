@@ -175,6 +175,7 @@ impl Fields {
         let file = GeometryFile {
             labels: Vec::new(),
             trust: None,
+            cloud: None,
             is_undistorted: self.is_undistorted,
             found: self.found.clone(),
             covariance: self.covariance,
