@@ -9,12 +9,12 @@ use super::geometry_file::{Format, ImageNote, PairLabel};
 use crate::camera::{PoseFit, UndistortedView, ViewPair};
 use crate::estimate::{
     BarcodeFigures, Determined, EpipoleBearing, EpipoleCertainty, Estimate, Method, Parameters, PatchSupport,
-    PlaneHomography, Preset, SearchCounts, StageTiming, Verdict, Warning,
+    PlaneHomography, Preset, Reason, SearchCounts, StageTiming, Verdict, Warning,
 };
 use crate::geometry::{
     FundamentalMatrix, PointPair, place_in_words, sampson_distance, symmetric_epipolar_distance,
 };
-use crate::presentation::{interval_in_words, reason_in_words, warning_in_words};
+use crate::presentation::{interval_in_words, probability_in_words, reason_in_words, warning_in_words};
 
 /// Content of a result file. As JSON it is also a geometry file ([`Format::Json`]).
 #[derive(Serialize)]
@@ -38,6 +38,9 @@ pub struct ResultFile<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     frame_offset: Option<i32>,
     verdict: Option<Verdict>,
+    /// Probability that the lines are within 1 % of the longer side.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    probability_within_one_percent: Option<f64>,
     /// Part of the geometry that the matches determine.
     #[serde(skip_serializing_if = "Option::is_none")]
     determined: Option<Determined>,
@@ -45,6 +48,8 @@ pub struct ResultFile<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     epipole_bearings: Option<[EpipoleBearing; 2]>,
     reasons: Vec<String>,
+    /// Failed tests with their figures, in the order of `reasons`.
+    failed_tests: &'a [Reason],
     /// Covariance of the nine entries of `fundamental`, row by row, px.
     #[serde(skip_serializing_if = "Option::is_none")]
     covariance: Option<Vec<[f64; 9]>>,
@@ -191,9 +196,11 @@ impl<'a> ResultFile<'a> {
             barcodes: assessment.barcodes,
             frame_offset: None,
             verdict: trust.map(|t| t.verdict),
+            probability_within_one_percent: assessment.probability_within_one_percent(),
             determined: found.determined(frames),
             epipole_bearings: found.epipole_bearings(frames),
             reasons: trust.iter().flat_map(|t| t.reasons.iter().map(reason_in_words)).collect(),
+            failed_tests: trust.map_or(&[], |t| &t.reasons),
             covariance: refinement
                 .and_then(|r| r.uncertainty.as_ref())
                 .map(|uncertainty| square(&uncertainty.covariance())),
@@ -357,6 +364,10 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
         let _ = writeln!(text, "Verdict: {}", trust.verdict.label());
         for reason in &trust.reasons {
             let _ = writeln!(text, "  {}", reason_in_words(reason));
+        }
+        let side = images.iter().map(|image| image.frame.longer_side()).fold(0.0, f64::max);
+        if let Some(probability) = probability_in_words(assessment, side) {
+            let _ = writeln!(text, "{probability}");
         }
     }
     if let Some(plane) = &assessment.plane {

@@ -3,6 +3,7 @@
 
 pub(super) mod assessment;
 mod poisson;
+mod probability;
 pub(super) mod result;
 pub(super) mod selection;
 pub(super) mod trust;
