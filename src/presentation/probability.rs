@@ -6,10 +6,8 @@ use crate::estimate::{Assessment, Trust};
 /// image, px. `None` without a probability.
 pub fn probability_in_words(assessment: &Assessment, side: f64) -> Option<String> {
     let percent = (100.0 * assessment.probability_within_one_percent()?).round().clamp(1.0, 99.0);
-    let lines = match assessment.trust.as_ref().is_some_and(Trust::says_one_plane) {
-        true => "Lines near the matches",
-        false => "Lines",
-    };
+    let is_open = assessment.trust.as_ref().is_some_and(Trust::says_one_plane);
+    let lines = if is_open { "Lines near the matches" } else { "Lines" };
     Some(format!(
         "{lines}: about {percent:.0} % likely to be within {:.0} px, 1 % of the longer side",
         (0.01 * side).max(1.0)
