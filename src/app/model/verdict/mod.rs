@@ -12,7 +12,7 @@ use crate::app::model::computation::{Computation, EstimateFailure, Freshness};
 use crate::app::model::document::{Document, Imported, Role, pair_name};
 use crate::estimate::{self, CLICK_DEVIATIONS, Estimate, Reason, Warning};
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
-use crate::presentation::{error_in_words, reason_in_words, warning_in_words};
+use crate::presentation::{error_in_words, probability_in_words, reason_in_words, warning_in_words};
 
 pub use action::{CardAction, LineLook};
 use facts::facts;
@@ -34,6 +34,8 @@ pub struct VerdictInWords {
     pub facts: Vec<Fact>,
     /// All reasons, the main one first.
     pub warnings: Vec<String>,
+    /// How likely the lines are right, in percent, and the sentence that explains it.
+    pub likely: Option<(f64, String)>,
 }
 
 /// Returns a warning about an imported geometry.
@@ -93,6 +95,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
         sentence,
         facts: Vec::new(),
         warnings: Vec::new(),
+        likely: None,
     };
     let stage = || computation.stage().map_or(String::new(), |stage| stage.label().to_owned());
     let Some((estimate, freshness)) = computation.result() else {
@@ -119,6 +122,13 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     // points.
     let is_final = freshness == Freshness::Final;
     let checked = is_final.then(|| contradicting_check(document, estimate.fundamental())).flatten();
+    // The probability knows nothing of pairs that are only checked.
+    let likely = Some(assessment).filter(|_| is_final && checked.is_none()).and_then(|assessment| {
+        let frames = document.pictures.as_ref()?.each_ref().map(|picture| picture.frame);
+        let side = frames[0].longer_side().max(frames[1].longer_side());
+        let percent = (100.0 * assessment.probability_within_one_percent()?).round();
+        Some((percent, probability_in_words(assessment, side)?))
+    });
     // Warnings about an unfinished result could be outdated a moment later.
     let finished = matches!(freshness, Freshness::Final | Freshness::Stopped);
     let warnings: Vec<_> = reasons
@@ -145,7 +155,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
             (word, sentence)
         }
     };
-    VerdictInWords { tone, word, sentence, facts: facts(document, estimate, freshness), warnings }
+    VerdictInWords { tone, word, sentence, facts: facts(document, estimate, freshness), warnings, likely }
 }
 
 fn waiting(document: &Document) -> String {

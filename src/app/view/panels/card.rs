@@ -136,10 +136,15 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
 
 /// Shows the verdict on the result.
 fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let VerdictInWords { tone, word, sentence, facts, warnings } =
+    let VerdictInWords { tone, word, sentence, facts, warnings, likely } =
         verdict(&model.document, &model.open.computation);
     ui.horizontal(|ui| {
         heading(ui, Some(tone), word);
+        if let Some((percent, sentence)) = &likely {
+            ui.weak(format!("{percent:.0} % likely right")).on_hover_text(format!(
+                "{sentence}. This is the share of right results with such a verdict on pairs with known truth."
+            ));
+        }
         if model.open.computation.is_running() {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 command_button(ui, Command::Stop, true, commands);
