@@ -16,6 +16,7 @@ use crate::app::model::pane_view::QuarterTurns;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::suggesting::Repair;
+use crate::app::tasks::{Opening, Wanted};
 use crate::app::view::Destination;
 use crate::io::PairOrigin;
 
@@ -29,8 +30,8 @@ impl Inspector {
             Command::TogglePalette => dialogs.palette.toggle(),
             Command::ToggleShortcuts => dialogs.shortcuts = !dialogs.shortcuts,
             Command::OfferFile(path) => self.offer(&path),
-            Command::OpenSample => self.open_sample(),
-            Command::OpenSampleSequences => self.open_sample_sequences(),
+            Command::OpenSample => self.open(Wanted::Opening(Opening::Sample)),
+            Command::OpenSampleSequences => self.open(Wanted::Opening(Opening::SampleSequences)),
             Command::OpenFiles(paths) => self.open_files(paths),
             Command::OpenFolder(path) => self.open_folder(path),
             Command::OpenViews(views) => self.open_views(views),

@@ -126,7 +126,8 @@ impl Inspector {
 
     /// Handles a finished import, and begins the next one once nothing else comes first.
     pub(super) fn take_imports(&mut self) {
-        match self.tasks.importing.poll() {
+        let failed = |panic| Err(format!("The file could not be imported: {panic}. Nothing was changed."));
+        match self.tasks.importing.poll().map(|(_, answer)| answer.unwrap_or_else(failed)) {
             Some(Ok(ImportedFile::Geometry(found))) => self.take_found(found),
             Some(Ok(ImportedFile::Calibration { name, cameras })) => self.calibrate(&name, &cameras),
             Some(Err(problem)) => self.refuse(problem),
@@ -147,7 +148,7 @@ impl Inspector {
         let matches = self.model.matches_for_import();
         let shown = self.model.open.pictures.as_ref();
         let shown = shown.map_or(frames, |pictures| pictures.each_ref().map(|opened| opened.shown().frame()));
-        self.tasks.importing.begin(ImportQuestion { pending, frames, shown, matches });
+        self.tasks.importing.ask(ImportQuestion { pending, frames, shown, matches });
     }
 
     /// Applies a command about the rectified pair.

@@ -22,8 +22,7 @@ use super::model::focus::Focus;
 use super::model::look::Look;
 use super::model::messages::MessageKind;
 use super::model::recents::Recents;
-use super::model::session::OpenSession;
-use super::tasks::{Opening, Picked, Services, Tasks};
+use super::tasks::{Picked, Services, Tasks, Wanted};
 use super::view::{KeyboardState, View, pressed};
 use crate::estimate::Estimate;
 use crate::geometry::PointPair;
@@ -41,13 +40,7 @@ impl Inspector {
     /// Creates a window that opens the contents of `start`.
     pub fn new(start: Start, services: Services) -> Self {
         let mut tasks = Tasks::new(services);
-        match start.opening {
-            Opening::Sample => tasks.loader.open_sample(),
-            Opening::SampleSequences => tasks.loader.open_sample_sequences(),
-            Opening::Files(left, right) => tasks.loader.open([left, right]),
-            Opening::Folder(path) => tasks.loader.open_folder(path),
-            Opening::Session(path) => tasks.loader.open_session(OpenSession::from(path)),
-        }
+        tasks.loader.open(Wanted::Opening(start.opening));
         let mut model = Model::default();
         model.imports.extend(sources(start.imports).into_iter().map(PendingImport::from));
         let mut inspector = Self { model, tasks, view: View::default(), start_pairs: start.pairs };
@@ -174,11 +167,11 @@ impl Inspector {
         self.take_written();
         self.take_imports();
         match self.tasks.picking.poll() {
-            Some(Picked::Path(purpose, path)) => self.view.dialogs.offer(&purpose, &path),
-            Some(Picked::Unseen) => self.model.messages.tell(
+            Some((_, Ok(Picked::Path(purpose, path)))) => self.view.dialogs.offer(&purpose, &path),
+            Some((_, Ok(Picked::Unseen) | Err(_))) => self.model.messages.tell(
                 "The file dialog could not be opened here. Type a path, or drop the files on this window.",
             ),
-            Some(Picked::Nothing) | None => {}
+            Some((_, Ok(Picked::Nothing))) | None => {}
         }
     }
 
@@ -203,8 +196,10 @@ impl Inspector {
 
     /// Shows a file dialog of the system.
     fn pick(&mut self, purpose: PickPurpose) {
-        if !self.tasks.picking.begin(purpose) {
+        if self.tasks.picking.is_busy() {
             self.model.messages.tell("A file dialog is already open. Close it first, or type a path.");
+        } else {
+            self.tasks.picking.ask(purpose);
         }
     }
 }

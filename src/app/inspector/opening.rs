@@ -11,7 +11,7 @@ use crate::app::model::exchange::is_importable;
 use crate::app::model::history::Step;
 use crate::app::model::session::{OpenSession, has_session_extension};
 use crate::app::model::truth::NO_TRUTH;
-use crate::app::tasks::{LoadedPair, OpeningFailure};
+use crate::app::tasks::{LoadedPair, Opening, OpeningFailure, Wanted};
 use crate::app::view::{OpenDialog, RelocateDialog};
 use crate::geometry::PointPair;
 use crate::io::{CalibratedCamera, PairOrigin, is_sequence};
@@ -118,7 +118,8 @@ impl Inspector {
             self.refuse(format!("{name} is a calibration, which sequences cannot use. Nothing was changed."));
             return;
         }
-        self.tasks.loader.calibrate(pictures, &[cameras[0].model, cameras[1].model]);
+        let cameras = cameras.each_ref().map(|camera| camera.model);
+        self.open(Wanted::Calibrated(Box::new((pictures, cameras))));
         self.model.open.done.tell(format!("Lens calibrated by {name}"));
     }
 
@@ -139,15 +140,9 @@ impl Inspector {
         }
     }
 
-    /// Opens the built-in pair.
-    pub(super) fn open_sample(&mut self) {
-        self.tasks.loader.open_sample();
-        self.model.wanted = None;
-    }
-
-    /// Opens the built-in sequences.
-    pub(super) fn open_sample_sequences(&mut self) {
-        self.tasks.loader.open_sample_sequences();
+    /// Starts opening pictures, in place of those being opened.
+    pub(super) fn open(&mut self, wanted: Wanted) {
+        self.tasks.loader.open(wanted);
         self.model.wanted = None;
     }
 
@@ -184,9 +179,8 @@ impl Inspector {
         let is_imported = |path: &PathBuf| is_importable(path) && !path.is_dir();
         let (imports, images): (Vec<_>, Vec<_>) = paths.into_iter().partition(is_imported);
         if imports.is_empty() {
-            if let Ok(both) = <[PathBuf; 2]>::try_from(images) {
-                self.tasks.loader.open(both);
-                self.model.wanted = None;
+            if let Ok([left, right]) = <[PathBuf; 2]>::try_from(images) {
+                self.open(Wanted::Opening(Opening::Files(left, right)));
             } else {
                 let missing = self.view.dialogs.open.missing().unwrap_or(Side::Right).name();
                 self.refuse(format!("The {missing} image is missing. Nothing was opened. Name both images."));
@@ -201,14 +195,12 @@ impl Inspector {
 
     /// Opens the first pair of a folder.
     pub(super) fn open_folder(&mut self, path: PathBuf) {
-        self.tasks.loader.open_folder(path);
-        self.model.wanted = None;
+        self.open(Wanted::Opening(Opening::Folder(path)));
     }
 
     /// Opens a session.
     pub(super) fn open_session(&mut self, session: OpenSession) {
-        self.tasks.loader.open_session(session);
-        self.model.wanted = None;
+        self.open(Wanted::Session(session));
         self.view.dialogs.relocate = None;
     }
 
@@ -216,7 +208,8 @@ impl Inspector {
     pub(super) fn open_views(&mut self, views: [usize; 2]) {
         let Some((folder, _)) = &self.model.open.folder else { return };
         if folder.is_pair(views) {
-            self.tasks.loader.open_pair(Arc::clone(folder), views);
+            let folder = Arc::clone(folder);
+            self.open(Wanted::Views(folder, views));
             self.model.wanted = Some(views);
         }
     }

@@ -19,6 +19,9 @@ use crate::io::{ImageReference, SessionFile};
 /// for more than two seconds.
 const AUTOSAVE_EVERY: Duration = Duration::from_millis(1500);
 
+/// Maximum time that the window waits for a disk.
+const PATIENCE: Duration = Duration::from_secs(3);
+
 impl Inspector {
     fn work(&self) -> Work {
         self.model.work(self.view.views())
@@ -149,7 +152,8 @@ impl Inspector {
 
     /// Handles finished jobs of the writing thread.
     pub(super) fn take_written(&mut self) {
-        while let Some(written) = self.tasks.saver.poll() {
+        while let Some((_, written)) = self.tasks.saver.poll() {
+            let Ok(written) = written else { continue };
             match written {
                 Written::Session { path, result: Ok(work) } => {
                     self.model.open.done.tell(format!("Saved {}", path.display()));
@@ -243,7 +247,7 @@ impl Inspector {
         }
         self.copy_work();
         // The copy is read again at once, to be offered.
-        self.tasks.saver.finish();
+        self.tasks.saver.wait(PATIENCE);
         let set_aside = self.tasks.autosave.as_mut().is_some_and(Autosave::set_aside);
         if set_aside {
             self.model.session.copied = None;

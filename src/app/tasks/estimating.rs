@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::services::{EstimateFn, FollowFn};
-use super::task::{Event, Task, Waiting};
+use super::task::{Task, Waiting};
 use super::waker::Waker;
 use crate::app::model::computation::{
     Computation, EstimateFailure, EstimateNews, EstimateRequest, RequestChange,
@@ -75,13 +75,9 @@ impl Estimating {
 
     /// Passes news from the threads to the computation.
     pub fn take(&mut self, computation: &mut Computation) {
-        while let Some((generation, event)) = self.search.poll() {
-            let news = match event {
-                Event::Told(news) | Event::Over(Ok(Some(news))) => news,
-                Event::Over(Err(panic)) => EstimateNews::Finished(Err(EstimateFailure::Panic(panic))),
-                Event::Over(Ok(None)) => continue,
-            };
-            computation.take(generation, news);
+        while let Some((generation, news)) = self.search.poll() {
+            let failed = |panic| EstimateNews::Finished(Err(EstimateFailure::Panic(panic)));
+            computation.take(generation, news.unwrap_or_else(failed));
         }
         if let Some((generation, followed)) = self.follower.latest() {
             computation.take_followed(generation, followed);

@@ -3,14 +3,14 @@
 //! Decoding a large photograph can take more than a second. Each opening has its own thread. The
 //! window ignores an opening that was overtaken by a newer one.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::opening::{
-    LoadedPair, OpeningFailure, PairReading, calibrated, open_folder, open_views, sample, sample_sequences,
+    LoadedPair, Opening, OpeningFailure, PairReading, calibrated, open_folder, open_views, sample,
+    sample_sequences,
 };
 use super::session_opening::open_session;
-use super::task::{Event, Task, Waiting};
+use super::task::{Task, Waiting};
 use super::waker::Waker;
 use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::picture::Opened;
@@ -18,25 +18,27 @@ use crate::app::model::session::OpenSession;
 use crate::camera::CameraModel;
 use crate::cancel::CancelFlag;
 
-/// Request to the loader.
+/// Pictures to open.
 #[derive(Clone)]
-enum Wanted {
-    Sample,
-    SampleSequences,
-    Files([PathBuf; 2]),
-    Folder(PathBuf),
+pub enum Wanted {
+    /// Pictures by themselves.
+    Opening(Opening),
+    /// Two views of a folder. Images that are already open are not read again.
     Views(Arc<PairFolder>, [usize; 2]),
+    /// A session with its pictures.
     Session(OpenSession),
+    /// Open pictures, with their calibrated cameras.
     Calibrated(Box<([Opened; 2], [CameraModel; 2])>),
 }
 
 impl Wanted {
     fn open(self, mut reading: PairReading) -> Result<LoadedPair, OpeningFailure> {
         let found = match self {
-            Self::Sample => Ok(sample()),
-            Self::SampleSequences => sample_sequences(&reading),
-            Self::Files([left, right]) => reading.pair([&left, &right]).map(LoadedPair::of),
-            Self::Folder(path) => open_folder(&path, &mut reading),
+            Self::Opening(Opening::Sample) => Ok(sample()),
+            Self::Opening(Opening::SampleSequences) => sample_sequences(&reading),
+            Self::Opening(Opening::Files(left, right)) => reading.pair([&left, &right]).map(LoadedPair::of),
+            Self::Opening(Opening::Folder(path)) => open_folder(&path, &mut reading),
+            Self::Opening(Opening::Session(path)) => open_session(path.into(), &mut reading),
             Self::Views(folder, views) => open_views(&folder, views, &mut reading),
             Self::Session(session) => open_session(session, &mut reading),
             Self::Calibrated(both) => {
@@ -68,52 +70,12 @@ impl Loader {
         self.task.is_some()
     }
 
-    /// Opens the built-in pair.
-    pub fn open_sample(&mut self) {
-        self.start(Wanted::Sample);
-    }
-
-    /// Opens the built-in sequences.
-    pub fn open_sample_sequences(&mut self) {
-        self.start(Wanted::SampleSequences);
-    }
-
-    /// Opens two pictures, or two sequences.
-    pub fn open(&mut self, both: [PathBuf; 2]) {
-        self.start(Wanted::Files(both));
-    }
-
-    /// Opens the first pair of a folder.
-    pub fn open_folder(&mut self, path: PathBuf) {
-        self.start(Wanted::Folder(path));
-    }
-
-    /// Opens a pair of a folder. Images that are already open are not read again.
-    pub fn open_pair(&mut self, folder: Arc<PairFolder>, pair: [usize; 2]) {
-        self.start(Wanted::Views(folder, pair));
-    }
-
-    /// Opens a session with its pictures.
-    pub fn open_session(&mut self, session: OpenSession) {
-        self.start(Wanted::Session(session));
-    }
-
-    /// Gives open pictures their calibrated cameras.
-    pub fn calibrate(&mut self, pictures: [Opened; 2], cameras: &[CameraModel; 2]) {
-        self.start(Wanted::Calibrated(Box::new((pictures, *cameras))));
-    }
-
     /// Returns the result of the running opening, once it has ended.
     pub fn poll(&mut self) -> Option<Result<LoadedPair, OpeningFailure>> {
-        let (_, event) = self.task.as_mut()?.poll()?;
+        let (_, result) = self.task.as_mut()?.poll()?;
         self.task = None;
-        let result = match event {
-            Event::Told(result) | Event::Over(Ok(Some(result))) => result,
-            Event::Over(Ok(None)) => Err(OpeningFailure::Text("The images could not be opened.".to_owned())),
-            Event::Over(Err(panic)) => {
-                Err(OpeningFailure::Text(format!("The image could not be opened: {panic}.")))
-            }
-        };
+        let failed = |panic| OpeningFailure::Text(format!("The images could not be opened: {panic}."));
+        let result = result.map_err(failed).flatten();
         if let Ok(pair) = &result {
             // A calibration belongs to this pair alone.
             self.open = pair.pictures.iter().cloned().map(Opened::without_calibration).collect();
@@ -121,7 +83,8 @@ impl Loader {
         Some(result)
     }
 
-    fn start(&mut self, wanted: Wanted) {
+    /// Starts opening pictures.
+    pub fn open(&mut self, wanted: Wanted) {
         // The views of a folder are changed fast, so open images are reused. Files named by the
         // user are read again, as they may have changed.
         let open = if matches!(wanted, Wanted::Views(..)) { self.open.clone() } else { Vec::new() };

@@ -2,7 +2,6 @@
 
 mod autosave;
 mod estimating;
-mod importing;
 mod loader;
 mod opening;
 mod picking;
@@ -18,18 +17,19 @@ use std::path::Path;
 
 pub use autosave::Autosave;
 pub use estimating::Estimating;
-pub use importing::Importing;
-pub use loader::Loader;
+pub use loader::{Loader, Wanted};
 pub use opening::{LoadedPair, Opening, OpeningFailure};
-pub use picking::{Picked, Picking};
-pub use saver::{SaveJob, Saver, Written};
+pub use picking::Picked;
+pub use saver::{SaveJob, Written};
 pub use services::Services;
 pub use task::panic_text;
 pub use waker::Waker;
 pub use writing::Writing;
 
 use super::model::Model;
+use super::model::command::PickPurpose;
 use super::model::comparison::{Comparison, ComparisonQuestion};
+use super::model::exchange::{ImportQuestion, ImportedFile};
 use super::model::inspection::{Inspection, InspectionRequest};
 use super::model::picture::Pictures;
 use super::model::recording::{OffsetFound, Recordings};
@@ -61,17 +61,17 @@ pub struct Tasks {
     /// Small pictures of the folder.
     pub thumbnailing: Thumbnailing,
     /// Import of files.
-    pub importing: Importing,
+    pub importing: Task<ImportQuestion, Result<ImportedFile, String>>,
     /// Writing of the rectified pair.
     pub writing: Writing,
     /// Writing of sessions and exports.
-    pub saver: Saver,
+    pub saver: Task<SaveJob, Written>,
     /// Slot for copies of unsaved work, if available.
     pub autosave: Option<Autosave>,
     /// Reason why no slot is available, although one should be.
     pub no_autosave: Option<String>,
     /// Dialogs of the system.
-    pub picking: Picking,
+    pub picking: Task<PickPurpose, Picked>,
 }
 
 impl Tasks {
@@ -141,12 +141,14 @@ impl Tasks {
             rectifying: Following::keeping(rectifying),
             loader: Loader::new(waker.clone()),
             thumbnailing: Thumbnailing::new(waker.clone()),
-            importing: Importing::new(waker.clone()),
+            importing: Task::answering("import", waker.clone(), |question: ImportQuestion| {
+                Some(question.answer())
+            }),
             writing: Writing::new(waker.clone()),
-            saver: Saver::new(waker.clone()),
+            saver: saver::saver(waker.clone()),
             autosave,
             no_autosave,
-            picking: Picking::new(waker.clone(), [pick_file, pick_folder], pick_save),
+            picking: picking::picking(waker.clone(), [pick_file, pick_folder], pick_save),
             waker,
         }
     }

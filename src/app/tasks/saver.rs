@@ -2,16 +2,12 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
-use super::task::{Event, Task, Waiting, panic_text};
+use super::task::{Task, Waiting, panic_text};
 use super::waker::Waker;
 use crate::app::model::exchange::ExportContent;
 use crate::app::model::session::Work;
 use crate::io::{OutputFile, SessionFile, WriteError, refuse_clashes};
-
-/// Maximum time that the window waits for a disk.
-const PATIENCE: Duration = Duration::from_secs(3);
 
 /// A job of the writing thread.
 pub enum SaveJob {
@@ -68,58 +64,27 @@ pub enum Written {
     },
 }
 
-/// A handle to the writing thread. Dropping the handle waits until everything is written.
-pub struct Saver(Task<SaveJob, Written>);
-
-impl Saver {
-    /// Starts the thread. It calls `waker` after each file.
-    pub fn new(waker: Waker) -> Self {
-        Self(Task::new("save", waker, Waiting::All, |job, _| match job {
-            SaveJob::Save { path, session, work, inputs } => {
-                let result = apart(&path, &inputs).and_then(|()| session.write(&path));
-                let result = result.map_err(|error| error.to_string()).map(|()| work);
-                Some(Written::Session { path, result })
-            }
-            SaveJob::Export { path, what, content, inputs } => {
-                let result = apart(&path, &inputs).map_err(|error| error.to_string());
-                let result = result.and_then(|()| export(&path, content)).map(|()| what);
-                Some(Written::Export { path, result })
-            }
-            SaveJob::Autosave { path, session } => {
-                Some(Written::Copy(session.write_private(&path).map_err(|error| error.to_string())))
-            }
-            SaveJob::Remove(path) => {
-                let _ = std::fs::remove_file(path);
-                None
-            }
-        }))
-    }
-
-    /// Queues a job.
-    pub fn ask(&mut self, job: SaveJob) {
-        self.0.ask(job);
-    }
-
-    /// Returns the next outcome.
-    pub fn poll(&mut self) -> Option<Written> {
-        while let Some((_, event)) = self.0.poll() {
-            if let Event::Told(written) | Event::Over(Ok(Some(written))) = event {
-                return Some(written);
-            }
+/// Starts the writing thread. Dropping the task waits until everything is written.
+pub fn saver(waker: Waker) -> Task<SaveJob, Written> {
+    Task::new("save", waker, Waiting::All, |job, _| match job {
+        SaveJob::Save { path, session, work, inputs } => {
+            let result = apart(&path, &inputs).and_then(|()| session.write(&path));
+            let result = result.map_err(|error| error.to_string()).map(|()| work);
+            Some(Written::Session { path, result })
         }
-        None
-    }
-
-    /// Waits until everything is written, up to a limit.
-    pub fn finish(&self) {
-        // The window should not freeze for a slow disk.
-        self.0.wait(PATIENCE);
-    }
-
-    /// Returns whether a job is not finished.
-    pub fn is_busy(&self) -> bool {
-        self.0.is_busy()
-    }
+        SaveJob::Export { path, what, content, inputs } => {
+            let result = apart(&path, &inputs).map_err(|error| error.to_string());
+            let result = result.and_then(|()| export(&path, content)).map(|()| what);
+            Some(Written::Export { path, result })
+        }
+        SaveJob::Autosave { path, session } => {
+            Some(Written::Copy(session.write_private(&path).map_err(|error| error.to_string())))
+        }
+        SaveJob::Remove(path) => {
+            let _ = std::fs::remove_file(path);
+            None
+        }
+    })
 }
 
 /// Refuses a path that is one of the open files.

@@ -26,9 +26,8 @@ pub enum Waiting {
     All,
 }
 
-/// News about a question.
-#[derive(Debug)]
-pub enum Event<A> {
+/// News from the thread.
+enum Event<A> {
     /// Intermediate news.
     Told(A),
     /// The end: an answer, or the message of a panic.
@@ -175,26 +174,26 @@ impl<Q: Send + 'static, A: Send + 'static> Task<Q, A> {
         self.over < self.asked
     }
 
-    /// Returns the next piece of news with the number of its question.
-    pub fn poll(&mut self) -> Option<(u64, Event<A>)> {
-        let (number, event) = self.events.try_iter().find(|(number, _)| *number > self.unwanted)?;
-        if matches!(event, Event::Over(_)) {
-            self.over = number;
+    /// Returns the next piece of news with the number of its question: an answer, intermediate or
+    /// final, or the message of a panic.
+    pub fn poll(&mut self) -> Option<(u64, Result<A, String>)> {
+        for (number, event) in self.events.try_iter().filter(|(number, _)| *number > self.unwanted) {
+            if matches!(event, Event::Over(_)) {
+                self.over = number;
+            }
+            match event {
+                Event::Told(answer) | Event::Over(Ok(Some(answer))) => return Some((number, Ok(answer))),
+                Event::Over(Err(panic)) => return Some((number, Err(panic))),
+                Event::Over(Ok(None)) => {}
+            }
         }
-        Some((number, event))
+        None
     }
 
     /// Returns the newest answer since the last call. It may belong to an earlier question while
     /// the newest one waits. Panics are skipped.
     pub fn latest(&mut self) -> Option<A> {
-        let mut newest = None;
-        while let Some((_, event)) = self.poll() {
-            match event {
-                Event::Told(answer) | Event::Over(Ok(Some(answer))) => newest = Some(answer),
-                Event::Over(_) => {}
-            }
-        }
-        newest
+        std::iter::from_fn(|| self.poll()).filter_map(|(_, news)| news.ok()).last()
     }
 
     /// Waits until all questions are answered, up to a limit.
@@ -333,7 +332,7 @@ mod tests {
     /// Long enough for a busy machine. Reached only when a test fails.
     const PATIENCE: Duration = Duration::from_secs(20);
 
-    fn wait<A: Send + 'static>(task: &mut Task<u32, A>) -> (u64, Event<A>) {
+    fn wait<A: Send + 'static>(task: &mut Task<u32, A>) -> (u64, Result<A, String>) {
         let start = Instant::now();
         loop {
             if let Some(news) = task.poll() {
@@ -379,12 +378,12 @@ mod tests {
             Some(question)
         });
         task.ask(1);
-        assert!(matches!(wait(&mut task), (1, Event::Over(Err(text))) if text == "boom at 1"));
+        assert_eq!(wait(&mut task), (1, Err("boom at 1".to_owned())));
         task.ask(5);
         task.forget();
         assert!(!task.is_busy());
         task.ask(7);
-        assert!(matches!(wait(&mut task), (3, Event::Over(Ok(Some(7))))));
+        assert_eq!(wait(&mut task), (3, Ok(7)));
         assert!(!task.is_busy());
     }
 
@@ -404,24 +403,30 @@ mod tests {
                 None
             }
         });
+        let is_at_work = |task: &Task<u32, u32>| {
+            task.inbox.lock().running.as_ref().is_some_and(|running| !running.cancel.is_cancelled())
+        };
+        let begins = |task: &Task<u32, u32>| {
+            let started = Instant::now();
+            while !is_at_work(task) {
+                assert!(started.elapsed() < PATIENCE);
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        };
         let first = task.ask(1);
-        let started = Instant::now();
-        while task.inbox.lock().running.is_none() {
-            assert!(started.elapsed() < PATIENCE);
-            std::thread::sleep(Duration::from_millis(1));
-        }
+        begins(&task);
         task.ask(2);
         let newest = task.ask(3);
-        // The question has not given way yet, so it goes on although others wait.
-        assert!(task.inbox.lock().running.as_ref().is_some_and(|r| !r.cancel.is_cancelled()));
+        assert!(is_at_work(&task), "it has not given way yet, so it goes on although others wait");
         go_on.store(1, Ordering::Relaxed);
-        assert!(matches!(wait(&mut task), (number, Event::Told(1)) if number == first));
-        assert!(matches!(wait(&mut task), (number, Event::Over(Ok(None))) if number == first));
+        assert_eq!(wait(&mut task), (first, Ok(1)));
         go_on.store(1, Ordering::Relaxed);
-        assert!(matches!(wait(&mut task), (number, Event::Told(3)) if number == newest));
+        assert_eq!(wait(&mut task), (newest, Ok(3)));
         // The question goes on until a newer one comes.
-        task.ask(4);
-        assert!(matches!(wait(&mut task), (number, Event::Over(Ok(None))) if number == newest));
+        let last = task.ask(4);
+        begins(&task);
+        go_on.store(1, Ordering::Relaxed);
+        assert_eq!(wait(&mut task), (last, Ok(4)));
         task.forget();
         std::thread::sleep(Duration::from_millis(20));
         assert!(task.poll().is_none());

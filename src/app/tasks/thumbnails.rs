@@ -1,6 +1,6 @@
 //! Makes small pictures of the images of a folder, visible ones first.
 
-use super::task::{Event, Task, Waiting};
+use super::task::{Task, Waiting};
 use super::waker::Waker;
 use crate::app::model::thumbnails::{MadeThumbnail, Thumbnail, ThumbnailQuestion, Thumbnails};
 use crate::image::Picture;
@@ -36,10 +36,9 @@ impl Thumbnailing {
 
     /// Stores finished pictures.
     pub fn take(&mut self, thumbnails: &mut Thumbnails) {
-        while let Some((_, event)) = self.task.poll() {
-            match event {
-                Event::Told(made) | Event::Over(Ok(Some(made))) => thumbnails.take(made),
-                Event::Over(_) => self.asked.clear(),
+        while let Some((_, made)) = self.task.poll() {
+            if let Ok(made) = made {
+                thumbnails.take(made);
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::task::{Event, Task, Waiting};
+use super::task::{Task, Waiting};
 use super::waker::Waker;
 use crate::app::model::rectified::{RectifyOrder, WritingProgress};
 use crate::cancel::CancelFlag;
@@ -54,16 +54,13 @@ impl Writing {
     /// Updates the progress and returns the final message, once there is one.
     pub fn take(&mut self, progress: &mut Option<WritingProgress>) -> Option<WritingEnd> {
         let mut ended = None;
-        while let Some((_, event)) = self.0.poll() {
-            match event {
-                Event::Told(WritingNews::Progress(now)) => *progress = Some(now),
-                Event::Told(WritingNews::Ended(end)) | Event::Over(Ok(Some(WritingNews::Ended(end)))) => {
-                    ended = Some(end);
-                }
-                Event::Over(Err(panic)) => {
+        while let Some((_, news)) = self.0.poll() {
+            match news {
+                Ok(WritingNews::Progress(now)) => *progress = Some(now),
+                Ok(WritingNews::Ended(end)) => ended = Some(end),
+                Err(panic) => {
                     ended = Some(Err(format!("The rectified pair could not be written: {panic}.")));
                 }
-                Event::Over(Ok(_)) => {}
             }
         }
         progress.take_if(|_| !self.0.is_busy());
