@@ -6,13 +6,13 @@ use super::Inspector;
 use crate::app::model::EditKey;
 use crate::app::model::command::{Command, PickPurpose};
 use crate::app::model::dock::DockLook;
-use crate::app::model::document::{Side, pair_name};
+use crate::app::model::document::{Side, counted, pair_name};
 use crate::app::model::exchange::ViewPart;
-use crate::app::model::history::Step;
 use crate::app::model::ids::{StageId, TabId};
 use crate::app::model::look::Tool;
 use crate::app::model::measuring::Measuring;
 use crate::app::model::pane_view::QuarterTurns;
+use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::suggesting::Repair;
@@ -44,36 +44,28 @@ impl Inspector {
             Command::Rectified(command) => self.apply_to_rectified(ctx, command),
             Command::ShowMe => {
                 if let Some(pairs) = model.open.show_me {
-                    model.edit(Step::Single, |document| {
-                        document.set_pairs(pairs.to_vec(), PairOrigin::TrueMatch);
-                    });
+                    model.edit(|document| document.set_pairs(pairs.to_vec(), PairOrigin::TrueMatch));
                 }
             }
             Command::FindWithoutClicks => {
-                model.edit(Step::Single, |document| {
+                model.edit(|document| {
                     document.unclicked = true;
                     document.half = None;
                 });
             }
             Command::KeepMatches => {
                 let matches = model.standing_in();
-                model.edit(Step::Single, |document| document.keep_as_checks(&matches));
+                model.edit(|document| document.keep_as_checks(&matches));
             }
             Command::Undo => self.travel(true),
             Command::Redo => self.travel(false),
             Command::DeleteSelected => model.delete_selected(),
-            Command::DeletePair(pair) => model.edit(Step::Single, |document| document.remove(pair)),
-            Command::IncludePair(pair, included) => {
-                model.edit(Step::Single, |document| document.include(pair, included));
-            }
-            Command::CheckOnly(pair, only) => {
-                model.edit(Step::Single, |document| document.check_only(pair, only));
-            }
+            Command::DeletePair(pair) => model.edit(|document| document.remove(pair)),
+            Command::IncludePair(pair, included) => model.edit(|document| document.include(pair, included)),
+            Command::CheckOnly(pair, only) => model.edit(|document| document.check_only(pair, only)),
             Command::Points(command) => self.apply_to_points(ctx, command),
             Command::Repair(pair, how) => self.repair(pair, how),
-            Command::ClearPairs => {
-                model.edit(Step::Single, |document| document.set_pairs(Vec::new(), PairOrigin::Clicked));
-            }
+            Command::ClearPairs => model.edit(|document| document.set_pairs(Vec::new(), PairOrigin::Clicked)),
             Command::Cancel => self.cancel(),
             Command::TurnView(side) => self.view.panes[side.index()].turn(),
             Command::FitAll => self.fit_all(),
@@ -91,7 +83,7 @@ impl Inspector {
             Command::Place(side, point) => {
                 let before = model.document.clone();
                 let is_moved = before.half.is_some_and(|half| half.side == side);
-                model.edit(Step::Single, |document| document.place(side, point));
+                model.edit(|document| document.place(side, point));
                 if is_moved {
                     let (name, other) = (pair_name(before.pairs.len()), side.other().name());
                     model.open.done.tell(format!("Moved {name}. Click its match in the {other} image"));
@@ -99,7 +91,7 @@ impl Inspector {
                 model.open.placed = (before != model.document).then(|| model.document.clone());
             }
             Command::Drag(at, point) => {
-                model.edit(Step::Merged(EditKey::Drag(at)), |document| document.move_to(at, point));
+                model.edit_run(EditKey::Drag(at), |document| document.move_to(at, point));
             }
             Command::EndDrag => model.history.close_step(),
             Command::Nudge(by) => {
@@ -110,12 +102,10 @@ impl Inspector {
                 model.nudge(turn.inverse().turned(by));
             }
             Command::Select(at) => model.select(at),
-            Command::SetMethod(method) => {
-                model.edit(Step::Single, |document| document.parameters.method = method);
-            }
+            Command::SetMethod(method) => model.edit(|document| document.parameters.method = method),
             Command::SetPreset(preset) => model.set_preset(preset),
             Command::SetParameters { setting, to } => {
-                model.edit(Step::Merged(EditKey::Parameter(setting)), |document| document.parameters = *to);
+                model.edit_run(EditKey::Parameter(setting), |document| document.parameters = *to);
             }
             Command::ResetParameters => model.set_preset(model.document.parameters.preset),
             // `Inspector::show` collects these, as only the targets of this frame count.
@@ -165,7 +155,7 @@ impl Inspector {
             Command::ToggleLoupe => model.look.loupe = !model.look.loupe,
             Command::AcceptSuggestion => {
                 if let Some((side, point)) = model.accepted_suggestion() {
-                    model.edit(Step::Single, |document| document.accept(side, point));
+                    model.edit(|document| document.accept(side, point));
                 } else {
                     let text =
                         "Several places look alike, or none does, so Enter places nothing. Click the match";
@@ -200,7 +190,7 @@ impl Inspector {
             Command::PlaceAtMark => {
                 if let Some(Some(next)) = model.open.next_click {
                     model.look.stage = StageId::Pictures;
-                    model.edit(Step::Single, |document| {
+                    model.edit(|document| {
                         document.half = None;
                         document.place(Side::Left, next.point);
                     });
@@ -212,6 +202,28 @@ impl Inspector {
             }
             Command::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             Command::Dismiss(number) => model.messages.dismiss(number),
+        }
+    }
+
+    /// Applies a command about the list of point pairs.
+    fn apply_to_points(&mut self, ctx: &egui::Context, command: PointsCommand) {
+        let model = &mut self.model;
+        match command {
+            PointsCommand::SortBy(column) => model.sort_points(column),
+            PointsCommand::Choose(pair, how) => model.choose_pair(pair, how),
+            PointsCommand::ChooseAll => model.choose_all_pairs(),
+            PointsCommand::Edit(what) => model.edit_chosen(what),
+            PointsCommand::Rename(pair, name) => model.rename_pair(pair, &name),
+            PointsCommand::Copy if model.document.pairs.is_empty() => {}
+            PointsCommand::Copy => {
+                let text = model.copied_pairs();
+                let count = counted(text.lines().count() - 1);
+                model.open.done.tell(format!("Copied {count} as a table"));
+                ctx.copy_text(text);
+            }
+            PointsCommand::RequestPaste => ctx.send_viewport_cmd(egui::ViewportCommand::RequestPaste),
+            PointsCommand::Paste(text) => model.paste_pairs(&text),
+            PointsCommand::ToggleNames => model.look.names = !model.look.names,
         }
     }
 
@@ -250,7 +262,7 @@ impl Inspector {
         } else if std::mem::take(&mut model.open.alone) {
             // The bars and the dock are back.
         } else if model.document.half.is_some() {
-            model.edit(Step::Single, |document| document.remove(document.pairs.len()));
+            model.edit(|document| document.remove(document.pairs.len()));
         } else if model.open.measuring.take().is_some() {
             // The measurement is removed.
         } else if model.tool != Tool::Points {

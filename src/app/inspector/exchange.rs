@@ -7,12 +7,11 @@ use egui::Context;
 use super::Inspector;
 use crate::app::model::command::{ExchangeCommand, PickPurpose};
 use crate::app::model::comparison::Contestant;
-use crate::app::model::document::{Checked, Imported, Side};
+use crate::app::model::document::{Checked, Imported, Side, counted};
 use crate::app::model::exchange::{
     ExportContent, ExportKind, ExportOrder, ImportFound, ImportQuestion, ImportSource, ImportedFile,
     ImportedMatrix, PendingImport, ViewPart, content, sources, trust_note,
 };
-use crate::app::model::history::Step;
 use crate::app::model::rectified::{Blink, RectifiedCommand, RectifiedLayout, RectifyOrder};
 use crate::app::model::session::suggested_path;
 use crate::app::tasks::SaveJob;
@@ -20,6 +19,8 @@ use crate::app::view::{Destination, ImagePane, ReadingDialog, excerpt, figure, p
 use crate::io::{PairOrigin, RectifiedOptions};
 use crate::rectify::RectifyMethod;
 
+/// Message without images.
+const NOTHING_TO_EXPORT: &str = "There is nothing to export yet: open two images first.";
 /// Message without a geometry.
 const NOTHING_TO_RECTIFY: &str = "There is nothing to rectify yet: click two point pairs first.";
 
@@ -42,7 +43,7 @@ impl Inspector {
             ExchangeCommand::Accept { reading, with_pairs } => self.accept(reading, with_pairs),
             ExchangeCommand::Reject => self.view.dialogs.reading = None,
             ExchangeCommand::RemoveImported => {
-                self.model.edit(Step::Single, |document| document.imported = None);
+                self.model.edit(|document| document.imported = None);
                 self.model.open.focus.choose_hypothesis(None);
             }
         }
@@ -51,8 +52,7 @@ impl Inspector {
     /// Shows the export dialog. It suggests a path beside the left image, named after both images.
     fn show_file_export(&mut self, what: Option<ExportKind>) {
         let Some(pictures) = &self.model.open.pictures else {
-            self.model.messages.tell("There is nothing to export yet: open two images first.");
-            return;
+            return self.model.messages.tell(NOTHING_TO_EXPORT);
         };
         self.view.dialogs.export.show_with(suggested_path(pictures).with_extension(""), what);
     }
@@ -60,16 +60,14 @@ impl Inspector {
     fn export_file(&mut self, order: ExportOrder) {
         self.view.dialogs.export.open = false;
         if order.what == ExportKind::View {
-            self.view.capture.begin(Destination::File(order.path), order.part);
-            return;
+            return self.view.capture.begin(Destination::File(order.path), order.part);
         }
         if order.what == ExportKind::Figure {
             let panes = self.view.panes.each_ref().map(ImagePane::place);
-            match figure(&self.model, panes, &order.figure) {
+            return match figure(&self.model, panes, &order.figure) {
                 Some(content) => self.write(order.path, "the figure".to_owned(), content),
-                None => self.model.messages.tell("There is nothing to export yet: open two images first."),
-            }
-            return;
+                None => self.model.messages.tell(NOTHING_TO_EXPORT),
+            };
         }
         // A polar rectification has no homographies.
         let rectified = self.model.rectify_question();
@@ -91,8 +89,7 @@ impl Inspector {
         let Some(captured) = self.view.capture.poll(ctx) else { return };
         let Some((screen, part)) = captured.picture else {
             let text = "The picture could not be made, because the screen could not be read. Try again.";
-            self.model.messages.tell(text);
-            return;
+            return self.model.messages.tell(text);
         };
         let part = self.view.images.filter(|_| part == ViewPart::Images);
         let scale = ctx.pixels_per_point();
@@ -116,9 +113,8 @@ impl Inspector {
     /// Imports a file that was opened as a session but is none.
     pub(super) fn import_instead(&mut self, path: &Path, problem: String) {
         if self.model.open.pictures.is_none() {
-            let text = format!("{problem}. To import the file as a geometry, open its two images first.");
-            self.refuse(text);
-            return;
+            return self
+                .refuse(format!("{problem}. To import the file as a geometry, open its two images first."));
         }
         let source = ImportSource::File(path.to_owned());
         self.model.imports.push_back(PendingImport { source, prelude: Some(problem) });
@@ -139,10 +135,7 @@ impl Inspector {
         }
         let Some(pending) = self.model.imports.pop_front() else { return };
         let Some(pictures) = &self.model.document.pictures else {
-            let name = pending.source.name();
-            let text = format!("To import {name}, open its two images first.");
-            self.refuse(text);
-            return;
+            return self.refuse(format!("To import {}, open its two images first.", pending.source.name()));
         };
         let frames = pictures.each_ref().map(|picture| picture.frame);
         let matches = self.model.matches_for_import();
@@ -157,7 +150,7 @@ impl Inspector {
         let shown = model.open.viewing.blink.shown(ctx.input(|input| input.time)).0;
         match command {
             RectifiedCommand::SetMethod(method) => {
-                model.edit(Step::Single, |document| document.rectification = method);
+                model.edit(|document| document.rectification = method);
             }
             RectifiedCommand::LayOut(layout) => model.look.rectified.layout = layout,
             RectifiedCommand::SetGuides(guides) => model.look.rectified.guides = guides,
@@ -189,8 +182,7 @@ impl Inspector {
     /// folder typed before.
     fn show_rectified_export(&mut self) {
         if self.model.shown().is_none() {
-            self.model.messages.tell(NOTHING_TO_RECTIFY);
-            return;
+            return self.model.messages.tell(NOTHING_TO_RECTIFY);
         }
         let left = self.model.document.pictures.as_ref().and_then(|[left, _]| left.path.as_ref());
         let folder = left.and_then(|path| Some(path.parent()?.join("rectified")));
@@ -199,8 +191,7 @@ impl Inspector {
 
     fn export_rectified(&mut self, folder: PathBuf, options: RectifiedOptions) {
         let Some(question) = self.model.rectify_question() else {
-            self.model.messages.tell(NOTHING_TO_RECTIFY);
-            return;
+            return self.model.messages.tell(NOTHING_TO_RECTIFY);
         };
         let trust = trust_note(&self.model);
         if let Some(progress) = self.tasks.writing.begin(RectifyOrder { question, folder, options, trust }) {
@@ -225,10 +216,9 @@ impl Inspector {
         }
         // Pairs of a file are places in the pictures.
         found.pairs = found.pairs.iter().filter_map(|pair| self.model.open.points_of(pair)).collect();
-        let count = found.pairs.len();
-        self.model.edit(Step::Single, |document| document.set_pairs(found.pairs, PairOrigin::Imported));
-        let plural = if count == 1 { "" } else { "s" };
-        self.model.open.done.tell(format!("Imported {count} point pair{plural} from {}", found.name));
+        let count = counted(found.pairs.len());
+        self.model.edit(|document| document.set_pairs(found.pairs, PairOrigin::Imported));
+        self.model.open.done.tell(format!("Imported {count} from {}", found.name));
     }
 
     /// Accepts the matrix of the dialog.
@@ -254,8 +244,8 @@ impl Inspector {
             check: checked,
         };
         let pairs = with_pairs.then(|| dialog.found().pairs.clone()).filter(|pairs| !pairs.is_empty());
-        let what = pairs.as_ref().map_or(String::new(), |pairs| format!(" and {} point pairs", pairs.len()));
-        self.model.edit(Step::Single, |document| {
+        let what = pairs.as_ref().map_or(String::new(), |pairs| format!(" and {}", counted(pairs.len())));
+        self.model.edit(|document| {
             document.imported = Some(imported);
             if let Some(pairs) = pairs {
                 document.set_pairs(pairs, PairOrigin::Imported);

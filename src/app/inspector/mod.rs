@@ -6,7 +6,6 @@
 mod apply;
 mod exchange;
 mod opening;
-mod points;
 mod session;
 
 use std::time::Duration;

@@ -8,7 +8,6 @@ use crate::app::model::album::Album;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::document::Side;
 use crate::app::model::exchange::is_importable;
-use crate::app::model::history::Step;
 use crate::app::model::session::{OpenSession, has_session_extension};
 use crate::app::model::truth::NO_TRUTH;
 use crate::app::tasks::{LoadedPair, Opening, OpeningFailure, Wanted};
@@ -233,7 +232,7 @@ impl Inspector {
             // The comparison changes, and an old selection must not come back later.
             self.model.open.focus.choose_hypothesis(None);
         }
-        self.model.edit(Step::Single, |document| {
+        self.model.edit(|document| {
             document.truth = if document.truth.is_some() { None } else { Some(source) };
         });
     }

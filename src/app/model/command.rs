@@ -265,38 +265,22 @@ pub enum PickPurpose {
     Lost(Side),
 }
 
-impl From<RectifiedCommand> for Command {
-    fn from(command: RectifiedCommand) -> Self {
-        Self::Rectified(command)
-    }
+/// Makes a [`Command`] of the commands about a part of the window.
+macro_rules! commands_about {
+    ($($part:ident($command:ty)),*) => {
+        $(impl From<$command> for Command {
+            fn from(command: $command) -> Self {
+                Self::$part(command)
+            }
+        })*
+    };
 }
 
-impl From<PlayerCommand> for Command {
-    fn from(command: PlayerCommand) -> Self {
-        Self::Player(command)
-    }
-}
-
-impl From<TonesCommand> for Command {
-    fn from(command: TonesCommand) -> Self {
-        Self::Tones(command)
-    }
-}
-
-impl From<PointsCommand> for Command {
-    fn from(command: PointsCommand) -> Self {
-        Self::Points(command)
-    }
-}
-
-impl From<SessionCommand> for Command {
-    fn from(command: SessionCommand) -> Self {
-        Self::Session(command)
-    }
-}
-
-impl From<ExchangeCommand> for Command {
-    fn from(command: ExchangeCommand) -> Self {
-        Self::Exchange(command)
-    }
-}
+commands_about!(
+    Rectified(RectifiedCommand),
+    Player(PlayerCommand),
+    Tones(TonesCommand),
+    Points(PointsCommand),
+    Session(SessionCommand),
+    Exchange(ExchangeCommand)
+);

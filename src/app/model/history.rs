@@ -1,46 +1,31 @@
 //! Undo and redo by snapshots of the document.
 //!
 //! The document is small, so each step keeps a whole copy. Edits that belong together carry the
-//! same [`Step`] and become one step: the moves of one drag, or a run of arrow keys.
+//! same [`EditKey`] and become one step: the moves of one drag, or a run of arrow keys.
 
 use std::collections::VecDeque;
+
+use super::EditKey;
+use super::document::Document;
 
 /// Maximum number of steps. The oldest is removed first.
 const LIMIT: usize = 500;
 
-/// Grouping of an edit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Step<K> {
-    /// A step of its own.
-    Single,
-    /// One step with the neighbouring edits that carry the same key.
-    Merged(K),
-}
-
 /// States before the current one, and states after it that were undone.
-#[derive(Debug, Clone)]
-pub struct History<T, K> {
-    undo: VecDeque<T>,
-    redo: Vec<T>,
-    open: Option<K>,
+#[derive(Debug, Clone, Default)]
+pub struct History {
+    undo: VecDeque<Document>,
+    redo: VecDeque<Document>,
+    open: Option<EditKey>,
 }
 
-impl<T, K> Default for History<T, K> {
-    fn default() -> Self {
-        Self { undo: VecDeque::new(), redo: Vec::new(), open: None }
-    }
-}
-
-impl<T: PartialEq, K: PartialEq + Copy> History<T, K> {
-    /// Records an edit from `before` to `after`. Nothing happens when the two are equal.
-    pub fn record(&mut self, before: T, after: &T, step: Step<K>) {
+impl History {
+    /// Records an edit from `before` to `after`. It is one step with the neighbouring edits of the
+    /// same key. Nothing happens when the two are equal.
+    pub fn record(&mut self, before: Document, after: &Document, key: Option<EditKey>) {
         if before == *after {
             return;
         }
-        let key = match step {
-            Step::Single => None,
-            Step::Merged(key) => Some(key),
-        };
         if key.is_none() || key != self.open {
             self.undo.push_back(before);
             if self.undo.len() > LIMIT {
@@ -56,39 +41,26 @@ impl<T: PartialEq, K: PartialEq + Copy> History<T, K> {
         self.open = None;
     }
 
-    /// Returns the state before the last step and keeps the current one for redo.
-    pub fn undo(&mut self, current: T) -> Result<T, T> {
+    /// Exchanges the current state for the one before the last step, or for the undone state that
+    /// follows. Returns the current state if there is none.
+    pub fn travel(&mut self, back: bool, current: Document) -> Document {
         self.open = None;
-        match self.undo.pop_back() {
-            Some(previous) => {
-                self.redo.push(current);
-                Ok(previous)
-            }
-            None => Err(current),
-        }
-    }
-
-    /// Returns the undone state that follows the current one.
-    pub fn redo(&mut self, current: T) -> Result<T, T> {
-        self.open = None;
-        match self.redo.pop() {
-            Some(next) => {
-                self.undo.push_back(current);
-                Ok(next)
-            }
-            None => Err(current),
-        }
+        let (from, to) =
+            if back { (&mut self.undo, &mut self.redo) } else { (&mut self.redo, &mut self.undo) };
+        let Some(other) = from.pop_back() else { return current };
+        to.push_back(current);
+        other
     }
 
     /// Removes the last step without keeping it for redo, and returns the state before it.
-    pub fn revert(&mut self) -> Option<T> {
+    pub fn revert(&mut self) -> Option<Document> {
         self.open = None;
         self.undo.pop_back()
     }
 
     /// Reverts the current run of merged edits. Nothing happens when the latest edit was of another
     /// kind.
-    pub fn revert_run(&mut self, is_under_way: impl FnOnce(&K) -> bool) -> Option<T> {
+    pub fn revert_run(&mut self, is_under_way: impl FnOnce(&EditKey) -> bool) -> Option<Document> {
         self.open.take().filter(is_under_way).and_then(|_| self.revert())
     }
 
@@ -107,69 +79,61 @@ impl<T: PartialEq, K: PartialEq + Copy> History<T, K> {
 mod tests {
     use super::*;
 
-    fn edit(history: &mut History<i32, u8>, state: &mut i32, to: i32, step: Step<u8>) {
-        let before = std::mem::replace(state, to);
-        history.record(before, state, step);
+    const RUN: Option<EditKey> = Some(EditKey::Offset);
+
+    /// Returns documents that differ in a number.
+    fn state(offset: i32) -> Document {
+        Document { offset, ..Document::default() }
+    }
+
+    /// Returns the history of edits from 0 to these states in turn.
+    fn edited(edits: &[(i32, Option<EditKey>)]) -> (History, Document) {
+        let (mut history, mut current) = (History::default(), state(0));
+        for (to, key) in edits {
+            history.record(std::mem::replace(&mut current, state(*to)), &state(*to), *key);
+        }
+        (history, current)
     }
 
     #[test]
     fn undo_and_redo_walk_the_same_states() {
-        let (mut history, mut state) = (History::<i32, u8>::default(), 0);
-        for to in 1..=3 {
-            edit(&mut history, &mut state, to, Step::Single);
+        let (mut history, mut current) = edited(&[(1, None), (2, None), (3, None)]);
+        for (back, expected) in [(true, [2, 1, 0, 0]), (false, [1, 2, 3, 3])] {
+            for offset in expected {
+                current = history.travel(back, current);
+                assert_eq!(current.offset, offset);
+            }
         }
-        for expected in [2, 1, 0] {
-            state = history.undo(state).unwrap();
-            assert_eq!(state, expected);
-        }
-        assert_eq!(history.undo(state), Err(0));
-        for expected in [1, 2, 3] {
-            state = history.redo(state).unwrap();
-            assert_eq!(state, expected);
-        }
-        assert_eq!(history.redo(state), Err(3));
     }
 
     #[test]
     fn a_drag_is_one_step_and_two_drags_are_two() {
-        let (mut history, mut state) = (History::default(), 0);
-        for to in [1, 2, 3] {
-            edit(&mut history, &mut state, to, Step::Merged(7));
-        }
+        let (mut history, current) = edited(&[(1, RUN), (2, RUN), (3, RUN)]);
         history.close_step();
-        edit(&mut history, &mut state, 4, Step::Merged(7));
-        state = history.undo(state).unwrap();
-        assert_eq!(state, 3);
-        assert_eq!(history.undo(state), Ok(0));
+        history.record(current, &state(4), RUN);
+        let current = history.travel(true, state(4));
+        assert_eq!(current.offset, 3);
+        assert_eq!(history.travel(true, current).offset, 0);
     }
 
     #[test]
     fn a_new_edit_clears_redo_and_an_empty_edit_is_no_step() {
-        let (mut history, mut state) = (History::default(), 0);
-        edit(&mut history, &mut state, 1, Step::Single);
-        edit(&mut history, &mut state, 1, Step::Single);
-        state = history.undo(state).unwrap();
+        let (mut history, current) = edited(&[(1, None), (1, None)]);
+        let current = history.travel(true, current);
         assert!(history.can_redo() && !history.can_undo());
-        edit(&mut history, &mut state, 9, Step::Single);
+        history.record(current, &state(9), None);
         assert!(!history.can_redo());
     }
 
     #[test]
-    fn reverting_leaves_nothing_to_redo() {
-        let (mut history, mut state) = (History::default(), 0);
-        edit(&mut history, &mut state, 5, Step::Merged(7));
-        edit(&mut history, &mut state, 6, Step::Merged(7));
-        assert_eq!(history.revert_run(|key| *key == 7), Some(0));
+    fn reverting_leaves_nothing_to_redo_and_edits_of_another_kind_alone() {
+        let (mut history, _) = edited(&[(5, RUN), (6, RUN)]);
+        assert_eq!(history.revert_run(|key| *key == EditKey::Offset), Some(state(0)));
         assert!(!history.can_redo() && !history.can_undo());
-    }
-
-    #[test]
-    fn reverting_leaves_edits_of_another_kind_alone() {
-        let (mut history, mut state) = (History::default(), 0);
-        edit(&mut history, &mut state, 5, Step::Single);
+        let (mut history, _) = edited(&[(5, None)]);
         assert_eq!(history.revert_run(|_| true), None);
-        edit(&mut history, &mut state, 6, Step::Merged(7));
-        assert_eq!(history.revert_run(|key| *key == 8), None);
-        assert_eq!(history.undo(state), Ok(5));
+        history.record(state(5), &state(6), RUN);
+        assert_eq!(history.revert_run(|key| *key == EditKey::Name(0)), None);
+        assert_eq!(history.travel(true, state(6)).offset, 5);
     }
 }

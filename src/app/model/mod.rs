@@ -68,7 +68,7 @@ use album::Album;
 use document::{Document, PictureIdentity, PointRef};
 use exchange::PendingImport;
 use focus::LineSource;
-use history::{History, Step};
+use history::History;
 use ids::{OverlayId, StageId, TabId, Visibility};
 use look::{Look, Tool};
 use messages::Messages;
@@ -122,7 +122,7 @@ pub struct Model {
     /// The edited state.
     pub document: Document,
     /// Earlier states, for undo.
-    pub history: History<Document, EditKey>,
+    pub history: History,
     /// The pictures and everything that belongs to them.
     pub open: OpenPair,
     /// Visible overlays, tabs and panels.
@@ -173,17 +173,24 @@ impl Model {
     }
 
     /// Changes the document and records the change in the history.
-    pub fn edit(&mut self, step: Step<EditKey>, change: impl FnOnce(&mut Document)) {
+    pub fn edit(&mut self, change: impl FnOnce(&mut Document)) {
+        self.edit_as(None, change);
+    }
+
+    /// Changes the document. Neighbouring changes with the same key are one step of the history.
+    pub fn edit_run(&mut self, key: EditKey, change: impl FnOnce(&mut Document)) {
+        self.edit_as(Some(key), change);
+    }
+
+    fn edit_as(&mut self, key: Option<EditKey>, change: impl FnOnce(&mut Document)) {
         let before = self.document.clone();
         change(&mut self.document);
-        self.history.record(before, &self.document, step);
+        self.history.record(before, &self.document, key);
     }
 
     /// Undoes a step, or redoes one.
     pub fn travel(&mut self, back: bool) {
-        let current = std::mem::take(&mut self.document);
-        let travelled = if back { self.history.undo(current) } else { self.history.redo(current) };
-        self.document = travelled.unwrap_or_else(|unchanged| unchanged);
+        self.document = self.history.travel(back, std::mem::take(&mut self.document));
     }
 
     /// Moves the selected point. A run of moves is one step.
@@ -191,7 +198,7 @@ impl Model {
         if let Some(at) = self.document.selection
             && let Some(point) = self.document.point(at)
         {
-            self.edit(Step::Merged(EditKey::Nudge(at)), |document| document.move_to(at, point + by));
+            self.edit_run(EditKey::Nudge(at), |document| document.move_to(at, point + by));
         }
     }
 
@@ -211,13 +218,13 @@ impl Model {
         } else if !self.document.chosen.is_empty() {
             self.edit_chosen(ChosenEdit::Delete);
         } else if let Some(at) = self.document.selection {
-            self.edit(Step::Single, |document| document.remove(at.pair));
+            self.edit(|document| document.remove(at.pair));
         }
     }
 
     /// Sets the parameters of a preset.
     pub fn set_preset(&mut self, preset: Preset) {
-        self.edit(Step::Single, |document| {
+        self.edit(|document| {
             document.parameters = document.parameters.with_preset(preset);
         });
     }
@@ -344,7 +351,7 @@ mod tests {
         model.open.computation.take(1, EstimateNews::Finished(Ok(estimate)));
         model.open.focus.pin(LineSource::Pair(0));
         assert_eq!(model.shown().map(|shown| shown.freshness), Some(Freshness::Final));
-        model.edit(Step::Single, |document| document.include(0, false));
+        model.edit(|document| document.include(0, false));
 
         model.open([opened("c"), opened("d")], None, false, None);
         assert!(model.shown().is_none() && model.open.computation.result().is_none());

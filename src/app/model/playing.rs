@@ -6,7 +6,6 @@ use image::imageops::FilterType;
 use image::{DynamicImage, GrayImage};
 
 use super::document::Side;
-use super::history::Step;
 use super::picture::Opened;
 use super::recording::{InspectedBarcodes, OffsetFound, PlayerCommand, Recordings, Synchronised};
 use super::{EditKey, Model};
@@ -119,7 +118,7 @@ impl Model {
             PlayerCommand::Seek(frame) => player.position = frame as f64,
             PlayerCommand::ToggleSilhouettes => player.silhouettes = !player.silhouettes,
             PlayerCommand::SetOffset(offset) => {
-                self.edit(Step::Merged(EditKey::Offset), |document| document.offset = offset);
+                self.edit_run(EditKey::Offset, |document| document.offset = offset);
             }
             PlayerCommand::FindOffset => {}
         }
@@ -155,7 +154,7 @@ impl Model {
                     best.offset, best.correlation
                 ));
                 let offset = best.offset;
-                self.edit(Step::Single, |document| document.offset = offset);
+                self.edit(|document| document.offset = offset);
             }
             Err(error) => self.messages.tell(format!("The offset was not found: {error}.")),
         }

@@ -2,7 +2,6 @@
 
 use super::Model;
 use super::document::{PointRef, Side, pair_name};
-use super::history::Step;
 use super::suggesting::{Repair, RepairQuestion, Repaired};
 use crate::io::PairOrigin;
 
@@ -47,7 +46,7 @@ impl Model {
                     Repair::Refine => PairOrigin::Refined,
                     Repair::Rematch => PairOrigin::MovedToMatch,
                 };
-                self.edit(Step::Single, |document| {
+                self.edit(|document| {
                     document.move_to(at, position);
                     document.set_origin(pair, origin);
                 });

@@ -1,5 +1,6 @@
 //! Sessions: saved work, and the state of saving and opening.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::{Instant, SystemTime};
 
@@ -192,33 +193,11 @@ fn state_on_disk(path: &Path) -> Option<(SystemTime, u64)> {
 impl Document {
     /// Returns whether two documents have the same work. Selections do not count.
     pub(super) fn is_same_work(&self, other: &Self) -> bool {
-        let Self {
-            pictures: _,
-            pairs,
-            excluded,
-            checks,
-            notes,
-            unclicked,
-            half,
-            parameters,
-            offset,
-            rectification,
-            truth,
-            imported,
-            selection: _,
-            chosen: _,
-        } = self;
-        *pairs == other.pairs
-            && *excluded == other.excluded
-            && *checks == other.checks
-            && *notes == other.notes
-            && *unclicked == other.unclicked
-            && *half == other.half
-            && *parameters == other.parameters
-            && *offset == other.offset
-            && *rectification == other.rectification
-            && *truth == other.truth
-            && *imported == other.imported
+        let work = |document: &Self| {
+            let (pictures, selection, chosen) = (None, None, BTreeSet::new());
+            Self { pictures, selection, chosen, ..document.clone() }
+        };
+        work(self) == work(other)
     }
 
     /// Returns whether the document has work that would be lost.

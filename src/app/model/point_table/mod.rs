@@ -10,8 +10,7 @@ use std::fmt::Write as _;
 pub use kinds::{Choosing, ChosenEdit, PointColumn, PointOrder, PointsCommand};
 use pasting::{is_name_of_a_place, parse_table};
 
-use super::document::Role;
-use super::history::Step;
+use super::document::{Role, counted};
 use super::verdict::Gauge;
 use super::{EditKey, Model};
 use crate::geometry::{PointPair, symmetric_epipolar_distance};
@@ -107,7 +106,7 @@ impl Model {
     /// Edits all selected pairs in one step.
     pub fn edit_chosen(&mut self, what: ChosenEdit) {
         let chosen = self.document.chosen.clone();
-        self.edit(Step::Single, |document| match what {
+        self.edit(|document| match what {
             ChosenEdit::Delete => document.remove_all(chosen),
             ChosenEdit::Use | ChosenEdit::CheckOnly => {
                 for pair in chosen {
@@ -124,7 +123,7 @@ impl Model {
 
     /// Names a pair. The letters of one name are one step.
     pub fn rename_pair(&mut self, pair: usize, name: &str) {
-        self.edit(Step::Merged(EditKey::Name(pair)), |document| document.rename(pair, name));
+        self.edit_run(EditKey::Name(pair), |document| document.rename(pair, name));
     }
 
     /// Returns the selected pairs, or all, as a table for spreadsheets, in the order of the list.
@@ -165,7 +164,7 @@ impl Model {
         if count == 0 {
             return;
         }
-        self.edit(Step::Single, |document| {
+        self.edit(|document| {
             let first = document.pairs.len();
             document.half = None;
             document.selection = None;
@@ -179,7 +178,6 @@ impl Model {
             }
             document.chosen = (first..document.pairs.len()).collect();
         });
-        let plural = if count == 1 { "" } else { "s" };
-        self.open.done.tell(format!("Pasted {count} point pair{plural}"));
+        self.open.done.tell(format!("Pasted {}", counted(count)));
     }
 }
