@@ -62,9 +62,8 @@ impl Album {
 
     /// Returns the numbers of the open pair in the folder as read now.
     pub fn pair_in(&self, folder: &PairFolder) -> Option<[usize; 2]> {
-        let number = |name: &String| folder.names().iter().position(|other| other == name);
-        let pair = [number(&self.open[0])?, number(&self.open[1])?];
-        folder.is_pair(pair).then_some(pair)
+        let [left, right] = &self.open;
+        Some([folder.view_named(left)?, folder.view_named(right)?]).filter(|pair| folder.is_pair(*pair))
     }
 
     /// Returns the work on the pairs that are not open.

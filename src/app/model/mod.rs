@@ -274,20 +274,13 @@ impl Model {
 
     /// Returns the point pairs as places in the pictures on the screen.
     pub fn pairs_in_pictures(&self) -> Vec<PointPair> {
-        self.document.pairs.iter().map(|pair| self.in_pictures(pair)).collect()
-    }
-
-    fn in_pictures(&self, pair: &PointPair) -> PointPair {
-        PointPair {
-            point1: self.open.pixel(document::Side::Left, pair.point1),
-            point2: self.open.pixel(document::Side::Right, pair.point2),
-        }
+        self.document.pairs.iter().map(|pair| self.open.pixels_of(pair)).collect()
     }
 
     /// Returns a sentence on whether the pictures are rectified, by the matches of the result.
     pub fn judged_rows(&self) -> String {
         let found = self.open.computation.result().map_or(&[][..], |(estimate, _)| estimate.matches());
-        let matches: Vec<PointPair> = found.iter().map(|found| self.in_pictures(&found.pair)).collect();
+        let matches: Vec<PointPair> = found.iter().map(|found| self.open.pixels_of(&found.pair)).collect();
         let frame = self.open.shown_frame(document::Side::Right);
         match frame.and_then(|frame| judge_rows(&matches, frame, ROW_LIMIT)) {
             Some(judgement) => rows_in_words(&judgement),

@@ -117,6 +117,14 @@ impl OpenPair {
         opened.and_then(|opened| opened.pixel(point)).unwrap_or(point)
     }
 
+    /// Returns a pair of points of the window's coordinates as places in the pictures on the screen.
+    pub fn pixels_of(&self, points: &PointPair) -> PointPair {
+        PointPair {
+            point1: self.pixel(Side::Left, points.point1),
+            point2: self.pixel(Side::Right, points.point2),
+        }
+    }
+
     /// Returns the point of the window's coordinates of a place in the picture on the screen.
     pub fn point(&self, side: Side, pixel: Point) -> Option<Point> {
         let Some(pictures) = &self.pictures else { return Some(pixel) };

@@ -8,29 +8,33 @@ use crate::io::{TruthFolder, has_image_extension};
 
 /// A folder of images, with or without ground truth.
 #[derive(Debug, Clone)]
-pub enum PairFolder {
-    /// The geometry of the pairs is known.
-    Known(TruthFolder),
-    /// Nothing is known about the images.
-    Images(ImageFolder),
-}
-
-/// A folder of images without ground truth. Any two images are a pair, unless all images are named
-/// in pairs.
-#[derive(Debug, Clone)]
-pub struct ImageFolder {
+pub struct PairFolder {
     path: PathBuf,
     images: Vec<PathBuf>,
     names: Vec<String>,
-    /// Whether the images are named `NAMEA` and `NAMEB`, so that only these two are a pair.
+    /// Whether only neighbours are a pair. Without ground truth, all images are then named `NAMEA` or
+    /// `NAMEB`.
     is_paired: bool,
+    truth: Option<TruthFolder>,
+}
+
+impl From<TruthFolder> for PairFolder {
+    fn from(truth: TruthFolder) -> Self {
+        Self {
+            path: truth.path().to_owned(),
+            images: (0..truth.names().len()).map(|view| truth.image(view).to_owned()).collect(),
+            names: truth.names().to_vec(),
+            is_paired: !truth.pairs_freely(),
+            truth: Some(truth),
+        }
+    }
 }
 
 impl PairFolder {
     /// Opens a folder. The error is text for the middle of a sentence.
     pub fn open(path: &Path) -> Result<Self, String> {
         let problem = match TruthFolder::open(path) {
-            Ok(known) => return Ok(Self::Known(known)),
+            Ok(truth) => return Ok(truth.into()),
             Err(problem) => problem.to_string(),
         };
         let entries: Vec<PathBuf> = match std::fs::read_dir(path) {
@@ -40,95 +44,16 @@ impl PairFolder {
         if claims_truth(&entries) {
             return Err(problem);
         }
-        let images = ImageFolder::new(path, entries);
-        match images.images.len() {
+        let folder = Self::of_images(path, entries);
+        match folder.images.len() {
             0 => Err(format!("{} has no images in it", path.display())),
             1 => Err(format!("{} has only one image in it, and it takes two", path.display())),
-            _ => Ok(Self::Images(images)),
+            _ => Ok(folder),
         }
     }
 
-    /// Returns the folder with ground truth, if there is any.
-    pub fn known(&self) -> Option<&TruthFolder> {
-        match self {
-            Self::Known(folder) => Some(folder),
-            Self::Images(_) => None,
-        }
-    }
-
-    /// Returns the path of the folder.
-    pub fn path(&self) -> &Path {
-        match self {
-            Self::Known(folder) => folder.path(),
-            Self::Images(folder) => &folder.path,
-        }
-    }
-
-    /// Returns the names of the views: their image files, usually without the ending.
-    pub fn names(&self) -> &[String] {
-        match self {
-            Self::Known(folder) => folder.names(),
-            Self::Images(folder) => &folder.names,
-        }
-    }
-
-    /// Returns whether any two views are a pair.
-    pub fn pairs_freely(&self) -> bool {
-        match self {
-            Self::Known(folder) => folder.pairs_freely(),
-            Self::Images(folder) => !folder.is_paired,
-        }
-    }
-
-    /// Returns whether two views are a pair.
-    pub fn is_pair(&self, pair: [usize; 2]) -> bool {
-        match self {
-            Self::Known(folder) => folder.is_pair(pair),
-            Self::Images(folder) => {
-                let [first, second] = pair;
-                let fits = if folder.is_paired {
-                    first.is_multiple_of(2) && second == first + 1
-                } else {
-                    first != second
-                };
-                fits && first.max(second) < folder.images.len()
-            }
-        }
-    }
-
-    /// Returns the next or the previous pair: both views move by one if any two are a pair, and else
-    /// by two.
-    pub fn neighbour(&self, pair: [usize; 2], forward: bool) -> Option<[usize; 2]> {
-        match self {
-            Self::Known(folder) => folder.neighbour(pair, forward),
-            Self::Images(folder) => {
-                let step = if folder.is_paired { 2 } else { 1 };
-                let moved =
-                    |view: usize| if forward { view.checked_add(step) } else { view.checked_sub(step) };
-                Some([moved(pair[0])?, moved(pair[1])?]).filter(|pair| self.is_pair(*pair))
-            }
-        }
-    }
-
-    /// Returns the name of a pair.
-    pub fn pair_name(&self, pair: [usize; 2]) -> String {
-        match self {
-            Self::Known(folder) => folder.pair_name(pair),
-            Self::Images(folder) => format!("{} and {}", folder.names[pair[0]], folder.names[pair[1]]),
-        }
-    }
-
-    /// Returns the path of the image of a view.
-    pub fn image(&self, view: usize) -> &Path {
-        match self {
-            Self::Known(folder) => folder.image(view),
-            Self::Images(folder) => &folder.images[view],
-        }
-    }
-}
-
-impl ImageFolder {
-    fn new(path: &Path, entries: Vec<PathBuf>) -> Self {
+    /// Takes the images of a folder about which nothing is known.
+    fn of_images(path: &Path, entries: Vec<PathBuf>) -> Self {
         let mut images: Vec<PathBuf> = entries.into_iter().filter(|path| is_image(path)).collect();
         images.sort_by_cached_key(|path| natural_key(&file_name(path)));
         let stem = |path: &PathBuf| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -146,7 +71,58 @@ impl ImageFolder {
                     _ => false,
                 }
             });
-        Self { path: path.to_owned(), images, names, is_paired }
+        Self { path: path.to_owned(), images, names, is_paired, truth: None }
+    }
+
+    /// Returns the folder with ground truth, if there is any.
+    pub fn known(&self) -> Option<&TruthFolder> {
+        self.truth.as_ref()
+    }
+
+    /// Returns the path of the folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Returns the names of the views: their image files, usually without the ending.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Returns the number of a view.
+    pub fn view_named(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|other| other == name)
+    }
+
+    /// Returns whether any two views are a pair.
+    pub fn pairs_freely(&self) -> bool {
+        !self.is_paired
+    }
+
+    /// Returns whether two views are a pair.
+    pub fn is_pair(&self, [first, second]: [usize; 2]) -> bool {
+        let fits =
+            if self.is_paired { first.is_multiple_of(2) && second == first + 1 } else { first != second };
+        fits && first.max(second) < self.images.len()
+    }
+
+    /// Returns the next or the previous pair: both views move by one if any two are a pair, and else
+    /// by two.
+    pub fn neighbour(&self, pair: [usize; 2], forward: bool) -> Option<[usize; 2]> {
+        let step = if self.is_paired { 2 } else { 1 };
+        let moved = |view: usize| if forward { view.checked_add(step) } else { view.checked_sub(step) };
+        Some([moved(pair[0])?, moved(pair[1])?]).filter(|pair| self.is_pair(*pair))
+    }
+
+    /// Returns the name of a pair.
+    pub fn pair_name(&self, pair: [usize; 2]) -> String {
+        let names = || format!("{} and {}", self.names[pair[0]], self.names[pair[1]]);
+        self.truth.as_ref().map_or_else(names, |truth| truth.pair_name(pair))
+    }
+
+    /// Returns the path of the image of a view.
+    pub fn image(&self, view: usize) -> &Path {
+        &self.images[view]
     }
 }
 

@@ -91,11 +91,6 @@ impl Opened {
         self.distortion().map_or(Some(pixel), |view| view.undistorted_from_original(pixel))
     }
 
-    /// Returns the sequence of which this is the first frame.
-    pub fn recording(&self) -> Option<Shared<Recording>> {
-        self.recording.clone()
-    }
-
     /// Prepares the first frame of a sequence for the screen. This takes a while.
     pub fn recorded(first: Picture, recording: Recording) -> Self {
         Self { recording: Some(Shared::new(recording)), ..Self::new(first) }

@@ -6,7 +6,6 @@ use image::imageops::FilterType;
 use image::{DynamicImage, GrayImage};
 
 use super::document::Side;
-use super::picture::Opened;
 use super::recording::{InspectedBarcodes, OffsetFound, PlayerCommand, Recordings, Synchronised};
 use super::{EditKey, Model};
 use crate::geometry::{Frame, Point, rescaled};
@@ -19,7 +18,7 @@ const RATE: f64 = 25.0;
 impl Model {
     /// Returns the open sequences; `None` for pictures.
     pub fn recordings(&self) -> Option<Recordings> {
-        let [left, right] = self.open.pictures.as_ref()?.each_ref().map(Opened::recording);
+        let [left, right] = self.open.pictures.as_ref()?.each_ref().map(|opened| opened.recording.clone());
         Some([left?, right?])
     }
 

@@ -1,4 +1,5 @@
 use super::*;
+use crate::app::model::picture::Opened;
 use crate::app::model::recording::example;
 use crate::app::model::shared::Shared;
 use crate::geometry::AnchoredLine;

@@ -2,7 +2,7 @@
 
 use super::document::TruthSource;
 use super::shared::Shared;
-use crate::io::GroundTruth;
+use crate::io::{GroundTruth, TruthError, TruthFolder};
 
 /// Explanation when the pictures have no ground truth.
 pub const NO_TRUTH: &str = "These images have no ground truth. To compare with ground truth, open \
@@ -15,4 +15,18 @@ pub struct KnownTruth {
     pub truth: Shared<GroundTruth>,
     /// Source of the truth, as the document names it.
     pub source: TruthSource,
+}
+
+impl KnownTruth {
+    /// Takes the ground truth of a built-in sample.
+    pub fn of_sample(truth: GroundTruth) -> Self {
+        Self { source: TruthSource::Sample(truth.name.clone()), truth: Shared::new(truth) }
+    }
+
+    /// Reads the ground truth of two views of a folder.
+    pub fn of_views(folder: &TruthFolder, views: [usize; 2]) -> Result<Self, TruthError> {
+        let truth = Shared::new(folder.truth(views)?);
+        let views = views.map(|view| folder.names()[view].clone());
+        Ok(Self { truth, source: TruthSource::Folder { folder: folder.path().to_owned(), views } })
+    }
 }

@@ -107,9 +107,9 @@ impl Model {
     /// Returns the pairs of the folder with work that are not open, by number.
     pub fn kept_pairs(&self) -> Vec<[usize; 2]> {
         let (Some((folder, _)), Some(album)) = (self.folder(), &self.album) else { return Vec::new() };
-        let number = |name: &String| folder.names().iter().position(|other| other == name);
+        let views = album.pairs().iter().map(|kept| &kept.views);
         let pairs =
-            album.pairs().iter().filter_map(|kept| Some([number(&kept.views[0])?, number(&kept.views[1])?]));
+            views.filter_map(|[left, right]| Some([folder.view_named(left)?, folder.view_named(right)?]));
         pairs.filter(|pair| folder.is_pair(*pair)).collect()
     }
 

@@ -3,14 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::app::model::document::{Side, TruthSource};
+use crate::app::model::document::Side;
 use crate::app::model::open_pair::OpenFolder;
 use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::picture::Opened;
 use crate::app::model::recording::Recording;
 use crate::app::model::sample::{SampleRecordings, sample_pair, sample_recordings};
 use crate::app::model::session::{Relocation, Restored};
-use crate::app::model::shared::Shared;
 use crate::app::model::truth::KnownTruth;
 use crate::camera::CameraModel;
 use crate::cancel::CancelFlag;
@@ -187,8 +186,7 @@ fn unchanged(error: &str) -> OpeningFailure {
 /// Loads the built-in pair.
 pub fn sample() -> LoadedPair {
     let sample = sample_pair();
-    let source = TruthSource::Sample(sample.truth.name.clone());
-    let known = Some(KnownTruth { truth: Shared::new(sample.truth), source });
+    let known = Some(KnownTruth::of_sample(sample.truth));
     // Beginners should try before they see the answer, so the truth is not used at once.
     LoadedPair { show_me: Some(sample.show_me), known, ..LoadedPair::of(sample.pictures.map(Opened::new)) }
 }
@@ -201,9 +199,8 @@ pub fn sample_sequences(reading: &PairReading) -> Result<LoadedPair, OpeningFail
         ))
     })?;
     let SampleRecordings { pictures, show_me, truth } = drawn;
-    let source = TruthSource::Sample(truth.name.clone());
-    let known = KnownTruth { truth: Shared::new(truth), source };
-    Ok(LoadedPair { show_me: Some(show_me), known: Some(known), ..LoadedPair::of(pictures) })
+    let known = Some(KnownTruth::of_sample(truth));
+    Ok(LoadedPair { show_me: Some(show_me), known, ..LoadedPair::of(pictures) })
 }
 
 /// Opens the first pair of a folder.
@@ -221,20 +218,13 @@ pub fn open_views(
     let pictures = reading.pair(pair.map(|view| folder.image(view)))?;
     let opened = LoadedPair { folder: Some((Arc::clone(folder), pair)), ..LoadedPair::of(pictures) };
     let Some(known) = folder.known() else { return Ok(opened) };
-    let truth = match known.truth(pair) {
-        Ok(truth) => truth,
+    match KnownTruth::of_views(known, pair) {
+        Ok(known) => Ok(LoadedPair { known: Some(known), uses_truth: true, ..opened }),
         // A few true matches are no reason to refuse the images.
         Err(error @ TruthError::Matches { .. }) => {
             reading.notes.push(format!("The pair has no ground truth: {error}."));
-            return Ok(opened);
+            Ok(opened)
         }
-        Err(error) => return Err(unchanged(&error.to_string())),
-    };
-    let views = pair.map(|view| known.names()[view].clone());
-    let source = TruthSource::Folder { folder: known.path().to_owned(), views };
-    Ok(LoadedPair {
-        known: Some(KnownTruth { truth: Shared::new(truth), source }),
-        uses_truth: true,
-        ..opened
-    })
+        Err(error) => Err(unchanged(&error.to_string())),
+    }
 }

@@ -27,18 +27,6 @@ pub type EstimateFn = dyn FnMut(&EstimateRequest, &Monitor) -> Result<Estimate, 
 /// milliseconds.
 pub type FollowFn = dyn FnMut(&EstimateRequest, &[&Estimate]) -> Option<Estimate> + Send;
 
-/// Prepares data that depends on the pictures only, before the first click.
-pub type PrepareFn = dyn FnMut(&Pictures, &CancelFlag) + Send;
-
-/// Suggests the match of a first click, within some hundredths of a second.
-pub type SuggestFn = dyn FnMut(&SuggestQuestion) -> Suggested + Send;
-
-/// Finds the most useful place for one more pair, within milliseconds.
-pub type NextClickFn = dyn FnMut(&NextClickQuestion) -> Option<NextClick> + Send;
-
-/// Finds a better place for a pair, within some hundredths of a second.
-pub type RepairFn = dyn FnMut(&RepairQuestion) -> RepairOutcome + Send;
-
 /// Asks for a path with a dialog of the system, and returns when the dialog is closed.
 pub type PickFn = dyn Fn() -> Option<PathBuf> + Send + Sync;
 
@@ -47,18 +35,18 @@ pub type SavePickFn = dyn Fn(&Path) -> Option<PathBuf> + Send + Sync;
 
 /// Computations and system dialogs.
 pub struct Services {
-    /// Preparation of pictures, as soon as they are open.
-    pub prepare: Box<PrepareFn>,
+    /// Preparation of data that depends on the pictures only, as soon as they are open.
+    pub prepare: Box<dyn FnMut(&Pictures, &CancelFlag) + Send>,
     /// Search for a geometry.
     pub estimate: Box<EstimateFn>,
     /// Refit to moved points while the search goes on.
     pub follow: Box<FollowFn>,
-    /// Suggestion for the second click of a pair.
-    pub suggest: Box<SuggestFn>,
-    /// Most useful place for one more pair.
-    pub next_click: Box<NextClickFn>,
-    /// Better place for a placed pair.
-    pub repair: Box<RepairFn>,
+    /// Suggestion for the second click of a pair, within some hundredths of a second.
+    pub suggest: Box<dyn FnMut(&SuggestQuestion) -> Suggested + Send>,
+    /// Most useful place for one more pair, within milliseconds.
+    pub next_click: Box<dyn FnMut(&NextClickQuestion) -> Option<NextClick> + Send>,
+    /// Better place for a placed pair, within some hundredths of a second.
+    pub repair: Box<dyn FnMut(&RepairQuestion) -> RepairOutcome + Send>,
     /// System dialog for a file; `None` when cancelled or unable to open.
     pub pick_file: Arc<PickFn>,
     /// System dialog for a folder; `None` when cancelled or unable to open.

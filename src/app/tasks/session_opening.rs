@@ -10,7 +10,6 @@ use crate::app::model::open_pair::OpenFolder;
 use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::sample::SAMPLE_SEQUENCES;
 use crate::app::model::session::{Lost, OpenSession, Relocation, Restored, Work};
-use crate::app::model::shared::Shared;
 use crate::app::model::truth::KnownTruth;
 use crate::foreign::{excerpt, shown_path};
 use crate::io::{ImageReference, ImageSource, Located, SessionError, SessionFile, TruthFolder, sha256_of};
@@ -121,13 +120,7 @@ fn views(album: &Album) -> Result<(Option<KnownTruth>, OpenFolder), String> {
     let folder = PairFolder::open(album.folder())?;
     let missing = || format!("{} does not contain the images that were open", shown_path(album.folder()));
     let pair = album.pair_in(&folder).ok_or_else(missing)?;
-    let known = folder.known().and_then(|truths| {
-        let source = TruthSource::Folder {
-            folder: truths.path().to_owned(),
-            views: pair.map(|view| truths.names()[view].clone()),
-        };
-        Some(KnownTruth { truth: Shared::new(truths.truth(pair).ok()?), source })
-    });
+    let known = folder.known().and_then(|truths| KnownTruth::of_views(truths, pair).ok());
     Ok((known, (Arc::new(folder), pair)))
 }
 
@@ -139,8 +132,6 @@ fn known(folder: &Path, views: &[String; 2]) -> Result<(KnownTruth, OpenFolder),
         position.ok_or_else(|| format!("{} has no view {}", shown_path(folder), excerpt(view)))
     };
     let pair = [number(&views[0])?, number(&views[1])?];
-    let truth = truths.truth(pair).map_err(|error| error.to_string())?;
-    let source = TruthSource::Folder { folder: folder.to_owned(), views: views.clone() };
-    let known = KnownTruth { truth: Shared::new(truth), source };
-    Ok((known, (Arc::new(PairFolder::Known(truths)), pair)))
+    let known = KnownTruth::of_views(&truths, pair).map_err(|error| error.to_string())?;
+    Ok((known, (Arc::new(truths.into()), pair)))
 }

@@ -71,11 +71,7 @@ pub fn content(
         file.is_undistorted = true;
         if order.what == ExportKind::Pairs {
             // Pairs alone are places in the pictures.
-            let pixel = |pair: &PointPair| PointPair {
-                point1: model.open.pixel(Side::Left, pair.point1),
-                point2: model.open.pixel(Side::Right, pair.point2),
-            };
-            file.pairs = file.pairs.iter().map(pixel).collect();
+            file.pairs = file.pairs.iter().map(|pair| model.open.pixels_of(pair)).collect();
             file.is_undistorted = false;
             for (note, side) in file.images.iter_mut().flatten().zip(Side::BOTH) {
                 note.frame = model.open.shown_frame(side).unwrap_or(note.frame);
@@ -87,6 +83,7 @@ pub fn content(
         ExportKind::Plane => file.trust = result_note(model),
         _ => {}
     }
+    let text = |text: String| -> ExportContent { Box::new(move || Ok(text.into_bytes())) };
     Ok(match order.what {
         ExportKind::Geometry => {
             file.fundamental = model.shown().map(|shown| *shown.fundamental);
@@ -103,38 +100,27 @@ pub fn content(
         }
         ExportKind::Plane => {
             file.homography21 = plane(model).map(|plane| plane.homography21);
-            (
-                Box::new(move || Ok(file.to_text(format).into_bytes())),
-                "the homography of the plane".to_owned(),
-            )
+            (text(file.to_text(format)), "the homography of the plane".to_owned())
         }
-        ExportKind::Pairs => {
-            let what = counted(file.pairs.len());
-            (Box::new(move || Ok(file.to_text(format).into_bytes())), what)
-        }
-        ExportKind::Table => {
-            let text = table::csv(model);
-            (Box::new(move || Ok(text.into_bytes())), format!("a table of {}", counted(file.pairs.len())))
-        }
+        ExportKind::Pairs => (text(file.to_text(format)), counted(file.pairs.len())),
+        ExportKind::Table => (text(table::csv(model)), format!("a table of {}", counted(file.pairs.len()))),
         ExportKind::Report => {
-            let text = report(order.reported, model, &images).ok_or_else(nothing)?;
-            (Box::new(move || Ok(text.into_bytes())), "the report of the result".to_owned())
+            let report = report(order.reported, model, &images).ok_or_else(nothing)?;
+            (text(report), "the report of the result".to_owned())
         }
         ExportKind::Profile => {
             let trust = trust_note(model);
             if let (Some(inspected), Some(compared)) =
                 (model.inspected_barcodes(), model.compared_recordings())
             {
-                let text = profile::barcodes_csv(&inspected, compared.offset, trust.as_ref());
-                return Ok((
-                    Box::new(move || Ok(text.into_bytes())),
-                    "the barcodes of the inspected line pair".to_owned(),
-                ));
+                let table = profile::barcodes_csv(&inspected, compared.offset, trust.as_ref());
+                return Ok((text(table), "the barcodes of the inspected line pair".to_owned()));
             }
-            let inspection = model.open.inspection.as_ref().ok_or_else(nothing)?.clone();
-            let content: ExportContent =
-                Box::new(move || Ok(profile::csv(&inspection, trust.as_ref()).into_bytes()));
-            (content, "the profile of the inspected line pair".to_owned())
+            let inspection = model.open.inspection.as_ref().ok_or_else(nothing)?;
+            (
+                text(profile::csv(inspection, trust.as_ref())),
+                "the profile of the inspected line pair".to_owned(),
+            )
         }
         ExportKind::Figure | ExportKind::View => return Err("This is drawn, not composed.".to_owned()),
     })

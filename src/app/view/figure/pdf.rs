@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use egui::epaint::RectShape;
 use egui::{Color32, Pos2, Rect, Stroke, Vec2};
 use image::{DynamicImage, RgbImage};
 use pdf_writer::types::Predictor;
@@ -106,12 +107,14 @@ impl Page {
             Piece::Line([a, b], stroke) => self.paint(Color32::TRANSPARENT, stroke, |content| {
                 content.move_to(a.x, a.y).line_to(b.x, b.y);
             }),
-            Piece::Circle { centre, radius, fill, stroke } => self.paint(fill, stroke, |content| {
-                rounded(content, Rect::from_center_size(centre, Vec2::splat(2.0 * radius)), radius);
+            Piece::Circle(circle) => self.paint(circle.fill, circle.stroke, |content| {
+                let square = Rect::from_center_size(circle.center, Vec2::splat(2.0 * circle.radius));
+                rounded(content, square, circle.radius);
             }),
-            Piece::Rect { rect, rounding, fill, stroke } => self.paint(fill, stroke, |content| {
-                rounded(content, rect, rounding.min(rect.width() / 2.0).min(rect.height() / 2.0));
-            }),
+            Piece::Rect(RectShape { rect, corner_radius, fill, stroke, .. }) => {
+                let rounding = f32::from(corner_radius.nw).min(rect.width() / 2.0).min(rect.height() / 2.0);
+                self.paint(*fill, *stroke, |content| rounded(content, *rect, rounding));
+            }
             Piece::Path { points: [first, rest @ ..], closed, fill, stroke } => {
                 self.paint(fill, stroke, |content| {
                     content.move_to(first.x, first.y);

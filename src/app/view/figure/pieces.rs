@@ -1,34 +1,16 @@
 //! Shapes of the overlays, reduced to what vector formats know: lines, circles, polygons and text.
 
-use egui::epaint::{ColorMode, Mesh, PathShape, RectShape, TextShape};
-use egui::{Color32, Pos2, Rect, Shape, Stroke};
+use egui::epaint::{CircleShape, ColorMode, Mesh, PathShape, RectShape, TextShape};
+use egui::{Color32, Pos2, Shape, Stroke};
 
 /// A primitive shape. Colours with alpha 0 are invisible.
 pub enum Piece<'a> {
     /// A straight line.
     Line([Pos2; 2], Stroke),
     /// A filled circle.
-    Circle {
-        /// Centre of the circle.
-        centre: Pos2,
-        /// Radius of the circle.
-        radius: f32,
-        /// Fill colour.
-        fill: Color32,
-        /// Outline of the circle.
-        stroke: Stroke,
-    },
-    /// A rectangle with rounded corners.
-    Rect {
-        /// Position and size.
-        rect: Rect,
-        /// Radius of the corners.
-        rounding: f32,
-        /// Fill colour.
-        fill: Color32,
-        /// Outline of the rectangle.
-        stroke: Stroke,
-    },
+    Circle(&'a CircleShape),
+    /// A rectangle, all of whose corners are rounded alike.
+    Rect(&'a RectShape),
     /// A polygon or a polyline.
     Path {
         /// Corners of the path.
@@ -58,18 +40,8 @@ pub fn take_apart(shape: &Shape, each: &mut dyn FnMut(Piece)) {
     match shape {
         Shape::Vec(shapes) => shapes.iter().for_each(|inner| take_apart(inner, each)),
         Shape::LineSegment { points, stroke } => each(Piece::Line(*points, *stroke)),
-        Shape::Circle(circle) => each(Piece::Circle {
-            centre: circle.center,
-            radius: circle.radius,
-            fill: circle.fill,
-            stroke: circle.stroke,
-        }),
-        Shape::Rect(RectShape { rect, corner_radius, fill, stroke, .. }) => each(Piece::Rect {
-            rect: *rect,
-            rounding: f32::from(corner_radius.nw),
-            fill: *fill,
-            stroke: *stroke,
-        }),
+        Shape::Circle(circle) => each(Piece::Circle(circle)),
+        Shape::Rect(rect) => each(Piece::Rect(rect)),
         Shape::Path(PathShape { points, closed, fill, stroke }) => {
             let color = match &stroke.color {
                 ColorMode::Solid(color) => *color,

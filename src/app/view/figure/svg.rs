@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use egui::{Color32, Pos2, Stroke};
+use egui::{Color32, Pos2, Rect, Stroke};
 
 use super::pieces::{Piece, take_apart};
 use super::sheet::Sheet;
@@ -27,21 +27,11 @@ pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
         let (pixels, rect) = sheet.picture(k);
         let png = encode_picture(&pixels, PictureFormat::Png).map_err(|e| e.to_string())?;
         let crisp = if place.transform.scale > 1.5 { " style=\"image-rendering:pixelated\"" } else { "" };
+        let _ = writeln!(text, "<clipPath id=\"image{k}\"><rect {}/></clipPath>", placed(area, 2));
         let _ = writeln!(
             text,
-            "<clipPath id=\"image{k}\"><rect x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"{:.2}\"/></clipPath>",
-            area.min.x,
-            area.min.y,
-            area.width(),
-            area.height()
-        );
-        let _ = writeln!(
-            text,
-            "<g clip-path=\"url(#image{k})\">\n<image x=\"{:.3}\" y=\"{:.3}\" width=\"{:.3}\" height=\"{:.3}\" preserveAspectRatio=\"none\"{crisp} href=\"data:image/png;base64,{}\"/>",
-            rect.min.x,
-            rect.min.y,
-            rect.width(),
-            rect.height(),
+            "<g clip-path=\"url(#image{k})\">\n<image {} preserveAspectRatio=\"none\"{crisp} href=\"data:image/png;base64,{}\"/>",
+            placed(rect, 3),
             STANDARD.encode(png)
         );
         for clipped in sheet.shapes().filter(|clipped| area.expand(0.5).contains_rect(clipped.clip_rect)) {
@@ -64,23 +54,22 @@ fn write_piece(text: &mut String, piece: Piece) {
             b.y,
             stroked(stroke)
         ),
-        Piece::Circle { centre, radius, fill, stroke } => writeln!(
+        Piece::Circle(circle) => writeln!(
             text,
-            "<circle cx=\"{:.2}\" cy=\"{:.2}\" r=\"{radius:.2}\" {} {}/>",
-            centre.x,
-            centre.y,
-            paint("fill", fill),
-            stroked(stroke)
+            "<circle cx=\"{:.2}\" cy=\"{:.2}\" r=\"{:.2}\" {} {}/>",
+            circle.center.x,
+            circle.center.y,
+            circle.radius,
+            paint("fill", circle.fill),
+            stroked(circle.stroke)
         ),
-        Piece::Rect { rect, rounding, fill, stroke } => writeln!(
+        Piece::Rect(shape) => writeln!(
             text,
-            "<rect x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"{:.2}\" rx=\"{rounding}\" {} {}/>",
-            rect.min.x,
-            rect.min.y,
-            rect.width(),
-            rect.height(),
-            paint("fill", fill),
-            stroked(stroke)
+            "<rect {} rx=\"{}\" {} {}/>",
+            placed(shape.rect, 2),
+            shape.corner_radius.nw,
+            paint("fill", shape.fill),
+            stroked(shape.stroke)
         ),
         Piece::Path { points, closed, fill, stroke } => {
             let element = if closed { "polygon" } else { "polyline" };
@@ -96,6 +85,15 @@ fn write_piece(text: &mut String, piece: Piece) {
             escaped(&words)
         ),
     };
+}
+
+/// Returns the place and the size of a rectangle as attributes.
+fn placed(rect: Rect, digits: usize) -> String {
+    let (at, size) = (rect.min, rect.size());
+    format!(
+        "x=\"{:.digits$}\" y=\"{:.digits$}\" width=\"{:.digits$}\" height=\"{:.digits$}\"",
+        at.x, at.y, size.x, size.y
+    )
 }
 
 fn list(points: &[Pos2]) -> String {

@@ -3,7 +3,6 @@
 
 mod busy;
 mod card;
-mod copy_menu;
 mod dialog;
 pub mod dock;
 mod exchange;
@@ -11,15 +10,13 @@ mod export_dialog;
 mod film_strip;
 mod gauge;
 mod icons;
+mod menus;
 mod messages;
 mod open_dialog;
 mod overlays_menu;
 mod pair_chooser;
-mod pair_menu;
 mod pairs;
 mod palette;
-mod pin_menu;
-mod place_menu;
 mod player;
 mod relocate_dialog;
 mod save_dialog;
@@ -35,15 +32,12 @@ use egui::{Button, Response, Ui};
 use crate::app::model::command::Command;
 use crate::app::view::keyboard::key_text;
 
-pub use copy_menu::copy_fundamental_menu;
 pub use exchange::{FileExport, ReadingDialog};
 pub use export_dialog::ExportDialog;
 pub use film_strip::FilmStrip;
+pub use menus::{copy_fundamental_menu, pair_menu, pin_menu, place_menu};
 pub use open_dialog::OpenDialog;
-pub use pair_menu::show as pair_menu;
 pub use palette::CommandPalette;
-pub use pin_menu::show as pin_menu;
-pub use place_menu::show as place_menu;
 pub use relocate_dialog::RelocateDialog;
 pub use save_dialog::SaveDialog;
 

@@ -74,7 +74,7 @@ impl PictureTexture {
             scale: *scale,
             tiles: HashMap::new(),
             frame: 0,
-            film: opened.recording().map(|recording| Film::new(ctx, recording)),
+            film: opened.recording.clone().map(|recording| Film::new(ctx, recording)),
         }
     }
 

@@ -1,0 +1,117 @@
+//! The context menus of the images, and the menu that copies F.
+
+use egui::{Button, RichText, Ui};
+
+use super::command_button;
+use super::tabs::describe_lines;
+use crate::app::model::Model;
+use crate::app::model::command::{Command, ExchangeCommand};
+use crate::app::model::document::{Role, Side, pair_name};
+use crate::app::model::focus::LineSource;
+use crate::app::model::ids::TabId;
+use crate::app::model::point_table::{ChosenEdit, PointsCommand};
+use crate::app::model::suggesting::Repair;
+use crate::geometry::Point;
+use crate::io::Notation;
+
+/// Shows the menu of a complete or incomplete pair.
+pub fn pair_menu(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
+    let document = &model.document;
+    let chosen = document.chosen.len();
+    let together = chosen > 1 && document.chosen.contains(&pair);
+    ui.weak(if together { format!("{chosen} chosen pairs") } else { format!("Pair {}", pair_name(pair)) });
+    let mut offer = |ui: &mut Ui, command: Command, enabled: bool| {
+        if command_button(ui, command, enabled, commands).clicked() {
+            ui.close();
+        }
+    };
+    if together {
+        for edit in [ChosenEdit::Use, ChosenEdit::CheckOnly, ChosenEdit::Exclude, ChosenEdit::Delete] {
+            offer(ui, PointsCommand::Edit(edit).into(), true);
+        }
+        return;
+    }
+    if pair < document.pairs.len() {
+        for how in [Repair::Refine, Repair::Rematch] {
+            offer(ui, Command::Repair(pair, how), model.repair_question(pair, how).is_some());
+        }
+        ui.separator();
+        let only = document.role(pair) == Role::Used;
+        offer(ui, Command::CheckOnly(pair, only), only || document.can_be_used(pair));
+        offer(ui, Command::Pin(LineSource::Pair(pair)), model.shown().is_some());
+        ui.separator();
+    }
+    offer(ui, Command::DeletePair(pair), true);
+}
+
+/// Shows the menu of the pinned line pair with this number.
+pub fn pin_menu(ui: &mut Ui, model: &Model, number: usize, commands: &mut Vec<Command>) {
+    let pins = model.open.focus.pins();
+    let Some(place) = pins.iter().position(|pin| pin.number == number) else {
+        ui.close();
+        return;
+    };
+    ui.weak(format!("Line pair {}", number + 1));
+    ui.label(RichText::new(describe_lines(pins[place].source)).weak().small());
+    let look = ui.button("Show its profiles");
+    if look.on_hover_text("Compare the intensities along its two lines.").clicked() {
+        commands.extend([Command::Inspect(place), Command::ShowTab(TabId::Profiles)]);
+        ui.close();
+    }
+    if command_button(ui, Command::Unpin(place), true, commands).clicked() {
+        ui.close();
+    }
+}
+
+/// Shows the menu of a place in an image without a point or a pinned line.
+pub fn place_menu(ui: &mut Ui, model: &Model, side: Side, point: Point, commands: &mut Vec<Command>) {
+    let document = &model.document;
+    let pixel = model.open.pixel(side, point);
+    ui.weak(format!("x {:.2}   y {:.2}", pixel.x, pixel.y));
+    let next = pair_name(document.pairs.len());
+    let place = match document.half {
+        Some(half) if half.side != side => format!("Match of {next} is here"),
+        Some(_) => format!("Move {next} here"),
+        None => format!("Add pair {next} here"),
+    };
+    let has_lines = model.shown().is_some();
+    let pin = Command::Pin(LineSource::Through { side, point });
+    for (text, enabled, tooltip, command) in [
+        (&*place, true, "Place a point here, as a click does.", Command::Place(side, point)),
+        ("Pin the lines here", has_lines, "Keep the epipolar lines through this place on the images.", pin),
+        ("Copy coordinates", true, "Copy x and y of this place, px.", Command::CopyPosition(pixel)),
+        (
+            "Measure from here",
+            true,
+            "Measure distance and direction from this place to the next click.",
+            Command::MeasureFrom(side, point),
+        ),
+        (
+            "Turn this view by 90°",
+            true,
+            "Turn the image on the screen clockwise. Its coordinates stay as they are.",
+            Command::TurnView(side),
+        ),
+    ] {
+        let entry = ui.add_enabled(enabled, Button::new(text)).on_hover_text(tooltip);
+        if entry.on_disabled_hover_text("There is no geometry yet.").clicked() {
+            commands.push(command);
+            ui.close();
+        }
+    }
+}
+
+/// Shows the menu "Copy F as", with one entry per notation.
+pub fn copy_fundamental_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    ui.add_enabled_ui(model.shown().is_some(), |ui| {
+        ui.menu_button("Copy F as", |ui| {
+            for notation in Notation::ALL {
+                if command_button(ui, ExchangeCommand::CopyFundamental(notation).into(), true, commands)
+                    .clicked()
+                {
+                    ui.close();
+                }
+            }
+        });
+    });
+}
