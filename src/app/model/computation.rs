@@ -73,6 +73,13 @@ pub enum Freshness {
     Stopped,
 }
 
+impl Freshness {
+    /// Returns whether the points moved since the result was searched.
+    pub fn is_behind(self) -> bool {
+        matches!(self, Self::Stale | Self::Followed)
+    }
+}
+
 /// The result on the screen.
 #[derive(Debug, Clone)]
 struct ResultOnScreen {
@@ -163,8 +170,7 @@ impl Computation {
 
     /// Returns whether the points moved since the shown result was searched.
     pub fn is_behind(&self) -> bool {
-        self.result()
-            .is_some_and(|(_, freshness)| matches!(freshness, Freshness::Stale | Freshness::Followed))
+        self.result().is_some_and(|(_, freshness)| freshness.is_behind())
     }
 
     /// Returns a unique number of the shown pencils.

@@ -45,8 +45,7 @@ pub fn progress(stage: Stage, computation: &Computation) -> StepProgress {
 /// Describes the findings of a step in one line; `None` without any.
 pub fn result_text(stage: Stage, document: &Document, computation: &Computation) -> Option<String> {
     // Findings about earlier points do not apply to the current ones.
-    let earlier = |freshness| matches!(freshness, Freshness::Stale | Freshness::Followed);
-    let result = computation.result().filter(|(_, freshness)| !earlier(*freshness));
+    let result = computation.result().filter(|(_, freshness)| !freshness.is_behind());
     let estimate = result.map(|(estimate, _)| estimate);
     match stage {
         Stage::Pyramid => {

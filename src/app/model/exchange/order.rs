@@ -30,58 +30,72 @@ pub enum ExportKind {
 }
 
 impl ExportKind {
-    /// All kinds, in the order of the dialog.
-    pub const ALL: [Self; 9] = [
-        Self::Geometry,
-        Self::Array,
-        Self::Plane,
-        Self::Pairs,
-        Self::Table,
-        Self::Report,
-        Self::Profile,
-        Self::Figure,
-        Self::View,
+    /// All kinds in the order of the dialog: names, endings of suggested file names, tooltips.
+    const TABLE: [(Self, &'static str, &'static str, &'static str); 9] = [
+        (
+            Self::Geometry,
+            "Geometry",
+            "geometry",
+            "F and epipoles of the shown geometry, the point pairs, and the homographies that \
+             rectify the images, if homographies suffice.",
+        ),
+        (Self::Array, "NumPy array", "F", "F of the shown geometry alone, as a file that numpy.load reads."),
+        (
+            Self::Plane,
+            "Homography of the plane",
+            "plane",
+            "Homography from the left image to the right one. Nothing more is certain when \
+             everything lies on one plane or the camera only rotated.",
+        ),
+        (Self::Pairs, "Pairs alone", "pairs", "The point pairs that are not left out."),
+        (
+            Self::Table,
+            "Table",
+            "points",
+            "The point pairs with name, origin, role and distance, as comma-separated values for a spreadsheet.",
+        ),
+        (
+            Self::Report,
+            "Report",
+            "report",
+            "The result of the estimate: F, verdict, figures, matches, parameters and times.",
+        ),
+        (
+            Self::Profile,
+            "Profile",
+            "profile",
+            "Intensities, shifts and costs along the inspected line pair, as a table.",
+        ),
+        (
+            Self::Figure,
+            "Figure",
+            "figure",
+            "Both images with the visible overlays, for a paper: SVG or PDF with lines and text.",
+        ),
+        (Self::View, "Picture", "view", "A picture of the screen."),
     ];
+
+    /// Number of kinds.
+    pub const COUNT: usize = Self::TABLE.len();
+
+    /// Returns all kinds, in the order of the dialog.
+    pub fn all() -> impl Iterator<Item = Self> {
+        Self::TABLE.into_iter().map(|(kind, ..)| kind)
+    }
 
     /// Returns the name of the kind.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Geometry => "Geometry",
-            Self::Array => "NumPy array",
-            Self::Plane => "Homography of the plane",
-            Self::Pairs => "Pairs alone",
-            Self::Table => "Table",
-            Self::Report => "Report",
-            Self::Profile => "Profile",
-            Self::Figure => "Figure",
-            Self::View => "Picture",
-        }
+        Self::TABLE[self as usize].1
+    }
+
+    /// Returns the ending of suggested file names, without the extension.
+    pub fn file_name(self) -> &'static str {
+        Self::TABLE[self as usize].2
     }
 
     /// Returns the tooltip of the kind.
     pub fn tooltip(self) -> &'static str {
-        match self {
-            Self::Geometry => {
-                "F and epipoles of the shown geometry, the point pairs, and the homographies that \
-                 rectify the images, if homographies suffice."
-            }
-            Self::Array => "F of the shown geometry alone, as a file that numpy.load reads.",
-            Self::Plane => {
-                "Homography from the left image to the right one. Nothing more is certain when \
-                 everything lies on one plane or the camera only rotated."
-            }
-            Self::Pairs => "The point pairs that are not left out.",
-            Self::Table => {
-                "The point pairs with name, origin, role and distance, as comma-separated values for a spreadsheet."
-            }
-            Self::Report => "The result of the estimate: F, verdict, figures, matches, parameters and times.",
-            Self::Profile => "Intensities, shifts and costs along the inspected line pair, as a table.",
-            Self::Figure => {
-                "Both images with the visible overlays, for a paper: SVG or PDF with lines and \
-                 text, or PNG of any size."
-            }
-            Self::View => "A picture of the screen.",
-        }
+        Self::TABLE[self as usize].3
     }
 }
 

@@ -23,7 +23,14 @@ pub fn by_name() -> Vec<Action> {
     let presets = "Robust is best on real images. As published follows the paper exactly (--preset paper).";
     let layouts = "Show the rectified pictures side by side, alternating, in red and cyan, with a wipe, or \
                    as disparities.";
-    let layout = |layout| action(RectifiedCommand::LayOut(layout), "Layout of the rectified pair", layouts);
+    let layout = |layout| {
+        action(RectifiedCommand::LayOut(layout), "Layout of the rectified pair", layouts).when(has_rectified)
+    };
+    let method =
+        |method| action(Command::SetMethod(method), "Published method", methods).when(is_published_search);
+    let preset = |preset| action(Command::SetPreset(preset), "Preset", presets);
+    let place = "Put the dock at the bottom or at the right, or where it costs the pictures least.";
+    let dock = |edge| action(Command::PlaceDock(edge), "Place of the dock", place);
     let copy = |notation: Notation, tooltip| {
         action(ExchangeCommand::CopyFundamental(notation), notation.name(), tooltip)
             .when(|model| model.shown().is_some())
@@ -115,24 +122,9 @@ pub fn by_name() -> Vec<Action> {
             |model| if model.open.lines_anyway { "Hide unreliable lines" } else { "Show unreliable lines" },
         )
         .when(|model| model.lines_switch().is_some()),
-        action(
-            Command::PlaceDock(None),
-            "Place of the dock",
-            "Put the dock at the bottom or at the right, or where it costs the pictures least.",
-        )
-        .listed(|_| "Dock: automatic place"),
-        action(
-            Command::PlaceDock(Some(DockEdge::Bottom)),
-            "Place of the dock",
-            "Put the dock at the bottom or at the right, or where it costs the pictures least.",
-        )
-        .listed(|_| "Dock: at the bottom"),
-        action(
-            Command::PlaceDock(Some(DockEdge::Right)),
-            "Place of the dock",
-            "Put the dock at the bottom or at the right, or where it costs the pictures least.",
-        )
-        .listed(|_| "Dock: at the right"),
+        dock(None).listed(|_| "Dock: automatic place"),
+        dock(Some(DockEdge::Bottom)).listed(|_| "Dock: at the bottom"),
+        dock(Some(DockEdge::Right)).listed(|_| "Dock: at the right"),
         action(RectifiedCommand::Swap, "Swap", "Show the other rectified picture instead."),
         action(Command::ClearPairs, "Clear points", "Remove all point pairs. Undo brings them back.")
             .listed(|_| "Clear all points")
@@ -191,14 +183,10 @@ pub fn by_name() -> Vec<Action> {
         )
         .listed(|_| "Remove the imported geometry")
         .when(|model| model.document.imported.is_some()),
-        action(Command::SetMethod(Method::TwoPoint), "Published method", methods)
-            .listed(|_| "Published search: two-point method")
-            .when(is_published_search),
-        action(Command::SetMethod(Method::ThreePoint), "Published method", methods)
-            .listed(|_| "Published search: three-point method")
-            .when(is_published_search),
-        action(Command::SetPreset(Preset::Robust), "Preset", presets).listed(|_| "Preset: robust"),
-        action(Command::SetPreset(Preset::Paper), "Preset", presets).listed(|_| "Preset: paper"),
+        method(Method::TwoPoint).listed(|_| "Published search: two-point method"),
+        method(Method::ThreePoint).listed(|_| "Published search: three-point method"),
+        preset(Preset::Robust).listed(|_| "Preset: robust"),
+        preset(Preset::Paper).listed(|_| "Preset: paper"),
         action(
             RectifiedCommand::SetMethod(RectifyMethod::Auto),
             "Rectification method",
@@ -219,13 +207,11 @@ pub fn by_name() -> Vec<Action> {
              lines.",
         )
         .listed(|_| "Rectify: polar method"),
-        layout(RectifiedLayout::SideBySide).listed(|_| "Rectified pair side by side").when(has_rectified),
-        layout(RectifiedLayout::Blink).listed(|_| "Rectified pair alternating (blink)").when(has_rectified),
-        layout(RectifiedLayout::Anaglyph)
-            .listed(|_| "Rectified pair as anaglyph, red and cyan")
-            .when(has_rectified),
-        layout(RectifiedLayout::Wipe).listed(|_| "Rectified pair with a wipe").when(has_rectified),
-        layout(RectifiedLayout::Disparity).listed(|_| "Rectified pair: disparities").when(has_rectified),
+        layout(RectifiedLayout::SideBySide).listed(|_| "Rectified pair side by side"),
+        layout(RectifiedLayout::Blink).listed(|_| "Rectified pair alternating (blink)"),
+        layout(RectifiedLayout::Anaglyph).listed(|_| "Rectified pair as anaglyph, red and cyan"),
+        layout(RectifiedLayout::Wipe).listed(|_| "Rectified pair with a wipe"),
+        layout(RectifiedLayout::Disparity).listed(|_| "Rectified pair: disparities"),
         action(
             RectifiedCommand::Shift(0.0),
             "No shift",

@@ -37,8 +37,8 @@ pub struct FileExport {
     begin: PathBuf,
     /// Latest suggested path.
     suggested: String,
-    /// Path typed for each kind, in the order of [`ExportKind::ALL`].
-    typed: [Option<PathBuf>; ExportKind::ALL.len()],
+    /// Path typed for each kind, in the order of [`ExportKind::all`].
+    typed: [Option<PathBuf>; ExportKind::COUNT],
     just_opened: bool,
 }
 
@@ -85,17 +85,7 @@ impl FileExport {
     /// Updates the path after a choice: the path typed for this kind, or a name that no other kind
     /// has, both with the extension of the format.
     fn suggest(&mut self) {
-        let kind = match self.order.what {
-            ExportKind::Geometry => "geometry",
-            ExportKind::Array => "F",
-            ExportKind::Plane => "plane",
-            ExportKind::Pairs => "pairs",
-            ExportKind::Table => "points",
-            ExportKind::Report => "report",
-            ExportKind::Profile => "profile",
-            ExportKind::Figure => "figure",
-            ExportKind::View => "view",
-        };
+        let kind = self.order.what.file_name();
         // MATLAB runs a script by its name, so the name must be a valid identifier.
         let separator = if self.extension() == Format::Matlab.extension() { '_' } else { '-' };
         let stem =
@@ -178,7 +168,7 @@ impl FileExport {
     }
 
     fn kinds(&mut self, ui: &mut Ui, model: &Model) {
-        for what in ExportKind::ALL.into_iter().filter(|what| what.is_offered(model)) {
+        for what in ExportKind::all().filter(|what| what.is_offered(model)) {
             let missing = what.missing(model);
             let button = Button::selectable(self.order.what == what, what.name());
             let button = ui.add_enabled(missing.is_none(), button);

@@ -1,21 +1,10 @@
 //! Overlay of the bisectors and the lines matched to them, which give the line maps H and G.
 
-use super::{Canvas, Overlay};
+use super::Canvas;
 use crate::app::model::document::Side;
-use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
 
-/// Registered in [`super::OVERLAYS`].
-pub const OVERLAY: Overlay = Overlay {
-    id: OverlayId::Bisectors,
-    tooltip: "H: the bisector of the left lines and its most similar right line. G: the same from right to \
-              left. They determine the line maps H and G.",
-    color: theme::FORWARD,
-    magnified: false,
-    draw,
-};
-
-fn draw(canvas: &Canvas) {
+pub fn draw(canvas: &Canvas) {
     let Some(construction) = canvas.model.construction() else { return };
     let left = canvas.side == Side::Left;
     let maps = [

@@ -1,26 +1,13 @@
 //! Overlay of the candidate line pairs through the clicks: mutually most similar lines.
 
-use egui::Color32;
-
-use super::{Canvas, Overlay};
-use crate::app::model::ids::OverlayId;
+use super::Canvas;
 use crate::app::view::heat;
 use crate::geometry::AnchoredLine;
-
-/// Registered in [`super::OVERLAYS`].
-pub const OVERLAY: Overlay = Overlay {
-    id: OverlayId::Candidates,
-    tooltip: "Candidate epipolar lines through p and q: the most similar line pairs, from yellow (best) to \
-              violet, as in the step Pencils.",
-    color: Color32::from_rgb(92, 200, 99),
-    magnified: false,
-    draw,
-};
 
 /// Number of candidates drawn through each click, by rank.
 const DRAWN: usize = 80;
 
-fn draw(canvas: &Canvas) {
+pub fn draw(canvas: &Canvas) {
     // Candidates of earlier points would miss the present ones.
     let Some(pencils) =
         canvas.model.open.computation.pencils().filter(|_| canvas.model.has_current_pencils())

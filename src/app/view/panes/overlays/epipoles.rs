@@ -2,22 +2,11 @@
 
 use egui::{Color32, Stroke, vec2};
 
-use super::{Canvas, Overlay};
-use crate::app::model::ids::OverlayId;
+use super::Canvas;
 use crate::app::view::theme;
 use crate::geometry::{FundamentalMatrix, finite_point};
 
-/// Registered in [`super::OVERLAYS`].
-pub const OVERLAY: Overlay = Overlay {
-    id: OverlayId::Epipoles,
-    tooltip: "Position of the other camera in this image, where all epipolar lines meet. Blue: epipole of \
-              the ground truth.",
-    color: theme::ESTIMATED,
-    magnified: false,
-    draw,
-};
-
-fn draw(canvas: &Canvas) {
+pub fn draw(canvas: &Canvas) {
     if let Some(truth) = canvas.model.truth() {
         mark(canvas, &truth.fundamental, ("true epipole", 36.0), theme::TRUE, 1.0);
     }

@@ -1,19 +1,9 @@
 //! Overlay of the epipolar line of the cursor in both images.
 
-use super::{Canvas, Overlay};
-use crate::app::model::ids::OverlayId;
+use super::Canvas;
 use crate::app::view::theme;
 
-/// Registered in [`super::OVERLAYS`].
-pub const OVERLAY: Overlay = Overlay {
-    id: OverlayId::CursorLine,
-    tooltip: "The line in the other image on which the match of the point under the cursor lies.",
-    color: theme::HOVER,
-    magnified: true,
-    draw,
-};
-
-fn draw(canvas: &Canvas) {
+pub fn draw(canvas: &Canvas) {
     let (Some((shown, opacity)), Some(hover)) = (canvas.shown(), canvas.model.open.hover) else { return };
     if hover.dragging {
         // A dragged point has a line of its own.

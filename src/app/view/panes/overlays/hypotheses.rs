@@ -3,27 +3,16 @@
 
 use egui::{Color32, Pos2, Shape, Stroke, Vec2, vec2};
 
-use super::{Canvas, Overlay, Pointing};
+use super::{Canvas, Pointing};
 use crate::app::model::focus::Target;
-use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
 use crate::estimate::Estimate;
 use crate::geometry::{HomogeneousPoint, Vector, finite_point};
 
-/// Registered in [`super::OVERLAYS`].
-pub const OVERLAY: Overlay = Overlay {
-    id: OverlayId::Hypotheses,
-    tooltip: "Epipoles of the hypotheses, the best ones brightest. An arrow at the edge points to an \
-              epipole outside.",
-    color: theme::HYPOTHESIS,
-    magnified: false,
-    draw,
-};
-
 /// Number of hypotheses drawn, by rank.
 const DRAWN: usize = 20;
 
-fn draw(canvas: &Canvas) {
+pub fn draw(canvas: &Canvas) {
     let Some((shown, opacity)) = canvas.shown() else { return };
     let drawn = shown.estimate.hypotheses().len().min(DRAWN);
     let lit = match canvas.at_hand(canvas.model.open.focus.hovered()) {
@@ -50,12 +39,8 @@ fn draw(canvas: &Canvas) {
 pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
     let (shown, _) = canvas.shown()?;
     let hypotheses = shown.estimate.hypotheses().iter().take(DRAWN).enumerate();
-    let near = hypotheses.filter_map(|(number, hypothesis)| {
-        let distance = place(canvas, hypothesis).0.distance(position);
-        (distance < theme::GRAB_RADIUS).then_some((number, distance))
-    });
-    let (number, distance) = near.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some(Pointing { target: Target::Hypothesis(number), distance })
+    let places = hypotheses.map(|(number, hypothesis)| (number, place(canvas, hypothesis).0));
+    Pointing::nearest(places, position, theme::GRAB_RADIUS, Target::Hypothesis)
 }
 
 fn mark(canvas: &Canvas, hypothesis: &Estimate, color: Color32, size: f32) {

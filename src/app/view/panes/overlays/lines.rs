@@ -1,22 +1,12 @@
 //! Overlay of the epipolar lines of the clicked points.
 
-use super::{Canvas, Overlay};
+use super::Canvas;
 use crate::app::model::document::{PointRef, Role};
-use crate::app::model::ids::OverlayId;
 use crate::app::model::verdict::LineLook;
 use crate::app::view::theme;
 use crate::geometry::PointPair;
 
-/// Registered in [`super::OVERLAYS`].
-pub const OVERLAY: Overlay = Overlay {
-    id: OverlayId::Lines,
-    tooltip: "The line of each clicked point in the other image, on which its match must lie.",
-    color: theme::ESTIMATED,
-    magnified: true,
-    draw,
-};
-
-fn draw(canvas: &Canvas) {
+pub fn draw(canvas: &Canvas) {
     let Some((shown, opacity)) = canvas.shown() else { return };
     let color = theme::line_color(canvas.model.line_look()).gamma_multiply(opacity);
     let document = &canvas.model.document;

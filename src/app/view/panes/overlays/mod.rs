@@ -17,12 +17,14 @@ mod residuals;
 mod round_trip;
 mod samples;
 mod suggestion;
+mod table;
 mod true_lines;
 mod true_matches;
 mod uncertainty;
 
 pub use measure::draw as draw_measurement;
 pub use pinned::number_at as pinned_at;
+pub use table::OVERLAYS;
 
 use std::cell::RefCell;
 
@@ -39,43 +41,6 @@ use crate::app::model::verdict::LineLook;
 use crate::app::view::theme;
 use crate::geometry::{Frame, FundamentalMatrix, Line, LinePair, Point, PointPair};
 
-/// An overlay of the images.
-pub struct Overlay {
-    /// Which overlay it is.
-    pub id: OverlayId,
-    /// One-sentence description.
-    pub tooltip: &'static str,
-    /// Colour in the legend.
-    pub color: Color32,
-    /// Whether the loupe shows the overlay, because it helps to place a point.
-    pub magnified: bool,
-    /// Function that draws the overlay on one image.
-    pub draw: fn(&Canvas),
-}
-
-/// All overlays from bottom to top, in the order of [`OverlayId`].
-pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
-    candidates::OVERLAY,
-    round_trip::OVERLAY,
-    uncertainty::OVERLAY,
-    lines::OVERLAY,
-    true_lines::OVERLAY,
-    chosen::OVERLAY,
-    bisectors::OVERLAY,
-    hover::OVERLAY,
-    pinned::OVERLAY,
-    samples::OVERLAY,
-    true_matches::OVERLAY,
-    matches::OVERLAY,
-    residuals::OVERLAY,
-    hypotheses::OVERLAY,
-    epipoles::OVERLAY,
-    pointed::OVERLAY,
-    suggestion::OVERLAY,
-    next_click::OVERLAY,
-    points::OVERLAY,
-];
-
 /// An item under the cursor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pointing {
@@ -83,6 +48,20 @@ pub struct Pointing {
     pub target: Target,
     /// Distance from the cursor, screen points.
     distance: f32,
+}
+
+impl Pointing {
+    /// Returns the nearest of numbered items on the screen, if it is within reach of a position.
+    fn nearest(
+        items: impl Iterator<Item = (usize, Pos2)>,
+        position: Pos2,
+        reach: f32,
+        target: fn(usize) -> Target,
+    ) -> Option<Self> {
+        let distances = items.map(|(number, at)| (number, at.distance(position)));
+        let (number, distance) = distances.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        (distance <= reach).then(|| Self { target: target(number), distance })
+    }
 }
 
 /// Function that finds the item of an overlay at a screen position.
@@ -172,6 +151,11 @@ impl Canvas<'_> {
     /// Returns a cursor or selection state in the window, and nothing in a figure.
     fn at_hand<T>(&self, of_state: Option<T>) -> Option<T> {
         of_state.filter(|_| !self.is_figure)
+    }
+
+    /// Returns the screen position of a pair's point in this image.
+    fn place(&self, pair: &PointPair) -> Pos2 {
+        self.transform.screen_from_image(self.side.point(pair))
     }
 
     /// Returns the visible area of the image on the screen.
@@ -346,10 +330,5 @@ mod tests {
         for corner in [pane.min, pane.max, pane.right_top(), pane.left_bottom()] {
             assert!(pane.contains_rect(Labels::default().place(pane, corner, size)));
         }
-    }
-
-    #[test]
-    fn every_overlay_is_in_its_place() {
-        assert!(OVERLAYS.iter().map(|overlay| overlay.id).eq(OverlayId::all()));
     }
 }

@@ -2,25 +2,15 @@
 
 use egui::{Shape, Stroke, vec2};
 
-use super::{Canvas, Overlay};
+use super::Canvas;
 use crate::app::model::document::Side;
-use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
-
-/// Registered in [`super::OVERLAYS`].
-pub const OVERLAY: Overlay = Overlay {
-    id: OverlayId::NextClick,
-    tooltip: "The place in the left image where one more pair would help most, while the result is doubtful.",
-    color: theme::SUGGESTED,
-    magnified: false,
-    draw,
-};
 
 const RADIUS: f32 = 11.0;
 /// Number of vertices of the dashed ring.
 const CORNERS: usize = 36;
 
-fn draw(canvas: &Canvas) {
+pub fn draw(canvas: &Canvas) {
     let Some(Some(next)) = canvas.model.open.next_click else { return };
     if canvas.side != Side::Left {
         return;

@@ -3,20 +3,9 @@
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, vec2};
 
-use super::{Canvas, Overlay};
+use super::Canvas;
 use crate::app::model::focus::LineSource;
-use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
-
-/// Registered in [`super::OVERLAYS`].
-pub const OVERLAY: Overlay = Overlay {
-    id: OverlayId::Pinned,
-    tooltip: "Line pairs pinned with the pin tool, each in its own colour, with a number at the left where \
-              there is room. Right-click a line to see its number.",
-    color: theme::PINNED[0],
-    magnified: true,
-    draw,
-};
 
 /// Number of places tried for a number, from the border inwards.
 const STEPS: usize = 7;
@@ -28,7 +17,7 @@ const BORDER: f32 = 0.4;
 /// Distance within which a right click hits a line, screen points.
 const REACH: f64 = 5.0;
 
-fn draw(canvas: &Canvas) {
+pub fn draw(canvas: &Canvas) {
     let inspected = canvas.at_hand(canvas.model.open.focus.inspected()).map(|pin| pin.source);
     let mut numbers = Vec::new();
     for (number, pinned) in canvas.model.pinned() {

@@ -2,23 +2,13 @@
 
 use egui::Stroke;
 
-use super::{Canvas, Overlay, samples};
+use super::{Canvas, samples};
 use crate::app::model::document::{PointRef, Side};
 use crate::app::model::focus::Target;
-use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
 use crate::geometry::Point;
 
-/// Registered in [`super::OVERLAYS`].
-pub const OVERLAY: Overlay = Overlay {
-    id: OverlayId::PointedAt,
-    tooltip: "The item under the cursor in a table, a matrix or a plot, highlighted in the images.",
-    color: theme::SELECTED,
-    magnified: false,
-    draw,
-};
-
-fn draw(canvas: &Canvas) {
+pub fn draw(canvas: &Canvas) {
     let model = canvas.model;
     match model.open.focus.hovered() {
         Some(Target::Cell { pair, row, column }) => {

@@ -3,23 +3,12 @@
 
 use egui::{Pos2, Rect, Stroke, StrokeKind, Vec2};
 
-use super::{Canvas, Overlay, Pointing};
+use super::{Canvas, Pointing};
 use crate::app::model::document::{Role, pair_name};
 use crate::app::model::focus::Target;
-use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
 
-/// Registered in [`super::OVERLAYS`].
-pub const OVERLAY: Overlay = Overlay {
-    id: OverlayId::Points,
-    tooltip: "The clicked points: p orange, q pink, r blue, others light. Squares only check, and ! marks a \
-              pair that the images contradict.",
-    color: theme::PAIRS[0],
-    magnified: false,
-    draw,
-};
-
-fn draw(canvas: &Canvas) {
+pub fn draw(canvas: &Canvas) {
     let document = &canvas.model.document;
     for (at, point) in document.points(canvas.side) {
         let centre = canvas.transform.screen_from_image(point);
@@ -51,11 +40,7 @@ fn draw(canvas: &Canvas) {
 
 /// Returns the pair with a point at a screen position.
 pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
-    let distances = canvas
-        .model
-        .document
-        .points(canvas.side)
-        .map(|(at, point)| (at.pair, canvas.transform.screen_from_image(point).distance(position)));
-    let (pair, distance) = distances.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    (distance <= theme::GRAB_RADIUS).then_some(Pointing { target: Target::Pair(pair), distance })
+    let points = canvas.model.document.points(canvas.side);
+    let places = points.map(|(at, point)| (at.pair, canvas.transform.screen_from_image(point)));
+    Pointing::nearest(places, position, theme::GRAB_RADIUS, Target::Pair)
 }

@@ -1,25 +1,14 @@
 //! Overlay of the magnified distances of refined matches from their epipolar lines.
 
-use super::{Canvas, Overlay};
-use crate::app::model::ids::OverlayId;
+use super::Canvas;
 use crate::app::view::theme;
-
-/// Registered in [`super::OVERLAYS`].
-pub const OVERLAY: Overlay = Overlay {
-    id: OverlayId::MagnifiedResiduals,
-    tooltip: "Distance from each refined match to its epipolar line, magnified 50 times: 1 pixel is drawn \
-              as 50 pixels.",
-    color: theme::RESIDUAL,
-    magnified: false,
-    draw,
-};
 
 /// Magnification of a residual.
 const MAGNIFICATION: f64 = 50.0;
 /// Largest number of residuals drawn, spread over the list, which is in the order of the corners.
 const DRAWN: usize = 300;
 
-fn draw(canvas: &Canvas) {
+pub fn draw(canvas: &Canvas) {
     let Some((shown, opacity)) = canvas.shown() else { return };
     let matches = shown.estimate.matches();
     for matched in matches.iter().step_by(matches.len().div_ceil(DRAWN).max(1)) {

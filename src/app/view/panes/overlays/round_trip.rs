@@ -3,26 +3,15 @@
 
 use egui::{Mesh, Pos2, Shape};
 
-use super::{Canvas, Overlay};
+use super::Canvas;
 use crate::app::model::document::Side;
-use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
 use crate::geometry::{Point, regions_between_lines};
-
-/// Registered in [`super::OVERLAYS`].
-pub const OVERLAY: Overlay = Overlay {
-    id: OverlayId::RoundTrip,
-    tooltip: "Left: lines l, and GH l (dashed) after mapping them to the right image and back. Right: H l. \
-              The smaller the filled area, the better both directions agree.",
-    color: theme::BACKWARD,
-    magnified: false,
-    draw,
-};
 
 /// Number of lines mapped. With more, the regions would cover the image.
 const LINES: usize = 5;
 
-fn draw(canvas: &Canvas) {
+pub fn draw(canvas: &Canvas) {
     let (Some(construction), Some(frame1)) =
         (canvas.model.construction(), canvas.model.document.frame(Side::Left))
     else {

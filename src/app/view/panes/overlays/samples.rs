@@ -3,30 +3,20 @@
 
 use egui::{Pos2, Rect, Vec2};
 
-use super::{Canvas, Overlay, Pointing};
+use super::{Canvas, Pointing};
 use crate::app::model::document::Side;
 use crate::app::model::focus::Target;
-use crate::app::model::ids::OverlayId;
 use crate::app::model::inspection::Inspection;
 use crate::app::view::heat;
 use crate::app::view::theme;
 use crate::geometry::Point;
-
-/// Registered in [`super::OVERLAYS`].
-pub const OVERLAY: Overlay = Overlay {
-    id: OverlayId::Samples,
-    tooltip: "Matched samples along the pinned line pair. Dots of the same colour match.",
-    color: theme::INSPECTED,
-    magnified: false,
-    draw,
-};
 
 /// Radius of a dot with its dark edge, screen points.
 const RADIUS: f32 = 5.0;
 /// Approximate number of dots on a line.
 const DOTS: i32 = 32;
 
-fn draw(canvas: &Canvas) {
+pub fn draw(canvas: &Canvas) {
     // A pair that is inspected without being pinned would be in the way all the time.
     let pinned = canvas.model.open.focus.inspected().is_some();
     let Some(inspection) = inspection(canvas).filter(|_| pinned) else { return };

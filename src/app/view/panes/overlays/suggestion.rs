@@ -2,26 +2,15 @@
 
 use egui::Stroke;
 
-use super::{Canvas, Overlay};
-use crate::app::model::ids::OverlayId;
+use super::Canvas;
 use crate::app::view::theme;
-
-/// Registered in [`super::OVERLAYS`].
-pub const OVERLAY: Overlay = Overlay {
-    id: OverlayId::Suggestion,
-    tooltip: "After the first click of a pair: the most similar places in the other image, with their patch \
-              correlations. Enter accepts a clear match.",
-    color: theme::SUGGESTED,
-    magnified: true,
-    draw,
-};
 
 /// Number of rivals drawn beside the best match.
 const RIVALS: usize = 4;
 /// Distance from a better match within which a rival has no label, screen points.
 const LABEL_ROOM: f32 = 70.0;
 
-fn draw(canvas: &Canvas) {
+pub fn draw(canvas: &Canvas) {
     let model = canvas.model;
     if model.document.half.is_none_or(|half| half.side == canvas.side) {
         return;

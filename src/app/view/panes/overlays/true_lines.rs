@@ -1,21 +1,10 @@
 //! Overlay of the true epipolar lines of the same points.
 
-use super::{Canvas, Overlay};
+use super::Canvas;
 use crate::app::model::document::Role;
-use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
 
-/// Registered in [`super::OVERLAYS`].
-pub const OVERLAY: Overlay = Overlay {
-    id: OverlayId::TrueLines,
-    tooltip: "True epipolar lines of the clicked points and of the cursor, from the ground truth. Dashed, \
-              so that an estimated line below shows through.",
-    color: theme::TRUE,
-    magnified: true,
-    draw,
-};
-
-fn draw(canvas: &Canvas) {
+pub fn draw(canvas: &Canvas) {
     let model = canvas.model;
     let Some(truth) = model.truth() else { return };
     let document = &model.document;

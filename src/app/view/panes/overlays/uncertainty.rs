@@ -2,23 +2,12 @@
 
 use egui::{Mesh, Shape, Stroke};
 
-use super::{Canvas, Overlay};
+use super::Canvas;
 use crate::app::model::document::Side;
-use crate::app::model::ids::OverlayId;
 use crate::app::model::verdict::LineLook;
 use crate::app::view::theme;
 use crate::estimate::{EpipoleEllipse, Uncertainty};
 use crate::geometry::{Line, Point, Vector};
-
-/// Registered in [`super::OVERLAYS`].
-pub const OVERLAY: Overlay = Overlay {
-    id: OverlayId::Uncertainty,
-    tooltip: "Uncertainty of each epipolar line and epipole: two standard deviations, from the matches. \
-              Often narrower than the line until you zoom in.",
-    color: theme::BAND,
-    magnified: true,
-    draw,
-};
 
 /// Half-width of a band, in standard deviations.
 const REACH: f64 = 2.0;
@@ -27,7 +16,7 @@ const PIECES: usize = 24;
 /// Width below which a band is hidden by its line, screen points.
 const LEAST: f32 = 1.2;
 
-fn draw(canvas: &Canvas) {
+pub fn draw(canvas: &Canvas) {
     let Some((shown, opacity)) = canvas.shown() else { return };
     // The covariance belongs to the result only.
     let (None, None, Some(uncertainty)) = (shown.hypothesis, shown.contestant, shown.estimate.uncertainty())

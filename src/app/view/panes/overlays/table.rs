@@ -1,0 +1,184 @@
+//! The table of overlays. A file of its own draws each of them.
+
+use egui::Color32;
+
+use super::{
+    Canvas, bisectors, candidates, chosen, epipoles, hover, hypotheses, lines, matches, next_click, pinned,
+    pointed, points, residuals, round_trip, samples, suggestion, true_lines, true_matches, uncertainty,
+};
+use crate::app::model::ids::OverlayId;
+use crate::app::view::theme;
+
+/// An overlay of the images.
+pub struct Overlay {
+    /// Which overlay it is.
+    pub id: OverlayId,
+    /// One-sentence description.
+    pub tooltip: &'static str,
+    /// Colour in the legend.
+    pub color: Color32,
+    /// Whether the loupe shows the overlay, because it helps to place a point.
+    pub magnified: bool,
+    /// Function that draws the overlay on one image.
+    pub draw: fn(&Canvas),
+}
+
+/// All overlays from bottom to top, in the order of [`OverlayId`].
+pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
+    Overlay {
+        id: OverlayId::Candidates,
+        tooltip: "Candidate epipolar lines through p and q: the most similar line pairs, from yellow (best) to \
+                  violet, as in the step Pencils.",
+        color: Color32::from_rgb(92, 200, 99),
+        magnified: false,
+        draw: candidates::draw,
+    },
+    Overlay {
+        id: OverlayId::RoundTrip,
+        tooltip: "Left: lines l, and GH l (dashed) after mapping them to the right image and back. Right: H l. \
+                  The smaller the filled area, the better both directions agree.",
+        color: theme::BACKWARD,
+        magnified: false,
+        draw: round_trip::draw,
+    },
+    Overlay {
+        id: OverlayId::Uncertainty,
+        tooltip: "Uncertainty of each epipolar line and epipole: two standard deviations, from the matches. \
+                  Often narrower than the line until you zoom in.",
+        color: theme::BAND,
+        magnified: true,
+        draw: uncertainty::draw,
+    },
+    Overlay {
+        id: OverlayId::Lines,
+        tooltip: "The line of each clicked point in the other image, on which its match must lie.",
+        color: theme::ESTIMATED,
+        magnified: true,
+        draw: lines::draw,
+    },
+    Overlay {
+        id: OverlayId::TrueLines,
+        tooltip: "True epipolar lines of the clicked points and of the cursor, from the ground truth. Dashed, \
+                  so that an estimated line below shows through.",
+        color: theme::TRUE,
+        magnified: true,
+        draw: true_lines::draw,
+    },
+    Overlay {
+        id: OverlayId::ChosenLines,
+        tooltip: "The two candidate line pairs, one through each click, from which the hypothesis shown was \
+                  built. They meet in its epipoles.",
+        color: theme::PAIRS[0],
+        magnified: false,
+        draw: chosen::draw,
+    },
+    Overlay {
+        id: OverlayId::Bisectors,
+        tooltip: "H: the bisector of the left lines and its most similar right line. G: the same from right to \
+                  left. They determine the line maps H and G.",
+        color: theme::FORWARD,
+        magnified: false,
+        draw: bisectors::draw,
+    },
+    Overlay {
+        id: OverlayId::CursorLine,
+        tooltip: "The line in the other image on which the match of the point under the cursor lies.",
+        color: theme::HOVER,
+        magnified: true,
+        draw: hover::draw,
+    },
+    Overlay {
+        id: OverlayId::Pinned,
+        tooltip: "Line pairs pinned with the pin tool, each in its own colour, with a number at the left where \
+                  there is room. Right-click a line to see its number.",
+        color: theme::PINNED[0],
+        magnified: true,
+        draw: pinned::draw,
+    },
+    Overlay {
+        id: OverlayId::Samples,
+        tooltip: "Matched samples along the pinned line pair. Dots of the same colour match.",
+        color: theme::INSPECTED,
+        magnified: false,
+        draw: samples::draw,
+    },
+    Overlay {
+        id: OverlayId::TrueMatches,
+        tooltip: "Points whose match in the other image is known. Point at one to see its match. At most 300 \
+                  are drawn.",
+        color: theme::TRUE,
+        magnified: false,
+        draw: true_matches::draw,
+    },
+    Overlay {
+        id: OverlayId::Matches,
+        tooltip: "Patches that the refinement matched along the epipolar lines. The geometry is fitted to them.",
+        color: theme::MATCH,
+        magnified: true,
+        draw: matches::draw,
+    },
+    Overlay {
+        id: OverlayId::MagnifiedResiduals,
+        tooltip: "Distance from each refined match to its epipolar line, magnified 50 times: 1 pixel is drawn \
+                  as 50 pixels.",
+        color: theme::RESIDUAL,
+        magnified: false,
+        draw: residuals::draw,
+    },
+    Overlay {
+        id: OverlayId::Hypotheses,
+        tooltip: "Epipoles of the hypotheses, the best ones brightest. An arrow at the edge points to an \
+                  epipole outside.",
+        color: theme::HYPOTHESIS,
+        magnified: false,
+        draw: hypotheses::draw,
+    },
+    Overlay {
+        id: OverlayId::Epipoles,
+        tooltip: "Position of the other camera in this image, where all epipolar lines meet. Blue: epipole of \
+                  the ground truth.",
+        color: theme::ESTIMATED,
+        magnified: false,
+        draw: epipoles::draw,
+    },
+    Overlay {
+        id: OverlayId::PointedAt,
+        tooltip: "The item under the cursor in a table, a matrix or a plot, highlighted in the images.",
+        color: theme::SELECTED,
+        magnified: false,
+        draw: pointed::draw,
+    },
+    Overlay {
+        id: OverlayId::Suggestion,
+        tooltip: "After the first click of a pair: the most similar places in the other image, with their patch \
+                  correlations. Enter accepts a clear match.",
+        color: theme::SUGGESTED,
+        magnified: true,
+        draw: suggestion::draw,
+    },
+    Overlay {
+        id: OverlayId::NextClick,
+        tooltip: "The place in the left image where one more pair would help most, while the result is doubtful.",
+        color: theme::SUGGESTED,
+        magnified: false,
+        draw: next_click::draw,
+    },
+    Overlay {
+        id: OverlayId::Points,
+        tooltip: "The clicked points: p orange, q pink, r blue, others light. Squares only check, and ! marks a \
+                  pair that the images contradict.",
+        color: theme::PAIRS[0],
+        magnified: false,
+        draw: points::draw,
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_overlay_is_in_its_place() {
+        assert!(OVERLAYS.iter().map(|overlay| overlay.id).eq(OverlayId::all()));
+    }
+}
