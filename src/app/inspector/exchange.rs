@@ -14,7 +14,7 @@ use crate::app::model::exchange::{
 };
 use crate::app::model::rectified::{Blink, RectifiedCommand, RectifiedLayout, RectifyOrder};
 use crate::app::model::session::suggested_path;
-use crate::app::tasks::SaveJob;
+use crate::app::tasks::saver;
 use crate::app::view::{Destination, ImagePane, ReadingDialog, excerpt, figure, picture};
 use crate::io::{PairOrigin, RectifiedOptions};
 use crate::rectify::RectifyMethod;
@@ -79,8 +79,7 @@ impl Inspector {
     }
 
     fn write(&mut self, path: PathBuf, what: String, content: ExportContent) {
-        let inputs = self.image_files();
-        self.tasks.saver.ask(SaveJob::Export { path, what, content, inputs });
+        self.tasks.saver.ask(saver::export(path, what, content, self.image_files()));
     }
 
     /// Requests the picture of a view in the next frame, and writes the picture once it is there.

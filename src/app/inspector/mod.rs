@@ -48,7 +48,6 @@ impl Inspector {
         inspector
     }
 
-    /// Returns the whole state.
     pub fn model(&self) -> &Model {
         &self.model
     }

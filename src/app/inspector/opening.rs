@@ -197,7 +197,6 @@ impl Inspector {
         self.open(Wanted::Opening(Opening::Folder(path)));
     }
 
-    /// Opens a session.
     pub(super) fn open_session(&mut self, session: OpenSession) {
         self.open(Wanted::Session(session));
         self.view.dialogs.relocate = None;

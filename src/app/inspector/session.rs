@@ -11,7 +11,8 @@ use crate::app::model::history::History;
 use crate::app::model::look::Tool;
 use crate::app::model::messages::{MessageAction, MessageKind};
 use crate::app::model::session::{OpenSession, Restored, Work, suggested_path};
-use crate::app::tasks::{Autosave, SaveJob, Written};
+use crate::app::tasks::Autosave;
+use crate::app::tasks::saver::{self, Written};
 use crate::app::view::SaveDialog;
 use crate::io::{ImageReference, SessionFile};
 
@@ -140,8 +141,7 @@ impl Inspector {
         self.model.messages.settle(MessageKind::Replace);
         session.fundamental = self.estimate().map(|estimate| *estimate.fundamental());
         session.trust = result_note(&self.model);
-        let (session, work, inputs) = (Box::new(session), Box::new(work), self.image_files());
-        self.tasks.saver.ask(SaveJob::Save { path, session, work, inputs });
+        self.tasks.saver.ask(saver::save(path, session, work, self.image_files()));
     }
 
     /// Returns the files of the images, which must not be replaced.
@@ -159,7 +159,7 @@ impl Inspector {
                     self.model.open.done.tell(format!("Saved {}", path.display()));
                     // The file has the work at the time of the command. Later changes are not
                     // saved.
-                    self.model.session.belongs_to(path, *work);
+                    self.model.session.belongs_to(path, work);
                 }
                 Written::Session { result: Err(problem), .. } => self.model.messages.tell(format!(
                     "The session was not saved: {problem}. Your work is still here. Save it somewhere else."
@@ -283,7 +283,7 @@ impl Inspector {
         let work = self.work();
         let Some(mut session) = work.to_session(pictures, &path) else { return };
         session.content.belongs_to.clone_from(&self.model.session.path);
-        self.tasks.saver.ask(SaveJob::Autosave { path, session: Box::new(session) });
+        self.tasks.saver.ask(saver::copy(path, session));
         self.model.session.copied = Some(work);
         self.model.session.last_copy = Some(Instant::now());
     }
@@ -293,7 +293,7 @@ impl Inspector {
         if let Some(autosave) = &mut self.tasks.autosave
             && (copied || std::mem::take(&mut autosave.is_failing))
         {
-            self.tasks.saver.ask(SaveJob::Remove(autosave.path().to_owned()));
+            self.tasks.saver.ask(saver::remove(autosave.path().to_owned()));
         }
     }
 

@@ -16,7 +16,6 @@ pub type ViewNames = [String; 2];
 /// A folder, and the work on its pairs.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Album {
-    /// The folder.
     folder: PathBuf,
     /// The open pair.
     pub open: ViewNames,
@@ -28,7 +27,6 @@ pub struct Album {
 /// Work on a pair that is not open.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct KeptPair {
-    /// Views of the pair.
     pub views: ViewNames,
     /// Points, parameters and ground truth, without the pictures.
     pub document: Document,
@@ -55,7 +53,6 @@ impl Album {
         Self { folder: folder.path().to_owned(), open: view_names(folder, pair), pairs: Vec::new() }
     }
 
-    /// Returns the folder.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
@@ -119,7 +116,6 @@ impl Album {
     }
 }
 
-/// Returns the names of a pair of a folder.
 pub fn view_names(folder: &PairFolder, pair: [usize; 2]) -> ViewNames {
     pair.map(|view| folder.names()[view].clone())
 }

@@ -93,11 +93,9 @@ pub enum Command {
     Stop,
     /// Compute again.
     Recompute,
-    /// Place a point.
     Place(Side, Point),
     /// Move a point. All moves until [`Command::EndDrag`] are one step.
     Drag(PointRef, Point),
-    /// End the drag.
     EndDrag,
     /// Move the selected point by an offset, px.
     Nudge(Vector),
@@ -160,11 +158,9 @@ pub enum Command {
     ResetParameters,
     /// A command about the rectified pair.
     Rectified(RectifiedCommand),
-    /// Show a stage.
     ShowStage(StageId),
     /// Show a tab of the dock.
     ShowTab(TabId),
-    /// Show a step of the method.
     ShowStep(MethodStep),
     /// Show the next or the previous step of the method.
     StepMethod {
@@ -207,7 +203,6 @@ pub enum SessionCommand {
     SaveTo(PathBuf),
     /// Choose the file to save to with the file dialog of the system.
     BrowseSave,
-    /// Open a session.
     Open(OpenSession),
     /// Choose a missing image of a session with the file dialog of the system.
     BrowseLost(Side),

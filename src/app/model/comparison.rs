@@ -43,7 +43,6 @@ impl Contestant {
         Self::Truth,
     ];
 
-    /// Returns the name of the contestant.
     pub fn name(self) -> &'static str {
         match self {
             Self::Result => "Result",
@@ -70,7 +69,6 @@ pub enum PointSet {
     Pairs,
     /// Matches that the program found in the images.
     Matches,
-    /// True matches.
     #[default]
     TrueMatches,
 }
@@ -101,11 +99,9 @@ pub struct Subject {
 /// Inputs of a comparison.
 #[derive(Clone, PartialEq)]
 pub struct ComparisonQuestion {
-    /// Geometry of the result.
     pub result: Option<FundamentalMatrix>,
     /// Geometry shown by the window.
     pub shown: Option<FundamentalMatrix>,
-    /// Imported geometry.
     pub imported: Option<FundamentalMatrix>,
     /// The clicked pairs.
     pub pairs: Vec<PointPair>,
@@ -163,7 +159,6 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Returns the matrix of a contestant, if it has one.
     pub fn fundamental(&self, contestant: Contestant) -> Option<&FundamentalMatrix> {
         self.of(contestant).fit.as_ref().ok().map(|fit| &fit.fundamental)
     }
@@ -258,7 +253,6 @@ impl ComparisonQuestion {
         judge(&given, &reference, LIMIT).map(|judgement| (imported, judgement))
     }
 
-    /// Returns the points of a set.
     fn points(&self, set: PointSet) -> &[PointPair] {
         match set {
             PointSet::Pairs => &self.pairs,
@@ -307,17 +301,13 @@ impl ComparisonQuestion {
     }
 
     fn in_words(&self, fit: Result<PointFit, FitError>) -> Result<PointFit, String> {
-        fit.map_err(|error| match error {
-            FitError::TooFew { .. } => error.to_string(),
-            FitError::Seven(_) | FitError::Eight(_) | FitError::NoSample
-                if self.fitted_to() == PointSet::Pairs =>
-            {
+        fit.map_err(|error| match (error, self.fitted_to()) {
+            (error @ FitError::TooFew { .. }, _) => error.to_string(),
+            (_, PointSet::Pairs) => {
                 "these pairs do not determine a geometry: spread them over the images and over depth"
                     .to_owned()
             }
-            FitError::Seven(_) | FitError::Eight(_) | FitError::NoSample => {
-                "these matches do not determine a geometry".to_owned()
-            }
+            _ => "these matches do not determine a geometry".to_owned(),
         })
     }
 }
@@ -340,7 +330,7 @@ mod tests {
             matches: Vec::new(),
             is_trusted: true,
             views: None,
-            frames: sample.pictures.each_ref().map(crate::image::Picture::frame),
+            frames: sample.pictures.each_ref().map(|opened| opened.picture.frame()),
             truth: Some(Shared::new(sample.truth)),
             subject: Subject::default(),
         }

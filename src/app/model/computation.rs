@@ -18,7 +18,6 @@ pub struct EstimateRequest {
     pub pictures: Pictures,
     /// The sequences, if lines are compared by motion barcodes.
     pub recordings: Option<Synchronised>,
-    /// Pairs for the estimate.
     pub pairs: Vec<PointPair>,
     /// Everything else.
     pub parameters: Parameters,
@@ -122,7 +121,6 @@ impl Computation {
         self.shown.as_ref().map(|shown| (Arc::clone(&shown.estimate).into(), shown.freshness))
     }
 
-    /// Returns whether a computation is running.
     pub fn is_running(&self) -> bool {
         self.running
     }

@@ -50,7 +50,6 @@ pub enum LineSource {
     Pair(usize),
     /// The epipolar line through a point of one image, and its corresponding line.
     Through {
-        /// The image.
         side: Side,
         /// The point, px.
         point: Point,
@@ -107,7 +106,6 @@ impl Focus {
         &self.pins
     }
 
-    /// Returns the inspected pin.
     pub fn inspected(&self) -> Option<&Pin> {
         self.pins.get(self.inspected?)
     }

@@ -99,9 +99,7 @@ impl MethodStep {
 /// A part of the dock that switches overlays on while it is open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OverlayPlace {
-    /// A tab.
     Tab(TabId),
-    /// A step of the method.
     Step(MethodStep),
 }
 

@@ -15,7 +15,6 @@ use crate::similarity::{DisparityRange, StereoParameters, WarpedProfile, inspect
 /// Request to match two lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InspectionRequest {
-    /// The pictures.
     pub pictures: Pictures,
     /// One line in each picture.
     pub lines: [AnchoredLine; 2],
@@ -65,7 +64,6 @@ fn band(warped: &WarpedProfile, range: DisparityRange, stereo: &StereoParameters
 pub struct Inspection {
     /// Unique number of this inspection.
     pub number: u64,
-    /// The lines.
     pub lines: [AnchoredLine; 2],
     /// Distance of neighbouring samples, px.
     pub step: f64,

@@ -6,7 +6,6 @@ use crate::geometry::Point;
 /// Two places of one image, the second one once it is clicked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measuring {
-    /// The image.
     pub side: Side,
     /// First place, px.
     pub start: Point,

@@ -79,7 +79,6 @@ impl PairFolder {
         self.truth.as_ref()
     }
 
-    /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -114,13 +113,11 @@ impl PairFolder {
         Some([moved(pair[0])?, moved(pair[1])?]).filter(|pair| self.is_pair(*pair))
     }
 
-    /// Returns the name of a pair.
     pub fn pair_name(&self, pair: [usize; 2]) -> String {
         let names = || format!("{} and {}", self.names[pair[0]], self.names[pair[1]]);
         self.truth.as_ref().map_or_else(names, |truth| truth.pair_name(pair))
     }
 
-    /// Returns the path of the image of a view.
     pub fn image(&self, view: usize) -> &Path {
         &self.images[view]
     }

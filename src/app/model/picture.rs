@@ -113,21 +113,20 @@ pub struct Overview {
 impl Overview {
     /// Reduces a picture to the size of a texture.
     pub fn new(picture: &Picture) -> Self {
-        let pixels = &picture.pixels;
-        let (width, height) = (pixels.width(), pixels.height());
-        let longer = width.max(height);
-        if longer <= OVERVIEW_SIDE {
-            return Self { size: size(pixels), pixels: multiplied(pixels), scale: 1.0, reduced: None };
-        }
-        let scale = f64::from(OVERVIEW_SIDE) / f64::from(longer);
-        let reduced = |v: u32| ((f64::from(v) * scale).round() as u32).clamp(1, OVERVIEW_SIDE);
-        let small = pixels.thumbnail_exact(reduced(width), reduced(height));
-        Self { size: size(&small), pixels: multiplied(&small), scale, reduced: Some(small) }
+        Self::within(picture, OVERVIEW_SIDE)
     }
-}
 
-fn size(pixels: &DynamicImage) -> [usize; 2] {
-    [pixels.width() as usize, pixels.height() as usize]
+    /// Reduces a picture to a longest side.
+    pub fn within(picture: &Picture, side: u32) -> Self {
+        let whole = &picture.pixels;
+        let scale = (f64::from(side) / f64::from(whole.width().max(whole.height()))).min(1.0);
+        let reduced = |v: u32| ((f64::from(v) * scale).round() as u32).clamp(1, side);
+        let reduced =
+            (scale < 1.0).then(|| whole.thumbnail_exact(reduced(whole.width()), reduced(whole.height())));
+        let pixels = reduced.as_ref().unwrap_or(whole);
+        let size = [pixels.width(), pixels.height()].map(|v| v as usize);
+        Self { size, pixels: multiplied(pixels), scale, reduced }
+    }
 }
 
 /// Returns the pixels with colours premultiplied by alpha.

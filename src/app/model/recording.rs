@@ -12,7 +12,6 @@ use crate::motion::{
 /// The sequence of one camera.
 #[derive(Debug)]
 pub struct Recording {
-    /// The frames.
     pub sequence: FrameSequence,
     /// Moving parts of the frames.
     pub silhouettes: Silhouettes,

@@ -4,7 +4,6 @@ use super::picture::Opened;
 use super::recording::Recording;
 use crate::cancel::CancelFlag;
 use crate::geometry::PointPair;
-use crate::image::Picture;
 use crate::io::{GroundTruth, SequenceFile, TruthOrigin};
 use crate::motion::{FrameSequence, MotionError};
 use crate::synthetic::{BallScene, Sample, ThrownBalls};
@@ -17,13 +16,13 @@ const MATCHES: usize = 200;
 /// Matches placed by "Show me": far apart, and off each other's epipolar lines.
 const SHOW_ME: [usize; 2] = [88, 179];
 
-/// Two pictures, and the point pairs that "Show me" places.
+/// Two pictures or sequences, and the point pairs that "Show me" places.
 pub struct OpenedSample {
-    /// The pictures.
-    pub pictures: [Picture; 2],
+    /// The pictures, or the first frames of the sequences.
+    pub pictures: [Opened; 2],
     /// Pairs known to give a good result.
     pub show_me: [PointPair; 2],
-    /// The exact geometry. It has the name of the sample.
+    /// The exact geometry. It has the name of the sample in sessions.
     pub truth: GroundTruth,
 }
 
@@ -33,24 +32,14 @@ pub fn sample_pair() -> OpenedSample {
     let sample = Sample::default().load();
     let (fundamental, matches) = (sample.fundamental, sample.matches);
     let truth = GroundTruth { name, fundamental, matches, origin: TruthOrigin::Cameras };
-    OpenedSample { pictures: sample.pictures, show_me: sample.show_me, truth }
-}
-
-/// Two sequences with their exact geometry.
-pub struct SampleRecordings {
-    /// First pictures and sequences of both sides.
-    pub pictures: [Opened; 2],
-    /// Pairs known to give a good result.
-    pub show_me: [PointPair; 2],
-    /// The exact geometry. It has the name of the sequences in sessions.
-    pub truth: GroundTruth,
+    OpenedSample { pictures: sample.pictures.map(Opened::new), show_me: sample.show_me, truth }
 }
 
 /// Draws the built-in sequences: balls thrown about in a yard. This takes a second or two.
 ///
 /// # Panics
 /// Never: the frames have pixels, and the cameras have different centres. A test opens the scene.
-pub fn sample_recordings(cancel: &CancelFlag) -> Result<SampleRecordings, MotionError> {
+pub fn sample_recordings(cancel: &CancelFlag) -> Result<OpenedSample, MotionError> {
     let scene = BallScene::new(ThrownBalls::default()).expect("the frames have pixels");
     let fundamental = scene.fundamental().expect("the cameras have different centres");
     let matches = scene.matches(MATCHES);
@@ -62,5 +51,5 @@ pub fn sample_recordings(cancel: &CancelFlag) -> Result<SampleRecordings, Motion
     };
     let truth =
         GroundTruth { name: SAMPLE_SEQUENCES.to_owned(), fundamental, matches, origin: TruthOrigin::Cameras };
-    Ok(SampleRecordings { pictures: [opened(left)?, opened(right)?], show_me, truth })
+    Ok(OpenedSample { pictures: [opened(left)?, opened(right)?], show_me, truth })
 }

@@ -136,7 +136,6 @@ pub enum Lost {
 /// A session with images that the user must find.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Relocation {
-    /// The session to open.
     pub session: OpenSession,
     /// Problem with each image, if any.
     pub lost: [Option<Lost>; 2],
@@ -145,7 +144,6 @@ pub struct Relocation {
 /// Contents of a session besides its pictures.
 #[derive(Debug, Clone)]
 pub struct Restored {
-    /// The opened session.
     pub session: OpenSession,
     /// The saved work.
     pub work: Work,

@@ -14,7 +14,6 @@ use crate::io::GroundTruth;
 /// geometry, or else the result. Without a result, the imported geometry.
 #[derive(Clone, Copy)]
 pub struct ShownGeometry<'a> {
-    /// The matrix.
     pub fundamental: &'a FundamentalMatrix,
     /// The selected hypothesis, with its place in the list.
     pub hypothesis: Option<(usize, &'a Estimate)>,
@@ -97,7 +96,6 @@ impl Model {
         self.open.focus.hypothesis().is_some() || self.open.focus.contestant().is_some()
     }
 
-    /// Returns whether there is a result.
     pub fn has_result(&self) -> bool {
         self.open.computation.result().is_some()
     }

@@ -11,7 +11,6 @@ use crate::features::FeatureViews;
 pub enum StepProgress {
     /// Not begun.
     Waiting,
-    /// In progress.
     Running,
     /// Done, with the seconds if known.
     Done(Option<f64>),
@@ -21,7 +20,6 @@ pub enum StepProgress {
     Failed,
 }
 
-/// Returns the progress of a step.
 pub fn progress(stage: Stage, computation: &Computation) -> StepProgress {
     if let Some((estimate, Freshness::Final)) = computation.result() {
         let mut timings = estimate.trace.iter().flat_map(|trace| &trace.timings);

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::pair_folder::PairFolder;
-use super::picture::multiplied;
+use super::picture::Overview;
 use crate::image::Picture;
 
 /// Longest side of a small picture, px.
@@ -24,23 +24,14 @@ pub struct Thumbnail {
 impl Thumbnail {
     /// Reduces a picture.
     pub fn new(picture: &Picture) -> Self {
-        let pixels = &picture.pixels;
-        let longer = pixels.width().max(pixels.height());
-        let reduced = |v: u32| (u64::from(v) * u64::from(SIDE) / u64::from(longer)).max(1) as u32;
-        let small = match longer {
-            0..=SIDE => multiplied(pixels),
-            _ => multiplied(&pixels.thumbnail_exact(reduced(pixels.width()), reduced(pixels.height()))),
-        };
-        let size =
-            [pixels.width(), pixels.height()].map(|v| if longer <= SIDE { v } else { reduced(v) } as usize);
-        Self { size, pixels: small }
+        let Overview { size, pixels, .. } = Overview::within(picture, SIDE);
+        Self { size, pixels }
     }
 }
 
 /// Request for small pictures.
 #[derive(Debug, Clone)]
 pub struct ThumbnailQuestion {
-    /// The folder.
     pub folder: Arc<PairFolder>,
     /// Numbers of the views.
     pub views: Vec<usize>,

@@ -32,7 +32,6 @@ impl Channel {
     /// All channels.
     pub const ALL: [Self; 5] = [Self::Colour, Self::Red, Self::Green, Self::Blue, Self::Grey];
 
-    /// Returns the name of the channel.
     pub fn name(self) -> &'static str {
         match self {
             Self::Colour => "Colour",
@@ -71,12 +70,12 @@ impl Rendition {
         *self == Self::default()
     }
 
-    /// Converts a value of a channel.
-    fn mapped(&self, value: f32) -> f32 {
+    /// Converts a value of a channel, 0 to 1, to a byte for the screen.
+    fn shown(&self, value: f32) -> u8 {
         let [black, white] = self.range;
         let value = (value - black) / (white - black).max(1e-6) * self.stops.exp2();
         let value = (value - 0.5) * self.contrast + 0.5;
-        value.clamp(0.0, 1.0).powf(1.0 / self.gamma.max(0.01))
+        (value.clamp(0.0, 1.0).powf(1.0 / self.gamma.max(0.01)) * 255.0).round() as u8
     }
 
     /// Returns red, green, blue and alpha of each pixel, with premultiplied colours.
@@ -84,32 +83,25 @@ impl Rendition {
         match pixels {
             DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
                 let pixels = pixels.to_rgba32f();
-                self.each(pixels.as_raw().as_chunks::<4>().0.iter().copied(), |value| {
-                    (self.mapped(value) * 255.0).round() as u8
-                })
+                self.each(pixels.as_raw().as_chunks::<4>().0.iter().copied(), |value| self.shown(value))
             }
             DynamicImage::ImageLuma8(_)
             | DynamicImage::ImageLumaA8(_)
             | DynamicImage::ImageRgb8(_)
             | DynamicImage::ImageRgba8(_) => {
-                let table: Vec<u8> =
-                    (0..=255_u8).map(|v| (self.mapped(f32::from(v) / 255.0) * 255.0).round() as u8).collect();
-                let pixels = pixels.to_rgba8();
-                let values =
-                    pixels.as_raw().as_chunks::<4>().0.iter().map(|p| p.map(|v| f32::from(v) / 255.0));
-                self.each(values, |value| table[(value * 255.0).round().clamp(0.0, 255.0) as usize])
+                self.by_table(u8::MAX.into(), pixels.to_rgba8().as_raw().as_chunks::<4>().0)
             }
             // 8 bits would lose the dark details of 16 bits.
-            _ => {
-                let table: Vec<u8> = (0..=u16::MAX)
-                    .map(|v| (self.mapped(f32::from(v) / 65_535.0) * 255.0).round() as u8)
-                    .collect();
-                let pixels = pixels.to_rgba16();
-                let values =
-                    pixels.as_raw().as_chunks::<4>().0.iter().map(|p| p.map(|v| f32::from(v) / 65_535.0));
-                self.each(values, |value| table[(value * 65_535.0).round().clamp(0.0, 65_535.0) as usize])
-            }
+            _ => self.by_table(u16::MAX, pixels.to_rgba16().as_raw().as_chunks::<4>().0),
         }
+    }
+
+    /// Renders pixels of whole numbers up to `most`. A table is faster than powers for each pixel.
+    fn by_table<T: Copy + Into<f32>>(&self, most: u16, pixels: &[[T; 4]]) -> Vec<u8> {
+        let full = f32::from(most);
+        let table: Vec<u8> = (0..=most).map(|value| self.shown(f32::from(value) / full)).collect();
+        let values = pixels.iter().map(|pixel| pixel.map(|value| value.into() / full));
+        self.each(values, |value| table[(value * full).round().clamp(0.0, full) as usize])
     }
 
     fn each(&self, pixels: impl Iterator<Item = [f32; 4]>, shown: impl Fn(f32) -> u8) -> Vec<u8> {

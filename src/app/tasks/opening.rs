@@ -8,7 +8,7 @@ use crate::app::model::open_pair::OpenFolder;
 use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::picture::Opened;
 use crate::app::model::recording::Recording;
-use crate::app::model::sample::{SampleRecordings, sample_pair, sample_recordings};
+use crate::app::model::sample::{OpenedSample, sample_pair, sample_recordings};
 use crate::app::model::session::{Relocation, Restored};
 use crate::app::model::truth::KnownTruth;
 use crate::camera::CameraModel;
@@ -29,7 +29,6 @@ pub enum Opening {
     Files(PathBuf, PathBuf),
     /// The first pair of a folder.
     Folder(PathBuf),
-    /// A session.
     Session(PathBuf),
 }
 
@@ -162,7 +161,6 @@ impl PairReading {
         Ok(Opened::recorded(file.first, recording))
     }
 
-    /// Reads a picture.
     fn picture(&self, path: &Path, side: Side) -> Result<Opened, OpeningFailure> {
         if let Some(same) = self.known(path) {
             return Ok(same);
@@ -183,24 +181,26 @@ fn unchanged(error: &str) -> OpeningFailure {
     ))
 }
 
+impl From<OpenedSample> for LoadedPair {
+    /// Beginners should try before they see the answer, so the truth is not used at once.
+    fn from(OpenedSample { pictures, show_me, truth }: OpenedSample) -> Self {
+        let known = Some(KnownTruth::of_sample(truth));
+        Self { show_me: Some(show_me), known, ..Self::of(pictures) }
+    }
+}
+
 /// Loads the built-in pair.
 pub fn sample() -> LoadedPair {
-    let sample = sample_pair();
-    let known = Some(KnownTruth::of_sample(sample.truth));
-    // Beginners should try before they see the answer, so the truth is not used at once.
-    LoadedPair { show_me: Some(sample.show_me), known, ..LoadedPair::of(sample.pictures.map(Opened::new)) }
+    sample_pair().into()
 }
 
 /// Draws the built-in sequences and finds their silhouettes.
 pub fn sample_sequences(reading: &PairReading) -> Result<LoadedPair, OpeningFailure> {
-    let drawn = sample_recordings(&reading.cancel).map_err(|error| {
+    sample_recordings(&reading.cancel).map(LoadedPair::from).map_err(|error| {
         OpeningFailure::Text(format!(
             "The built-in sequences could not be drawn: {error}. Nothing was changed."
         ))
-    })?;
-    let SampleRecordings { pictures, show_me, truth } = drawn;
-    let known = Some(KnownTruth::of_sample(truth));
-    Ok(LoadedPair { show_me: Some(show_me), known, ..LoadedPair::of(pictures) })
+    })
 }
 
 /// Opens the first pair of a folder.

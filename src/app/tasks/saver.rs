@@ -10,39 +10,7 @@ use crate::app::model::session::Work;
 use crate::io::{OutputFile, SessionFile, WriteError, refuse_clashes};
 
 /// A job of the writing thread.
-pub enum SaveJob {
-    /// Save a session for the user.
-    Save {
-        /// Path of the session.
-        path: PathBuf,
-        /// Contents of the file.
-        session: Box<SessionFile<Work>>,
-        /// The saved work, for telling later whether anything changed.
-        work: Box<Work>,
-        /// Open files that must not be replaced.
-        inputs: Vec<PathBuf>,
-    },
-    /// Write the program's own copy of unsaved work.
-    Autosave {
-        /// Path of the copy.
-        path: PathBuf,
-        /// Contents of the copy.
-        session: Box<SessionFile<Work>>,
-    },
-    /// Write a file for other programs.
-    Export {
-        /// Path of the file.
-        path: PathBuf,
-        /// Short description of the file.
-        what: String,
-        /// Composer of the contents.
-        content: ExportContent,
-        /// Open files that must not be replaced.
-        inputs: Vec<PathBuf>,
-    },
-    /// Remove the program's own copy.
-    Remove(PathBuf),
-}
+pub type SaveJob = Box<dyn FnOnce() -> Option<Written> + Send>;
 
 /// Outcome of a job.
 pub enum Written {
@@ -51,7 +19,7 @@ pub enum Written {
         /// Path of the session.
         path: PathBuf,
         /// The saved work, or the reason why it was not written.
-        result: Result<Box<Work>, String>,
+        result: Result<Work, String>,
     },
     /// The program's own copy of unsaved work. The error says why it was not written.
     Copy(Result<(), String>),
@@ -66,24 +34,38 @@ pub enum Written {
 
 /// Starts the writing thread. Dropping the task waits until everything is written.
 pub fn saver(waker: Waker) -> Task<SaveJob, Written> {
-    Task::new("save", waker, Waiting::All, |job, _| match job {
-        SaveJob::Save { path, session, work, inputs } => {
-            let result = apart(&path, &inputs).and_then(|()| session.write(&path));
-            let result = result.map_err(|error| error.to_string()).map(|()| work);
-            Some(Written::Session { path, result })
-        }
-        SaveJob::Export { path, what, content, inputs } => {
-            let result = apart(&path, &inputs).map_err(|error| error.to_string());
-            let result = result.and_then(|()| export(&path, content)).map(|()| what);
-            Some(Written::Export { path, result })
-        }
-        SaveJob::Autosave { path, session } => {
-            Some(Written::Copy(session.write_private(&path).map_err(|error| error.to_string())))
-        }
-        SaveJob::Remove(path) => {
-            let _ = std::fs::remove_file(path);
-            None
-        }
+    Task::new("save", waker, Waiting::All, |job: SaveJob, _| job())
+}
+
+/// Saves a session for the user, in none of the open files `inputs`. The outcome has the saved work,
+/// for telling later whether anything changed.
+pub fn save(path: PathBuf, session: SessionFile<Work>, work: Work, inputs: Vec<PathBuf>) -> SaveJob {
+    Box::new(move || {
+        let result = apart(&path, &inputs).and_then(|()| session.write(&path));
+        let result = result.map_err(|error| error.to_string()).map(|()| work);
+        Some(Written::Session { path, result })
+    })
+}
+
+/// Writes the program's own copy of unsaved work.
+pub fn copy(path: PathBuf, session: SessionFile<Work>) -> SaveJob {
+    Box::new(move || Some(Written::Copy(session.write_private(&path).map_err(|error| error.to_string()))))
+}
+
+/// Removes the program's own copy.
+pub fn remove(path: PathBuf) -> SaveJob {
+    Box::new(move || {
+        let _ = std::fs::remove_file(path);
+        None
+    })
+}
+
+/// Writes a file for other programs, in none of the open files `inputs`. `what` describes it.
+pub fn export(path: PathBuf, what: String, content: ExportContent, inputs: Vec<PathBuf>) -> SaveJob {
+    Box::new(move || {
+        let result = apart(&path, &inputs).map_err(|error| error.to_string());
+        let result = result.and_then(|()| compose(&path, content)).map(|()| what);
+        Some(Written::Export { path, result })
     })
 }
 
@@ -93,7 +75,7 @@ fn apart(path: &Path, inputs: &[PathBuf]) -> Result<(), WriteError> {
 }
 
 /// Writes a file whole or not at all. An unusable path fails before the content is composed.
-fn export(path: &Path, content: ExportContent) -> Result<(), String> {
+fn compose(path: &Path, content: ExportContent) -> Result<(), String> {
     let output = OutputFile::prepare(path).map_err(|error| error.to_string())?;
     let content = catch_unwind(AssertUnwindSafe(content)).unwrap_or_else(|payload| {
         Err(format!("composing the file failed ({})", panic_text(payload.as_ref())))

@@ -124,7 +124,7 @@ mod tests {
         let sample = sample_pair();
         RectifyOrder {
             question: RectifyQuestion {
-                pictures: sample.pictures.map(Shared::new),
+                pictures: sample.pictures.map(|opened| opened.picture),
                 fundamental: sample.truth.fundamental,
                 matches: MatchesAtHand::True(Shared::new(sample.truth)),
                 method: RectifyMethod::Auto,

@@ -18,7 +18,6 @@ const PATIENCE: Duration = Duration::from_secs(5);
 pub enum Destination {
     /// A PNG file.
     File(PathBuf),
-    /// The clipboard.
     Clipboard,
 }
 

@@ -110,7 +110,6 @@ impl View {
         self.panes.iter_mut().any(ImagePane::let_go)
     }
 
-    /// Sets the title of the window.
     pub fn name_window(&mut self, ctx: &Context, title: String) {
         if title != self.title {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));

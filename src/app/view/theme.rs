@@ -121,7 +121,6 @@ pub struct Palette {
     pub on_accent: Color32,
     /// Success.
     pub good: Color32,
-    /// Caution.
     pub caution: Color32,
     /// Error.
     pub bad: Color32,

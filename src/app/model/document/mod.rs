@@ -50,7 +50,6 @@ pub struct Document {
     /// one.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub offset: i32,
-    /// Method of rectification.
     #[serde(default)]
     pub rectification: RectifyMethod,
     /// Ground truth that the result is compared with, if any.
@@ -237,7 +236,6 @@ impl Document {
         (pairs.len() >= self.pairs_needed() || self.unclicked).then_some(pairs)
     }
 
-    /// Returns the role of a pair.
     pub fn role(&self, pair: usize) -> Role {
         if self.excluded.contains(&pair) {
             Role::Excluded

@@ -7,7 +7,6 @@ use crate::io::{PairLabel, PairOrigin};
 const LONGEST_NAME: usize = 60;
 
 impl Document {
-    /// Returns the given name of a pair.
     pub fn given_name(&self, pair: usize) -> Option<&str> {
         self.notes.get(&pair)?.name.as_deref()
     }

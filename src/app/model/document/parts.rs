@@ -30,7 +30,6 @@ impl Side {
         }
     }
 
-    /// Returns the other image.
     #[must_use]
     pub fn other(self) -> Self {
         match self {
@@ -39,7 +38,6 @@ impl Side {
         }
     }
 
-    /// Returns the point of a pair in this image.
     pub fn point(self, pair: &PointPair) -> Point {
         match self {
             Self::Left => pair.point1,
@@ -47,7 +45,6 @@ impl Side {
         }
     }
 
-    /// Returns the epipole of a geometry in this image.
     pub fn epipole(self, f: &FundamentalMatrix) -> HomogeneousPoint {
         match self {
             Self::Left => f.epipole1(),
@@ -71,7 +68,6 @@ pub struct PictureIdentity {
     pub name: String,
     /// Path of the file, if the picture is from a file.
     pub path: Option<PathBuf>,
-    /// Size of the picture.
     pub frame: Frame,
 }
 
@@ -137,7 +133,6 @@ pub struct HalfPair {
 pub struct PointRef {
     /// Number of the pair, from 0.
     pub pair: usize,
-    /// The image.
     pub side: Side,
 }
 

@@ -35,7 +35,6 @@ pub enum ImportedFile {
     Geometry(ImportFound),
     /// The calibrated cameras of the open pictures.
     Calibration {
-        /// The name of the file.
         name: String,
         /// Cameras of both pictures.
         cameras: Box<[CalibratedCamera; 2]>,

@@ -83,7 +83,6 @@ impl ExportKind {
         Self::TABLE.into_iter().map(|(kind, ..)| kind)
     }
 
-    /// Returns the name of the kind.
     pub fn name(self) -> &'static str {
         Self::TABLE[self as usize].1
     }
@@ -93,7 +92,6 @@ impl ExportKind {
         Self::TABLE[self as usize].2
     }
 
-    /// Returns the tooltip of the kind.
     pub fn tooltip(self) -> &'static str {
         Self::TABLE[self as usize].3
     }
@@ -105,7 +103,6 @@ pub enum ViewPart {
     /// Both images with their overlays.
     #[default]
     Images,
-    /// The whole window.
     Window,
 }
 
@@ -132,7 +129,6 @@ impl FigureFormat {
 /// Contents of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FigureChoices {
-    /// Format of the figure.
     pub format: FigureFormat,
     /// Whether points and lines are labelled.
     pub labels: bool,
@@ -180,13 +176,11 @@ pub enum ReportFormat {
 pub struct ExportOrder {
     /// Path of the file.
     pub path: PathBuf,
-    /// Kind of export.
     pub what: ExportKind,
     /// Format of geometry and point pairs.
     pub format: Format,
     /// Whether to add the matches behind the result to the point pairs.
     pub with_matches: bool,
-    /// Format of the report.
     pub reported: ReportFormat,
     /// Part of the window for a picture.
     pub part: ViewPart,

@@ -23,7 +23,6 @@ impl PointColumn {
     pub const ALL: [Self; 6] =
         [Self::Number, Self::Name, Self::Left, Self::Right, Self::Role, Self::Distance];
 
-    /// Returns the heading of the column.
     pub fn title(self) -> &'static str {
         match self {
             Self::Number => "Pair",

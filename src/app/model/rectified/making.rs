@@ -25,16 +25,13 @@ const DRAFT: Limits = Limits { pixels: 200_000 };
 /// Matches for measuring a rectification.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MatchesAtHand {
-    /// True matches.
     True(Shared<GroundTruth>),
     /// Matches found by the refinement of a result.
     Found(Shared<Estimate>),
-    /// Clicked pairs.
     Clicked(Vec<PointPair>),
 }
 
 impl MatchesAtHand {
-    /// Returns the point pairs.
     pub fn pairs(&self) -> Cow<'_, [PointPair]> {
         match self {
             Self::True(truth) => truth.matches.as_slice().into(),
@@ -56,9 +53,7 @@ impl MatchesAtHand {
 /// Request to rectify a pair.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RectifyQuestion {
-    /// The pictures.
     pub pictures: Pictures,
-    /// The shown geometry.
     pub fundamental: FundamentalMatrix,
     /// Matches for the measures.
     pub matches: MatchesAtHand,
@@ -121,7 +116,6 @@ impl RectifyQuestion {
 
 /// Outcome of a rectification.
 pub struct Rectified {
-    /// The rectified geometry.
     pub fundamental: FundamentalMatrix,
     /// Name of the matches behind the measures.
     pub measured: &'static str,
@@ -185,7 +179,7 @@ mod tests {
     fn question() -> RectifyQuestion {
         let sample = sample_pair();
         RectifyQuestion {
-            pictures: sample.pictures.map(Shared::new),
+            pictures: sample.pictures.map(|opened| opened.picture),
             fundamental: sample.truth.fundamental,
             matches: MatchesAtHand::True(Shared::new(sample.truth)),
             method: RectifyMethod::Auto,

@@ -30,12 +30,7 @@ pub struct Fonts {
 /// One font.
 struct Face {
     data: Arc<FontData>,
-    letters: Vec<Letter>,
-}
-
-struct Letter {
-    letter: char,
-    glyph: GlyphId,
+    letters: Vec<(char, GlyphId)>,
 }
 
 /// Consecutive letters written with one font.
@@ -119,9 +114,9 @@ impl Face {
 
     /// Returns the number of a letter, starting at 1; code 0 is never used.
     fn code(&mut self, letter: char, glyph: GlyphId) -> u16 {
-        let known = self.letters.iter().position(|other| other.letter == letter);
+        let known = self.letters.iter().position(|(other, _)| *other == letter);
         let place = known.unwrap_or_else(|| {
-            self.letters.push(Letter { letter, glyph });
+            self.letters.push((letter, glyph));
             self.letters.len() - 1
         });
         (place + 1) as u16
@@ -134,7 +129,7 @@ impl Face {
         let font = self.font().ok_or("A font of Epiline cannot be read.")?;
         let mut kept = GlyphRemapper::new();
         let glyphs: Vec<u16> =
-            self.letters.iter().map(|letter| kept.remap(letter.glyph.to_u32() as u16)).collect();
+            self.letters.iter().map(|(_, glyph)| kept.remap(glyph.to_u32() as u16)).collect();
         let file = subsetter::subset(self.bytes(), self.data.index, &kept)
             .map_err(|e| format!("The font could not be embedded: {e}."))?;
         let postscript = font.localized_strings(StringId::POSTSCRIPT_NAME).english_or_first();
@@ -151,7 +146,7 @@ impl Face {
         let advances = font.glyph_metrics(Size::unscaled(), LocationRef::default());
         // Thousandths of the font size.
         let unit = 1000.0 / f32::from(metrics.units_per_em.max(1));
-        let width = |letter: &Letter| unit * advances.advance_width(letter.glyph).unwrap_or(0.0);
+        let width = |(_, glyph): &(char, GlyphId)| unit * advances.advance_width(*glyph).unwrap_or(0.0);
         let mut numbered = pdf.cid_font(numbered_at);
         numbered.subtype(CidFontType::Type2).base_font(base).system_info(IDENTITY);
         numbered.font_descriptor(about_at).default_width(0.0).cid_to_gid_map_stream(glyphs_at);
@@ -175,8 +170,8 @@ impl Face {
 
         let name = Name(b"Letters");
         let mut letters = UnicodeCmap::new(name, IDENTITY);
-        for (code, letter) in (1u16..).zip(&self.letters) {
-            letters.pair(code, letter.letter);
+        for (code, (letter, _)) in (1u16..).zip(&self.letters) {
+            letters.pair(code, *letter);
         }
         pdf.cmap(letters_at, &letters.finish()).name(name).system_info(IDENTITY);
         let glyphs: Vec<u8> = std::iter::once(0).chain(glyphs).flat_map(u16::to_be_bytes).collect();
@@ -186,11 +181,11 @@ impl Face {
 }
 
 /// Returns six capitals that identify this subset of the font.
-fn tag(letters: &[Letter]) -> String {
+fn tag(letters: &[(char, GlyphId)]) -> String {
     // FNV-1a gives the same tag in every build, so that the file is reproducible.
     let seed = 0xcbf2_9ce4_8422_2325_u64;
-    let mut hash = letters.iter().fold(seed, |hash, letter| {
-        (hash ^ u64::from(u32::from(letter.letter))).wrapping_mul(0x0100_0000_01b3)
+    let mut hash = letters.iter().fold(seed, |hash, (letter, _)| {
+        (hash ^ u64::from(u32::from(*letter))).wrapping_mul(0x0100_0000_01b3)
     });
     let mut capital = || {
         let capital = b'A' + (hash % 26) as u8;
@@ -219,7 +214,7 @@ mod tests {
         // A letter that no font has is replaced, and can still be selected as itself.
         let runs = fonts.write("p語");
         assert_eq!(runs.iter().map(|run| run.codes.len()).sum::<usize>(), 4);
-        assert!(fonts.faces.iter().flat_map(|face| &face.letters).any(|letter| letter.letter == '語'));
+        assert!(fonts.faces.iter().flat_map(|face| &face.letters).any(|(letter, _)| *letter == '語'));
     }
 
     #[test]

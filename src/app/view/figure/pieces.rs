@@ -17,7 +17,6 @@ pub enum Piece<'a> {
         points: &'a [Pos2],
         /// Whether the last corner is joined to the first.
         closed: bool,
-        /// Fill colour.
         fill: Color32,
         /// Stroke of the path.
         stroke: Stroke,
@@ -30,7 +29,6 @@ pub enum Piece<'a> {
         size: f32,
         /// Text colour.
         color: Color32,
-        /// The text itself.
         words: String,
     },
 }

@@ -64,7 +64,6 @@ pub struct Sheet {
     pub places: [Placed; 2],
     /// Size in points.
     pub size: Vec2,
-    /// Background colour.
     pub background: Color32,
     /// Shapes of the overlays, each clipped to its image.
     pub drawn: Vec<ClippedShape>,

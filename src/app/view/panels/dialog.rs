@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use egui::{Align2, Button, Context, Label, Rect, Response, Sense, TextEdit, Ui, Window, vec2};
+use egui::{Align2, Button, Context, Key, Label, Rect, Response, Sense, TextEdit, Ui, Window, vec2};
 
-use super::finish_button;
+use super::{command_button, finish_button};
 use crate::app::model::command::Command;
 
 /// Width of the labels, screen points. Equal widths align the fields.
@@ -32,7 +32,6 @@ pub fn dialog(ctx: &Context, title: &str, width: f32, content: impl FnOnce(&mut 
 
 /// A field for a path, with a button for the system dialog.
 pub struct PathField<'a> {
-    /// Label of the field.
     pub name: &'a str,
     /// Text shown while the field is empty.
     pub hint: &'a str,
@@ -69,6 +68,23 @@ impl PathField<'_> {
     pub fn show_browse(self, ui: &mut Ui, place: Rect, commands: &mut Vec<Command>) -> Response {
         let button = ui.place(place, Button::new("Browse").min_size(place.size()));
         finish_button(ui, named(button, self.browse), self.command, commands)
+    }
+}
+
+/// Shows the button that ends a dialog, as Enter does, and the one that cancels it. Without a command
+/// the first is disabled, and `described` explains it.
+pub fn ending(
+    ui: &mut Ui,
+    text: &str,
+    command: Option<Command>,
+    described: Command,
+    commands: &mut Vec<Command>,
+) {
+    let button = ui.add_enabled(command.is_some(), Button::new(text));
+    finish_button(ui, button, command.clone().unwrap_or(described), commands);
+    command_button(ui, Command::Cancel, true, commands);
+    if ui.input(|input| input.key_pressed(Key::Enter)) {
+        commands.extend(command);
     }
 }
 

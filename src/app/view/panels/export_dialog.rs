@@ -2,10 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Button, DragValue, Key, Ui};
+use egui::{DragValue, Ui};
 
-use super::dialog::{PathField, dialog, path_of, row_label};
-use super::{command_button, finish_button};
+use super::dialog::{PathField, dialog, ending, path_of, row_label};
 use crate::app::model::command::Command;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::io::{PictureFormat, RectifiedOptions};
@@ -13,7 +12,6 @@ use crate::io::{PictureFormat, RectifiedOptions};
 /// Choices of the dialog, kept for the next time.
 #[derive(Debug, Clone)]
 pub struct ExportDialog {
-    /// Whether the dialog is shown.
     pub open: bool,
     folder: String,
     options: RectifiedOptions,
@@ -70,16 +68,8 @@ impl ExportDialog {
             let folder = path_of(&self.folder);
             let options = self.options;
             let export = |folder| RectifiedCommand::Export { folder, options }.into();
-            let command = folder.map(export);
-            ui.horizontal(|ui| {
-                let button = ui.add_enabled(command.is_some(), Button::new("Export pair"));
-                let described = command.clone().unwrap_or_else(|| export(PathBuf::new()));
-                finish_button(ui, button, described, commands);
-                command_button(ui, Command::Cancel, true, commands);
-            });
-            if ui.input(|input| input.key_pressed(Key::Enter)) {
-                commands.extend(command);
-            }
+            let described = export(PathBuf::new());
+            ui.horizontal(|ui| ending(ui, "Export pair", folder.map(export), described, commands));
         });
         self.just_opened = false;
         self.open &= open;

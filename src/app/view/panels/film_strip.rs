@@ -44,7 +44,6 @@ pub struct FilmStrip {
 }
 
 impl FilmStrip {
-    /// Returns the height of the strip for a window height.
     pub fn height(window: f32) -> f32 {
         image_height(window) + CAPTION + BAR + 12.0
     }
@@ -62,7 +61,6 @@ impl FilmStrip {
         (!views.is_empty()).then(|| ThumbnailQuestion { folder: Arc::clone(folder), views })
     }
 
-    /// Shows the strip.
     pub fn show(
         &mut self,
         ui: &mut Ui,

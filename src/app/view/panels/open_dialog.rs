@@ -7,8 +7,7 @@ use egui::{Button, Key, Label, RichText, Ui};
 use super::dialog::{PathField, dialog, path_of};
 use super::{busy, command_button, finish_button};
 use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::command::ExchangeCommand;
+use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::document::Side;
 use crate::app::model::recents::recent_name;
 use crate::app::view::theme;
@@ -16,7 +15,6 @@ use crate::app::view::theme;
 /// Content of the dialog.
 #[derive(Debug, Clone, Default)]
 pub struct OpenDialog {
-    /// Whether it is shown.
     pub open: bool,
     paths: [String; 2],
     folder: String,
@@ -32,12 +30,18 @@ impl OpenDialog {
         *self = Self { open: true, just_opened: true, ..Self::default() };
     }
 
-    /// Fills in the path of an image and opens the dialog. Without a side, fills the left field, or
-    /// the right one if the left is taken. Returns both paths once there are two.
-    pub fn offer(&mut self, path: &Path, side: Option<Side>) -> Option<[PathBuf; 2]> {
+    /// Opens the dialog with empty fields, unless it is open.
+    fn opened(&mut self) -> &mut Self {
         if !self.open {
             self.show_empty();
         }
+        self
+    }
+
+    /// Fills in the path of an image and opens the dialog. Without a side, fills the left field, or
+    /// the right one if the left is taken. Returns both paths once there are two.
+    pub fn offer(&mut self, path: &Path, side: Option<Side>) -> Option<[PathBuf; 2]> {
+        self.opened();
         let free = if self.paths[0].trim().is_empty() { Side::Left } else { Side::Right };
         self.paths[side.unwrap_or(free).index()] = path.display().to_string();
         match self.typed() {
@@ -48,18 +52,12 @@ impl OpenDialog {
 
     /// Fills in a folder and opens the dialog.
     pub fn offer_folder(&mut self, path: &Path) {
-        if !self.open {
-            self.show_empty();
-        }
-        self.folder = path.display().to_string();
+        self.opened().folder = path.display().to_string();
     }
 
     /// Fills in a file to import and opens the dialog.
     pub fn offer_import(&mut self, path: &Path) {
-        if !self.open {
-            self.show_empty();
-        }
-        self.import = path.display().to_string();
+        self.opened().import = path.display().to_string();
     }
 
     /// Shows why nothing was opened, and keeps the fields.
@@ -105,7 +103,6 @@ impl OpenDialog {
         (!typed.is_empty()).then_some(Command::OpenFiles(typed))
     }
 
-    /// Shows the dialog if open.
     pub fn show(&mut self, ctx: &egui::Context, model: &Model, commands: &mut Vec<Command>) {
         if !self.open {
             return;
@@ -186,9 +183,7 @@ impl OpenDialog {
             }
         });
         self.just_opened = false;
-        if !open {
-            self.open = false;
-        }
+        self.open &= open;
     }
 }
 

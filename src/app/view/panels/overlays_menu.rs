@@ -3,6 +3,7 @@
 
 use egui::{RichText, ScrollArea, Sense, Ui, vec2};
 
+use super::dialog::named;
 use super::finish_button;
 use super::icons::menu_button;
 use crate::app::model::Model;
@@ -21,8 +22,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             .min_scrolled_height(room)
             .show(ui, |ui| content(ui, model, commands));
     });
-    menu.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Overlays"));
-    menu.on_hover_text("Choose what is drawn over the pictures, and how they are shown.");
+    named(menu, "Overlays").on_hover_text("Choose what is drawn over the pictures, and how they are shown.");
 }
 
 fn content(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {

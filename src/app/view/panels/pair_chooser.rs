@@ -2,6 +2,7 @@
 
 use egui::{Button, ComboBox, ScrollArea, Ui};
 
+use super::dialog::named;
 use super::finish_button;
 use super::icons::{Icon, icon_button};
 use crate::app::model::Model;
@@ -23,8 +24,7 @@ pub fn show(ui: &mut Ui, model: &Model, folder: &PairFolder, pair: [usize; 2], c
     step(ui, folder, pair, true, commands);
     if has_strip(model) {
         let drawer = icon_button(ui, Icon::Images, true, model.look.drawer);
-        let name = Command::ToggleDrawer.name();
-        drawer.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+        let drawer = named(drawer, Command::ToggleDrawer.name());
         finish_button(ui, drawer, Command::ToggleDrawer, commands);
     }
     kept_pairs(ui, model, folder, commands);
@@ -62,9 +62,7 @@ fn step(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], forward: bool, comma
     let enabled = folder.neighbour(pair, forward).is_some();
     let command = Command::StepPair { forward };
     let button = ui.add_enabled(enabled, Button::new(if forward { "▶" } else { "◀" }));
-    let name = command.name();
-    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, name));
-    finish_button(ui, button, command, commands);
+    finish_button(ui, named(button, command.name()), command, commands);
 }
 
 /// Shows the choice of one of the two views.

@@ -12,7 +12,6 @@ use crate::app::view::keyboard::key_text;
 /// The typed text and the marked entry.
 #[derive(Debug, Clone, Default)]
 pub struct CommandPalette {
-    /// Whether it is shown.
     pub open: bool,
     text: String,
     marked: usize,

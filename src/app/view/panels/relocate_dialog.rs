@@ -6,8 +6,7 @@ use egui::{Button, Key, Label, TextEdit};
 
 use super::dialog::{dialog, named, path_of};
 use super::{command_button, finish_button};
-use crate::app::model::command::Command;
-use crate::app::model::command::SessionCommand;
+use crate::app::model::command::{Command, SessionCommand};
 use crate::app::model::document::Side;
 use crate::app::model::session::{Lost, OpenSession, Relocation};
 
@@ -19,7 +18,6 @@ pub struct RelocateDialog {
 }
 
 impl RelocateDialog {
-    /// Creates the dialog.
     pub fn new(relocation: Relocation) -> Self {
         Self { relocation, paths: [String::new(), String::new()] }
     }

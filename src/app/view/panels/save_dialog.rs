@@ -2,12 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Button, Key, TextEdit};
-
-use super::dialog::{dialog, path_of};
-use super::{command_button, finish_button};
-use crate::app::model::command::Command;
-use crate::app::model::command::SessionCommand;
+use super::dialog::{PathField, dialog, ending, path_of};
+use crate::app::model::command::{Command, SessionCommand};
 use crate::app::model::session::has_session_extension;
 
 /// Content of the dialog.
@@ -36,30 +32,23 @@ impl SaveDialog {
                  they are.",
             );
             ui.add_space(6.0);
-            ui.horizontal(|ui| {
-                let label = ui.label("File");
-                let edit = TextEdit::singleline(&mut self.path).hint_text("path of the session");
-                let response = ui.add(edit.desired_width(400.0)).labelled_by(label.id);
-                if self.just_opened {
-                    response.request_focus();
-                }
-                let browse = ui.button("Browse");
-                finish_button(ui, browse, SessionCommand::BrowseSave.into(), commands);
-            });
+            let file = PathField {
+                name: "File",
+                hint: "path of the session",
+                width: 330.0,
+                browse: "Browse for the session file",
+                command: SessionCommand::BrowseSave.into(),
+            };
+            let file = file.show(ui, &mut self.path, commands);
+            if self.just_opened {
+                file.request_focus();
+            }
             let path = path_of(&self.path).map(with_extension);
             let replaces = path.as_ref().is_some_and(|path| path.exists());
             ui.label(if replaces { "A file of that name exists and will be replaced." } else { "" });
             ui.add_space(6.0);
             let command = path.map(|path| SessionCommand::SaveTo(path).into());
-            ui.horizontal(|ui| {
-                let save = ui.add_enabled(command.is_some(), Button::new("Save"));
-                let described = command.clone().unwrap_or(SessionCommand::Save.into());
-                finish_button(ui, save, described, commands);
-                command_button(ui, Command::Cancel, true, commands);
-            });
-            if ui.input(|input| input.key_pressed(Key::Enter)) {
-                commands.extend(command);
-            }
+            ui.horizontal(|ui| ending(ui, "Save", command, SessionCommand::Save.into(), commands));
         });
         self.just_opened = false;
         open

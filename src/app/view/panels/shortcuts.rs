@@ -22,7 +22,6 @@ const MOUSE: [(&str, &str); 8] = [
 /// Groups of actions, in the order of the list.
 const GROUPS: [&str; 6] = ["Points", "Result", "Files", "Display", "Panels", "Program"];
 
-/// Returns the group of a command.
 fn group(command: &Command) -> &'static str {
     match command {
         Command::ShowOpenDialog

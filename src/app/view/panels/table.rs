@@ -15,7 +15,6 @@ use crate::app::view::theme;
 /// A column.
 #[derive(Clone)]
 pub struct Column {
-    /// Heading of the column.
     pub title: &'static str,
     /// One sentence about the column.
     pub tooltip: &'static str,
@@ -41,7 +40,6 @@ impl Column {
 /// Sort order of the rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sort {
-    /// The column.
     pub column: usize,
     /// Whether the largest value comes first.
     pub descending: bool,
@@ -50,7 +48,6 @@ pub struct Sort {
 /// Appearance of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RowLook {
-    /// Whether the row was chosen.
     pub chosen: bool,
     /// Whether the row, or its item elsewhere, is under the cursor.
     pub lit: bool,

@@ -3,6 +3,7 @@
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Button, PopupCloseBehavior, Slider, Ui};
 
+use super::dialog::named;
 use super::finish_button;
 use super::icons::Icon;
 use crate::app::model::Model;
@@ -19,8 +20,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         MenuButton::from_button(button).config(stays_open).ui(ui, |ui| menu(ui, model, commands));
     let color = ui.style().interact_selectable(&button, changed).text_color();
     Icon::Tones.draw(ui.painter(), button.rect.center(), color);
-    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Brightness"));
-    button.on_hover_text(
+    named(button, "Brightness").on_hover_text(
         "Exposure, contrast, gamma and channels of the displayed images. Computations are not affected.",
     );
 }

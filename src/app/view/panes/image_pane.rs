@@ -5,7 +5,6 @@ use std::fmt::Write;
 use egui::{CursorIcon, PointerButton, Pos2, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo};
 
 use super::loupe;
-use super::navigation::zoom_asked;
 use super::overlays::{Canvas, Labels, OVERLAYS, draw_measurement, pinned_at, pointed_at};
 use super::texture::PictureTexture;
 use super::transform::Transform;
@@ -112,7 +111,6 @@ impl ImagePane {
         self.drag = None;
     }
 
-    /// Shows the whole image.
     pub fn fit(&mut self) {
         if let Some(image) = &mut self.image {
             image.view = image.view.fitted(image.shown);
@@ -444,6 +442,17 @@ fn follow(ui: &Ui, drag: &Drag, image: &mut PaneImage, transform: &Transform, co
         }
         Dragged::View(start) => image.view.pan(transform, image.shown, start, delta),
     }
+}
+
+/// Zoom per scrolled point, as an exponent.
+const ZOOM_A_POINT: f32 = 0.005;
+
+/// Returns the centre and the factor of a requested zoom.
+pub fn zoom_asked(ui: &Ui, response: &Response) -> Option<(Pos2, f64)> {
+    let at = response.hover_pos()?;
+    let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+    let factor = (scroll * ZOOM_A_POINT).exp() * pinch;
+    ((factor - 1.0).abs() > 1e-6).then_some((at, f64::from(factor)))
 }
 
 /// Splits an area for two pictures, side by side or stacked.

@@ -3,11 +3,10 @@
 mod film;
 mod image_pane;
 mod loupe;
-pub mod navigation;
 pub mod overlays;
 mod texture;
 mod transform;
 
-pub use image_pane::{ImagePane, PanePlace, halves};
+pub use image_pane::{ImagePane, PanePlace, halves, zoom_asked};
 pub use texture::PictureTexture;
 pub use transform::Transform;

@@ -105,12 +105,6 @@ impl Transform {
         Self { rect, scale, ..self }
     }
 
-    /// Returns the same view with a turn.
-    #[must_use]
-    pub fn turned(self, turn: QuarterTurns) -> Self {
-        Self { turn, ..self }
-    }
-
     /// Returns the transform of a picture whose lens distorts it.
     #[must_use]
     pub fn through(self, lens: Option<&UndistortedView>) -> Self {

@@ -2,13 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Align, Button, ComboBox, Key, Label, Layout, RichText, Role, ScrollArea, Ui, WidgetInfo, vec2};
+use egui::{Align, Button, ComboBox, Label, Layout, RichText, Role, ScrollArea, Ui, WidgetInfo, vec2};
 
-use super::super::dialog::{PathField, dialog, path_of, row_label};
-use super::super::{command_button, copy_fundamental_menu, finish_button};
+use super::super::dialog::{PathField, dialog, ending, path_of, row_label};
+use super::super::{copy_fundamental_menu, finish_button};
 use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::command::ExchangeCommand;
+use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::exchange::{
     ExportKind, ExportOrder, FigureFormat, PROFILE_CONVENTION, ReportFormat, ViewPart, result_note,
     trust_note,
@@ -27,7 +26,6 @@ const OPTIONS_HEIGHT: f32 = 290.0;
 /// Choices of the dialog, kept for the next time.
 #[derive(Debug, Clone, Default)]
 pub struct FileExport {
-    /// Whether it is shown.
     pub open: bool,
     order: ExportOrder,
     path: String,
@@ -327,11 +325,8 @@ impl FileExport {
     ) {
         let command = order.map(|order| ExchangeCommand::Export(order).into());
         ui.horizontal(|ui| {
-            let export = ui.add_enabled(command.is_some(), Button::new("Export file"));
-            let described =
-                command.clone().unwrap_or_else(|| ExchangeCommand::Export(self.order.clone()).into());
-            finish_button(ui, export, described, commands);
-            command_button(ui, Command::Cancel, true, commands);
+            let described = ExchangeCommand::Export(self.order.clone()).into();
+            ending(ui, "Export file", command, described, commands);
             copy_fundamental_menu(ui, model, commands);
             let right = egui::Layout::right_to_left(egui::Align::Center);
             ui.with_layout(right, |ui| {
@@ -341,9 +336,6 @@ impl FileExport {
                 }
             });
         });
-        if ui.input(|input| input.key_pressed(Key::Enter)) {
-            commands.extend(command);
-        }
     }
 }
 

@@ -4,8 +4,7 @@ use egui::{Button, Grid, Key, Label, RichText, Ui};
 
 use super::super::dialog::dialog;
 use super::super::finish_button;
-use crate::app::model::command::Command;
-use crate::app::model::command::ExchangeCommand;
+use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::exchange::{ImportFound, ImportedMatrix};
 use crate::app::view::theme;
 use crate::convention::{ConventionCheck, FEWEST_MATCHES};
@@ -43,7 +42,6 @@ impl ReadingDialog {
         &self.found
     }
 
-    /// Returns the matrix.
     pub fn matrix(&self) -> &ImportedMatrix {
         &self.matrix
     }

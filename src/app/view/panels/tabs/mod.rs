@@ -21,7 +21,6 @@ pub use rectified::forget_textures;
 
 /// A tab of the dock.
 pub struct Tab {
-    /// Which tab it is.
     pub id: TabId,
     /// Tools in the line of headings, shown from right to left.
     pub tools: fn(&mut Ui, &Model, &mut Vec<Command>),

@@ -25,6 +25,7 @@ mod uncertainty;
 pub use measure::draw as draw_measurement;
 pub use pinned::number_at as pinned_at;
 pub use table::OVERLAYS;
+pub use true_matches::cross;
 
 use std::cell::RefCell;
 
@@ -44,7 +45,6 @@ use crate::geometry::{Frame, FundamentalMatrix, Line, LinePair, Point, PointPair
 /// An item under the cursor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pointing {
-    /// The item.
     pub target: Target,
     /// Distance from the cursor, screen points.
     distance: f32,
@@ -132,7 +132,6 @@ pub struct Canvas<'a> {
     pub side: Side,
     /// Size of the image.
     pub frame: Frame,
-    /// The displayed state.
     pub model: &'a Model,
     /// Occupied text areas; `None` if no labels are drawn.
     pub labels: Option<&'a Labels>,

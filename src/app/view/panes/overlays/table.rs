@@ -11,7 +11,6 @@ use crate::app::view::theme;
 
 /// An overlay of the images.
 pub struct Overlay {
-    /// Which overlay it is.
     pub id: OverlayId,
     /// One-sentence description.
     pub tooltip: &'static str,

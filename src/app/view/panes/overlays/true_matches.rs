@@ -1,6 +1,6 @@
 //! Overlay of the true matches, the same ones in both images.
 
-use egui::{Pos2, Stroke, vec2};
+use egui::{Color32, Painter, Pos2, Stroke, vec2};
 
 use super::{Canvas, Pointing};
 use crate::app::model::Model;
@@ -33,11 +33,15 @@ pub fn draw(canvas: &Canvas) {
         }
         let lit = canvas.at_hand(canvas.model.open.focus.hovered()) == Some(Target::TrueMatch(number));
         let (size, color) = if lit { (usual + 3.0, theme::SELECTED) } else { (usual, theme::TRUE) };
-        // Crosses distinguish true matches from the dots of estimated ones.
-        for stroke in [Stroke::new(2.6, theme::HALO), Stroke::new(1.2, color)] {
-            for arm in [vec2(size, size), vec2(size, -size)] {
-                canvas.painter.line_segment([at - arm, at + arm], stroke);
-            }
+        cross(canvas.painter, at, size, color);
+    }
+}
+
+/// Draws the mark of a true match. Crosses distinguish true matches from the dots of estimated ones.
+pub fn cross(painter: &Painter, at: Pos2, size: f32, color: Color32) {
+    for stroke in [Stroke::new(2.6, theme::HALO), Stroke::new(1.2, color)] {
+        for arm in [vec2(size, size), vec2(size, -size)] {
+            painter.line_segment([at - arm, at + arm], stroke);
         }
     }
 }

@@ -56,7 +56,6 @@ fn choosers(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Co
     ui.horizontal(|ui| guide_chooser(ui, model, commands));
 }
 
-/// Shows the warnings.
 fn warnings(ui: &mut Ui, model: &Model, rectified: &Rectified, drawn: &DrawnPair) {
     // The pair may still belong to the previous geometry.
     let is_of_shown = model.shown().is_some_and(|shown| *shown.fundamental == rectified.fundamental);

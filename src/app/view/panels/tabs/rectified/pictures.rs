@@ -14,8 +14,7 @@ use crate::app::model::rectified::{
     DrawnPair, RectifiedCommand, RectifiedLayout, RectifiedSheet, RectifiedView,
 };
 use crate::app::model::tones::{Channel, Rendition};
-use crate::app::view::panes::navigation::zoom_asked;
-use crate::app::view::panes::{PictureTexture, Transform, halves};
+use crate::app::view::panes::{PictureTexture, Transform, halves, zoom_asked};
 use crate::app::view::theme;
 use crate::geometry::Point;
 
@@ -118,7 +117,6 @@ fn transform_of(model: &Model, drawn: &DrawnPair, rect: Rect, side: Side) -> Tra
     Transform::new(rect, view.centre, scale)
 }
 
-/// Draws the pixels of a picture.
 fn paint(
     painter: &Painter,
     model: &Model,
@@ -245,7 +243,6 @@ pub fn forget_textures(ctx: &egui::Context) {
     ctx.data_mut(|data| data.remove::<KeptTextures>(kept_textures()));
 }
 
-/// Draws with one of the kept textures.
 fn with_texture(ctx: &egui::Context, drawn: &DrawnPair, which: Kept, draw: impl FnOnce(&mut PictureTexture)) {
     let kept = ctx.data(|data| data.get_temp::<KeptTextures>(kept_textures()));
     let (_, textures) = kept.filter(|(number, _)| *number == drawn.number).unwrap_or_else(|| {

@@ -9,7 +9,7 @@ use crate::app::model::document::{Role, Side};
 use crate::app::model::focus::Target;
 use crate::app::model::rectified::{DrawnPair, RectifiedLayout, RectifiedSheet};
 use crate::app::view::panes::Transform;
-use crate::app::view::panes::overlays::true_matches_shown;
+use crate::app::view::panes::overlays::{cross, true_matches_shown};
 use crate::app::view::theme;
 use crate::geometry::{Point, PointPair};
 
@@ -63,7 +63,6 @@ pub struct SheetCanvas<'a> {
     pub sheet: RectifiedSheet,
     /// The rectified pair.
     pub drawn: &'a DrawnPair,
-    /// The displayed state.
     pub model: &'a Model,
 }
 
@@ -166,13 +165,8 @@ impl SheetCanvas<'_> {
             let lit = self.model.open.focus.hovered() == Some(Target::TrueMatch(number));
             let (size, color) = if lit { (5.0, theme::SELECTED) } else { (2.0, theme::TRUE) };
             for at in self.sides().filter_map(|side| self.place(side, pair)) {
-                if !self.painter.clip_rect().contains(at) {
-                    continue;
-                }
-                for (width, color) in [(2.4, theme::HALO), (1.2, color)] {
-                    for arm in [vec2(1.0, 1.0) * size, vec2(1.0, -1.0) * size] {
-                        self.painter.line_segment([at - arm, at + arm], Stroke::new(width, color));
-                    }
+                if self.painter.clip_rect().contains(at) {
+                    cross(self.painter, at, size, color);
                 }
             }
         }
