@@ -21,7 +21,7 @@ use crate::cancel::CancelFlag;
 /// Pictures to open.
 #[derive(Clone)]
 pub enum Wanted {
-    /// Pictures by themselves.
+    /// Something that the user, or the command line, names.
     Opening(Opening),
     /// Two views of a folder. Images that are already open are not read again.
     Views(Arc<PairFolder>, [usize; 2]),

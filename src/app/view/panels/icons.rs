@@ -50,16 +50,19 @@ impl Icon {
             }
             Self::Undo | Self::Redo => {
                 let mirror = if self == Self::Undo { 1.0 } else { -1.0 };
-                let head = [(-0.35, -0.95), (-0.95, -0.4), (-0.35, 0.15)];
-                let bow = [(0.3, -0.4), (0.8, -0.15), (0.95, 0.25), (0.75, 0.7), (0.3, 0.85), (-0.3, 0.85)];
-                line(&head.map(|(x, y)| (mirror * x, y)));
-                line(
-                    &[&head[1..2], &bow[..]]
-                        .concat()
-                        .iter()
-                        .map(|(x, y)| (mirror * x, *y))
-                        .collect::<Vec<_>>(),
-                );
+                let mirrored = |points: &[(f32, f32)]| {
+                    line(&points.iter().map(|(x, y)| (mirror * x, *y)).collect::<Vec<_>>());
+                };
+                mirrored(&[(-0.35, -0.95), (-0.95, -0.4), (-0.35, 0.15)]);
+                mirrored(&[
+                    (-0.95, -0.4),
+                    (0.3, -0.4),
+                    (0.8, -0.15),
+                    (0.95, 0.25),
+                    (0.75, 0.7),
+                    (0.3, 0.85),
+                    (-0.3, 0.85),
+                ]);
             }
             Self::Pin => {
                 outline(&[
