@@ -115,6 +115,6 @@ mod tests {
         assert!(header.contains("element vertex 11\n") && header.contains("element edge 16\n"), "{header}");
         let rows: Vec<&str> = body.lines().collect();
         assert_eq!((rows.len(), rows[0], rows[1]), (27, "1 0 10 1 2 3", "0 0 0 230 60 40"));
-        assert_eq!((rows[6], rows[11], rows[26]), ("1 0 0 40 110 230", "1 2", "9 7"));
+        assert_eq!((rows[6], rows[11], rows[26]), ("1 0 0 40 110 230", "1 2", "10 7"));
     }
 }

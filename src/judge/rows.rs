@@ -49,6 +49,17 @@ pub struct RowJudgement {
     pub correction2: [[f64; 3]; 3],
 }
 
+/// Multiple of the limit from which a pair was never rectified: no drift of a rig is as large.
+const FAR_FROM_ROWS: f64 = 20.0;
+
+impl RowJudgement {
+    /// Returns whether the rows differ by more than drift explains: the pair was not rectified, or for
+    /// other cameras.
+    pub fn is_far_off(&self) -> bool {
+        self.typical > FAR_FROM_ROWS * self.limit
+    }
+}
+
 /// Measures how far matches are from common rows. The place is that in image 2, of size
 /// `frame`.
 ///

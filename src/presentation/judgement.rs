@@ -86,9 +86,6 @@ pub fn change_in_words(change: &Change) -> String {
     }
 }
 
-/// Multiple of the limit from which a pair was never rectified: no drift of a rig is as large.
-const FAR_FROM_ROWS: f64 = 20.0;
-
 /// Describes how far two rectified images are from common rows.
 pub fn rows_in_words(judgement: &RowJudgement) -> String {
     let RowJudgement { matches, constant, across, down, curved, largest, typical, limit, .. } = judgement;
@@ -99,7 +96,7 @@ pub fn rows_in_words(judgement: &RowJudgement) -> String {
     if judgement.is_aligned {
         return format!("The images are rectified: rows agree to {typical:.2} px. {parts}");
     }
-    let cause = if *typical > FAR_FROM_ROWS * limit {
+    let cause = if judgement.is_far_off() {
         "This pair was not rectified, or for other cameras: rectify it."
     } else if *curved > 0.5 * limit {
         "The rest is curved, as distortion of a lens leaves it: calibrate again."

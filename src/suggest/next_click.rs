@@ -24,7 +24,10 @@ const LEAST: f64 = 0.0025;
 /// Minimum distance from a placed point, as a fraction of the longer side. Nearer clicks add
 /// nothing.
 const APART: f64 = 0.03;
-/// Maximum distance from a match of the result, as a fraction of the longer side: farther away, nothing
+/// Matches of the result that must lie near a place. One alone is often wrong: beside what both images show, some
+/// corners fit F by chance.
+const COMPANY: usize = 3;
+/// Maximum distance from matches of the result, as a fraction of the longer side: farther away, nothing
 /// tells whether the other image shows the same part of the scene. Half of it leaves few places on
 /// sparsely matched pictures; twice of it reaches across the border of the common part.
 const NEAR: f64 = 0.08;
@@ -88,8 +91,10 @@ pub fn next_click(
         let taken = placed.iter().map(|pair| pair.point1).chain(epipole);
         taken.into_iter().all(|other| (other - point).norm() > apart_by)
     };
-    let is_common =
-        |point: &Point| matches.is_empty() || matches.iter().any(|pair| (pair.point1 - point).norm() <= near);
+    let is_common = |point: &Point| {
+        let company = matches.iter().filter(|pair| (pair.point1 - point).norm() <= near);
+        company.take(COMPANY).count() >= COMPANY.min(matches.len())
+    };
     let side = frame2.longer_side();
     let seen = |point: Point| {
         let own = fundamental.line2_from_point1(point)?;
@@ -167,6 +172,11 @@ mod tests {
         let matched = PointPair::new(300.0, 200.0, 310.0, 200.0);
         let near = next_click(&prepared(), &rows(1.0, 0.0), &[rival], &[], &[matched]).unwrap();
         assert!((near.point - matched.point1).norm() <= 0.08 * 480.0, "{near:?}");
+        // One match far from the others is no company.
+        let others = (0..9).map(|k| PointPair::new(440.0, 150.0 + f64::from(k), 440.0, 150.0));
+        let all: Vec<PointPair> = others.chain([matched]).collect();
+        let crowded = next_click(&prepared(), &rows(1.0, 0.0), &[rival], &[], &all).unwrap();
+        assert!((crowded.point - all[4].point1).norm() <= 0.08 * 480.0 + 5.0, "{crowded:?}");
     }
 
     #[test]

@@ -283,7 +283,7 @@ fn an_export_that_fails_is_a_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("file");
     std::fs::write(&file, "in the way").unwrap();
-    window.get_by_label("Save rectified pair…").click();
+    window.get_by_label("Export rectified pair…").click();
     settle(&mut window);
     window.event(egui::Event::Text(file.display().to_string()));
     settle(&mut window);

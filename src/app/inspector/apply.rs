@@ -3,14 +3,15 @@
 use egui::{Theme, ThemePreference};
 
 use super::Inspector;
-use crate::app::model::EditKey;
 use crate::app::model::command::{Command, PickPurpose};
 use crate::app::model::dock::DockLook;
 use crate::app::model::document::{Side, counted, pair_name};
 use crate::app::model::exchange::ViewPart;
+use crate::app::model::history::EditKey;
 use crate::app::model::ids::{StageId, TabId};
 use crate::app::model::look::Tool;
 use crate::app::model::measuring::Measuring;
+use crate::app::model::messages::MessageKind;
 use crate::app::model::pane_view::QuarterTurns;
 use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
@@ -54,7 +55,7 @@ impl Inspector {
                 });
             }
             Command::KeepMatches => {
-                let matches = model.standing_in();
+                let matches = model.telling_matches();
                 model.edit(|document| document.keep_as_checks(&matches));
             }
             Command::Undo => self.travel(true),
@@ -76,7 +77,7 @@ impl Inspector {
             }
             Command::JudgeRows => {
                 let text = model.judged_rows();
-                model.messages.tell(text);
+                model.messages.say(MessageKind::Answer, text, Vec::new());
             }
             Command::Stop => self.tasks.estimating.stop(&mut model.open.computation),
             Command::Recompute => model.open.computation.restart(),

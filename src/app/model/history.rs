@@ -5,8 +5,22 @@
 
 use std::collections::VecDeque;
 
-use super::EditKey;
-use super::document::Document;
+use super::document::{Document, PointRef};
+
+/// Key of edits that are merged into one step of the history.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EditKey {
+    /// Moves of one drag.
+    Drag(PointRef),
+    /// A run of arrow keys.
+    Nudge(PointRef),
+    /// Letters of the name of a pair.
+    Name(usize),
+    /// Changes of one parameter.
+    Parameter(&'static str),
+    /// Changes of the time offset of two sequences.
+    Offset,
+}
 
 /// Maximum number of steps. The oldest is removed first.
 const LIMIT: usize = 500;

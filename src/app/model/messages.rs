@@ -16,6 +16,8 @@ pub enum MessageKind {
     Problem,
     /// A finished task that took some time.
     Done,
+    /// The answer to a question.
+    Answer,
     /// An offer to restore unsaved work.
     LeftBehind,
     /// A question whether to replace a file that another program changed.
@@ -28,7 +30,7 @@ impl MessageKind {
         match self {
             Self::LeftBehind => ("Later", "Keep the unsaved work. The next start asks again."),
             Self::Replace => ("Cancel", "Save nothing. The file stays as it is."),
-            Self::Problem | Self::Done => ("Dismiss", "Remove this message."),
+            Self::Problem | Self::Done | Self::Answer => ("Dismiss", "Remove this message."),
         }
     }
 }

@@ -68,7 +68,7 @@ use album::Album;
 use document::{Document, PictureIdentity, PointRef};
 use exchange::PendingImport;
 use focus::LineSource;
-use history::History;
+use history::{EditKey, History};
 use ids::{OverlayId, StageId, TabId, Visibility};
 use look::{Look, Tool};
 use messages::Messages;
@@ -87,21 +87,6 @@ use crate::geometry::{PointPair, Vector};
 use crate::judge::{ROW_LIMIT, judge_rows};
 use crate::presentation::rows_in_words;
 use crate::similarity::LineMeasure;
-
-/// Key of edits that are merged into one step of the history.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum EditKey {
-    /// Moves of one drag.
-    Drag(PointRef),
-    /// A run of arrow keys.
-    Nudge(PointRef),
-    /// Letters of the name of a pair.
-    Name(usize),
-    /// Changes of one parameter.
-    Parameter(&'static str),
-    /// Changes of the time offset of two sequences.
-    Offset,
-}
 
 /// Work in progress that the window shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -283,6 +268,11 @@ impl Model {
         let matches: Vec<PointPair> = found.iter().map(|found| self.open.pixels_of(&found.pair)).collect();
         let frame = self.open.shown_frame(document::Side::Right);
         match frame.and_then(|frame| judge_rows(&matches, frame, ROW_LIMIT)) {
+            Some(judgement) if judgement.is_far_off() => format!(
+                "These pictures were not rectified: rows of matching points differ by {:.0} px. The stage \
+                 Rectified (6) shows them with common rows.",
+                judgement.typical
+            ),
             Some(judgement) => rows_in_words(&judgement),
             None => "There are too few matches to compare rows. Click two point pairs, or find the geometry \
                      without clicks; then ask again."

@@ -5,9 +5,10 @@ use std::ops::RangeInclusive;
 use image::imageops::FilterType;
 use image::{DynamicImage, GrayImage};
 
+use super::Model;
 use super::document::Side;
+use super::history::EditKey;
 use super::recording::{InspectedBarcodes, OffsetFound, PlayerCommand, Recordings, Synchronised};
-use super::{EditKey, Model};
 use crate::geometry::{Frame, Point, rescaled};
 use crate::motion::FEWEST_FRAMES;
 use crate::similarity::LineMeasure;

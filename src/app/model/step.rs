@@ -98,7 +98,7 @@ pub fn result_text(stage: Stage, document: &Document, computation: &Computation)
             let trace = estimate?.trace.as_ref()?;
             trace.timings.iter().find(|timing| timing.stage == stage)?;
             let scale = trace.view.scale.map_or(String::new(), |scale| format!(", scaled by {scale:.2}"));
-            let turned = || format!("image 2 turned by {:.0}°{scale}", trace.view.rotation.to_degrees());
+            let turned = || format!("right image turned by {:.0}°{scale}", trace.view.rotation.to_degrees());
             Some(match trace.features {
                 Some(FeatureViews::Frontal) => turned(),
                 Some(FeatureViews::Slanted) => format!("{}, with slanted features", turned()),

@@ -108,7 +108,7 @@ mod tests {
         assert_eq!(thumbnails.made.len(), KEPT);
         assert!(thumbnails.of(0).is_none());
         let kept = thumbnails.of(2 * KEPT - 1).unwrap().unwrap();
-        assert_eq!((kept.size, kept.pixels.len()), ([160, 1], 640));
+        assert_eq!((kept.size, kept.pixels.len()), ([160, 2], 1280));
         thumbnails.follow(Some(&other));
         thumbnails.take(made(&one, 3));
         assert!(thumbnails.of(3).is_none(), "its folder is no longer open");

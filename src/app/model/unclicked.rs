@@ -1,8 +1,8 @@
 //! Estimates without clicks, and the matches that replace the clicks.
 
 use super::Model;
-use super::document::Document;
-use crate::estimate::{Method, Parameters, Search};
+use super::document::{Document, Side};
+use crate::estimate::{Method, Parameters, RefinedMatch, Search};
 use crate::geometry::PointPair;
 use crate::io::PairOrigin;
 
@@ -24,8 +24,7 @@ impl Document {
         Parameters { method, ..self.parameters.clone() }
     }
 
-    /// Adds the matches that replaced clicks as pairs. They are only checks until the user accepts
-    /// them.
+    /// Adds matches as pairs. They are only checks until the user accepts them.
     pub fn keep_as_checks(&mut self, matches: &[PointPair]) {
         for pair in matches {
             let number = self.pairs.len();
@@ -51,8 +50,29 @@ impl Model {
         result.and_then(|(estimate, _)| Some(estimate.trace.as_ref()?.clicks.chosen())).unwrap_or_default()
     }
 
+    /// Returns the matches that become point pairs on request: in each ninth of the left image, the match of
+    /// the most similar patches. Without matches, those that replace the clicks.
+    pub fn telling_matches(&self) -> Vec<PointPair> {
+        let stand_ins = self.standing_in();
+        let result = self.open.computation.result().filter(|_| !stand_ins.is_empty());
+        let Some(((estimate, _), frame)) = result.zip(self.document.frame(Side::Left)) else {
+            return stand_ins;
+        };
+        let part = |at: f64, size: usize| ((at / size as f64 * 3.0).max(0.0) as usize).min(2);
+        let mut best: [Option<RefinedMatch>; 9] = [None; 9];
+        for found in estimate.matches() {
+            let point = found.pair.point1;
+            let cell = &mut best[3 * part(point.y, frame.height) + part(point.x, frame.width)];
+            if cell.is_none_or(|known| found.correlation > known.correlation) {
+                *cell = Some(*found);
+            }
+        }
+        let chosen: Vec<PointPair> = best.into_iter().flatten().map(|found| found.pair).collect();
+        if chosen.is_empty() { stand_ins } else { chosen }
+    }
+
     /// Returns whether any of these matches is not yet a pair.
     pub fn can_keep_matches(&self) -> bool {
-        self.standing_in().iter().any(|pair| !self.document.pairs.contains(pair))
+        self.telling_matches().iter().any(|pair| !self.document.pairs.contains(pair))
     }
 }

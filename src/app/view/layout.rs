@@ -162,7 +162,9 @@ impl View {
     fn split(&mut self, ctx: &Context, room: Rect, model: &Model) -> (Option<Rect>, Rect) {
         let window = ctx.content_rect().size();
         let frames = self.frames(model);
-        let look = (&model.look.dock, model.look.stacked);
+        // Rows are compared side by side.
+        let beside = (model.stage() == StageId::Rectified).then_some(false);
+        let look = (&model.look.dock, model.look.stacked.or(beside));
         let size = |v: Vec2| [v.x, v.y];
         // Other pictures are arranged afresh.
         let originals = self.originals(model);

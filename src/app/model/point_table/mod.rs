@@ -10,9 +10,10 @@ use std::fmt::Write as _;
 pub use kinds::{Choosing, ChosenEdit, PointColumn, PointOrder, PointsCommand};
 use pasting::{is_name_of_a_place, parse_table};
 
+use super::Model;
 use super::document::{Role, counted};
+use super::history::EditKey;
 use super::verdict::Gauge;
-use super::{EditKey, Model};
 use crate::geometry::{PointPair, symmetric_epipolar_distance};
 use crate::io::PairOrigin;
 

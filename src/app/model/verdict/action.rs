@@ -75,11 +75,17 @@ impl Model {
     pub fn doubt(&self) -> Option<(&'static str, LineLook)> {
         match self.line_look() {
             LineLook::Solid => None,
-            look @ LineLook::Other if self.has_result() => Some(("Not the result", look)),
+            look @ LineLook::Other if self.has_result() && self.shows_another() => {
+                Some(("Not the result", look))
+            }
             look @ LineLook::Other => Some(("Not checked", look)),
             look @ LineLook::Dashed => Some(("Doubtful", look)),
             look => Some(("Unreliable", look)),
         }
+    }
+
+    fn is_preliminary(&self) -> bool {
+        matches!(self.open.computation.result(), Some((_, Freshness::Preliminary)))
     }
 
     /// Returns how epipolar lines are drawn.
@@ -88,7 +94,7 @@ impl Model {
             self.shown().is_some_and(|shown| shown.hypothesis.is_some() || shown.contestant.is_some());
         match self.tone() {
             _ if self.shown().is_none() => LineLook::Solid,
-            _ if is_other => LineLook::Other,
+            _ if is_other || self.is_preliminary() => LineLook::Other,
             Tone::Caution => LineLook::Dashed,
             Tone::Bad if self.open.lines_anyway => LineLook::Dotted,
             Tone::Bad => LineLook::Hidden,
@@ -102,7 +108,8 @@ impl Model {
 pub enum LineLook {
     /// A reliable geometry.
     Solid,
-    /// A geometry without a verdict that the user chose to see in place of the result.
+    /// A geometry without a verdict: the first result of a search, or one that the user chose to see in
+    /// place of the result.
     Other,
     /// A doubtful geometry.
     Dashed,

@@ -10,7 +10,7 @@ mod tone;
 
 use crate::app::model::computation::{Computation, EstimateFailure, Freshness};
 use crate::app::model::document::{Document, Imported, Role, pair_name};
-use crate::estimate::{self, CLICK_DEVIATIONS, Estimate, Reason, Warning};
+use crate::estimate::{self, CLICK_DEVIATIONS, Estimate, Reason, Trust, Warning};
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
 use crate::presentation::{error_in_words, probability_in_words, reason_in_words, warning_in_words};
 
@@ -34,8 +34,8 @@ pub struct VerdictInWords {
     pub facts: Vec<Fact>,
     /// All reasons, the main one first.
     pub warnings: Vec<String>,
-    /// How likely the lines are right, in percent, and the sentence that explains it.
-    pub likely: Option<(f64, String)>,
+    /// How likely the lines are right, in a few words, and the sentence that explains it.
+    pub likely: Option<[String; 2]>,
 }
 
 /// Returns a warning about an imported geometry.
@@ -127,7 +127,9 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
         let frames = document.pictures.as_ref()?.each_ref().map(|picture| picture.frame);
         let side = frames[0].longer_side().max(frames[1].longer_side());
         let percent = (100.0 * assessment.probability_within_one_percent()?).round();
-        Some((percent, probability_in_words(assessment, side)?))
+        let open = assessment.trust.as_ref().is_some_and(Trust::says_one_plane);
+        let which = if open { "right near matches" } else { "likely right" };
+        Some([format!("{percent:.0} % {which}"), probability_in_words(assessment, side)?])
     });
     // Warnings about an unfinished result could be outdated a moment later.
     let finished = matches!(freshness, Freshness::Final | Freshness::Stopped);

@@ -50,7 +50,6 @@ fn a_clean_result_is_good_and_one_with_warnings_is_not() {
     });
     let reliable = verdict(&document, &computation);
     assert_eq!((reliable.tone, reliable.word), (Tone::Good, "Reliable"));
-    assert!(reliable.likely.as_ref().is_some_and(|(percent, _)| *percent > 90.0), "{:?}", reliable.likely);
     assert!(reliable.warnings.is_empty());
 }
 

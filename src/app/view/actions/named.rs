@@ -93,16 +93,16 @@ pub fn by_name() -> Vec<Action> {
         .when(Model::can_find_without_clicks),
         action(
             Command::JudgeRows,
-            "Is this pair rectified?",
+            "Is the pair rectified?",
             "Compare the rows of the matches over the whole picture, and tell by how much they differ.",
         )
-        .listed(|_| "Is this pair rectified?")
+        .listed(|_| "Is the pair rectified?")
         .when(|model| model.document.pictures.is_some()),
         action(
             Command::KeepMatches,
             "Turn matches into point pairs",
-            "Turn the two matches that replace clicks into point pairs, to inspect and correct them. They \
-             only check the geometry until you use them.",
+            "Turn up to nine matches, spread over the images, into point pairs, to inspect and correct them. \
+             They only check the geometry until you use them.",
         )
         .listed(|_| "Turn matches into point pairs")
         .when(Model::can_keep_matches),

@@ -140,8 +140,8 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         verdict(&model.document, &model.open.computation);
     ui.horizontal(|ui| {
         heading(ui, Some(tone), word);
-        if let Some((percent, sentence)) = &likely {
-            ui.weak(format!("{percent:.0} % likely right")).on_hover_text(format!(
+        if let Some([short, sentence]) = &likely {
+            ui.weak(short).on_hover_text(format!(
                 "{sentence}. This is the share of right results with such a verdict on pairs with known truth."
             ));
         }

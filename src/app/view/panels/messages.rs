@@ -33,7 +33,9 @@ pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<C
                 let (fill, edge) = match message.kind {
                     MessageKind::Problem => (palette.message_fill, palette.bad),
                     MessageKind::Replace => (ui.visuals().panel_fill, palette.caution),
-                    MessageKind::LeftBehind => (ui.visuals().panel_fill, palette.accent),
+                    MessageKind::LeftBehind | MessageKind::Answer => {
+                        (ui.visuals().panel_fill, palette.accent)
+                    }
                     MessageKind::Done => (ui.visuals().panel_fill, palette.good),
                 };
                 Frame::new()

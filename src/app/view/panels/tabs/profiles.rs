@@ -2,10 +2,12 @@
 //! matching costs.
 
 use egui::{
-    Align, Color32, ColorImage, Id, Label, Layout, Rect, RichText, ScrollArea, Sense, TextureHandle,
+    Align, Color32, ColorImage, Id, Label, Layout, Rangef, Rect, RichText, ScrollArea, Sense, TextureHandle,
     TextureOptions, Ui, UiBuilder, Vec2, vec2,
 };
-use egui_plot::{GridInput, GridMark, Line, Plot, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine};
+use egui_plot::{
+    AxisHints, GridInput, GridMark, Line, Plot, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine,
+};
 
 use super::barcodes;
 use super::inspected::{marked, read_out, tools};
@@ -222,7 +224,12 @@ impl Titled<'_> {
             .allow_zoom([true, false])
             .allow_drag([true, false])
             .allow_boxed_zoom(false)
-            .x_axis_formatter(|mark, _| format!("{:.0} px", mark.value))
+            .custom_x_axes(vec![
+                AxisHints::new_x()
+                    .formatter(|mark, _| format!("{:.0} px", mark.value))
+                    // Labels nearer to each other than this fade away.
+                    .label_spacing(Rangef::new(20.0, 36.0)),
+            ])
             .label_formatter(|_| None)
             .show(ui, |plot| {
                 (self.content)(plot, inspection, &texture);

@@ -10,7 +10,7 @@ use crate::app::model::command::Command;
 use crate::app::model::comparison::{Comparison, Contestant, Measure, PointSet, Subject};
 use crate::app::model::document::{PointRef, Role, Side, pair_name};
 use crate::app::model::focus::{LineSource, Target};
-use crate::app::model::ids::TabId;
+use crate::app::model::ids::{OverlayId, TabId};
 use crate::app::model::verdict::Gauge;
 use crate::app::view::panels::{command_button, truth_button};
 use crate::app::view::theme;
@@ -56,6 +56,9 @@ pub fn measured<'a>(ui: &mut Ui, model: &'a Model, commands: &mut Vec<Command>) 
 
 fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(comparison) = measured(ui, model, commands) else { return };
+    if model.look.shows(OverlayId::MagnifiedResiduals) && has_matches(model) {
+        ui.weak("Strokes in the pictures: distances of the matches from their lines, 50 times enlarged");
+    }
     let width = ui.available_width().max(LEAST_WIDTH);
     ScrollArea::horizontal().id_salt("residual table").auto_shrink([false, false]).show(ui, |ui| {
         ui.set_width(width);

@@ -29,7 +29,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let rows: Vec<(usize, &ComparedPencils, usize, &Candidate)> =
         pencils.map(|(number, pencils)| (number, &**pencils)).flat_map(of).collect();
     if rows.is_empty() {
-        empty(ui, "Candidate line pairs appear here once there are enough point pairs.");
+        empty(ui, "Candidate line pairs appear here during the estimate.");
         return;
     }
     let pair = |row: usize| model.document.pair_of_pencils(rows[row].0, &rows[row].1.click);

@@ -73,7 +73,7 @@ fn columns_of(step: MethodStep) -> &'static [usize] {
 pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Command>) {
     let listed = Listed::new(model);
     if listed.rows() == 0 {
-        empty(ui, "Candidate geometries appear here once there are enough point pairs.");
+        empty(ui, "Candidate geometries appear here during the estimate.");
         return;
     }
     let of = columns_of(step);

@@ -62,8 +62,8 @@ impl MethodStep {
             }
             Self::RoundTrip => {
                 "H maps the epipolar lines from left to right, G maps them back; the orange region lies \
-                 between a line and its return. A small region speaks for a hypothesis, but the \
-                 validation decides."
+                 between a line and its return. A small region speaks for a hypothesis; a good one may have \
+                 a large region, so the validation decides."
             }
             Self::Validation => {
                 "The best hypotheses are scored over the whole of both images. The margin is the lead of \
@@ -112,7 +112,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 
 fn epipoles(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if model.shown().is_none() {
-        super::empty(ui, "The epipoles of all hypotheses appear here once there are enough point pairs.");
+        super::empty(ui, "The epipoles of all hypotheses appear here during the estimate.");
         return;
     }
     let area = ui.available_rect_before_wrap();

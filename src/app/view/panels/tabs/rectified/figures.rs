@@ -217,36 +217,46 @@ fn disparity_hint([low, high]: [f64; 2]) -> (String, &'static str) {
     )
 }
 
-/// Shows the distortion of each picture.
-fn shapes(ui: &mut Ui, distortion: &[Distortion; 2]) {
-    const COLUMNS: [(&str, &str); 5] = [
+/// Shows the distortion of each picture, one measure a row: the dock may be narrow.
+fn shapes(ui: &mut Ui, [left, right]: &[Distortion; 2]) {
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let angle = |d: &Distortion| d.orthogonality.map_or("-".into(), |angle| format!("{angle:.1}°"));
+    let ratio = |d: &Distortion| d.aspect_ratio.map_or("-".into(), |ratio| format!("{ratio:.3}"));
+    let rows = [
         (
             "Angle",
             "Angle between the centre lines of the image after rectification. 90° preserves right angles.",
+            [angle(left), angle(right)],
         ),
         (
             "Proportions",
             "Ratio of the image's diagonals after rectification. 1 preserves proportions; far from 1, the \
              image is squeezed.",
+            [ratio(left), ratio(right)],
         ),
-        ("Cut", "Share of the image outside the rectified picture."),
-        ("Shrunk", "Share of the image reduced to less than half its area, where detail is lost."),
-        ("Stretched", "Share of the image enlarged to more than twice its area."),
+        ("Cut", "Share of the image outside the rectified picture.", [percent(left.cut), percent(right.cut)]),
+        (
+            "Shrunk",
+            "Share of the image reduced to less than half its area, where detail is lost.",
+            [percent(left.shrunk), percent(right.shrunk)],
+        ),
+        (
+            "Stretched",
+            "Share of the image enlarged to more than twice its area.",
+            [percent(left.stretched), percent(right.stretched)],
+        ),
     ];
-    Grid::new("shapes").num_columns(6).spacing([9.0, 2.0]).min_col_width(0.0).min_row_height(18.0).show(
+    Grid::new("shapes").num_columns(3).spacing([14.0, 1.0]).min_col_width(0.0).min_row_height(16.0).show(
         ui,
         |ui| {
             ui.label("");
-            for (title, tooltip) in COLUMNS {
-                ui.label(RichText::new(title).size(12.0).weak()).on_hover_text(tooltip);
-            }
+            ui.weak("Left");
+            ui.weak("Right");
             ui.end_row();
-            for (side, d) in ["Left", "Right"].into_iter().zip(distortion) {
-                ui.weak(side);
-                ui.label(d.orthogonality.map_or("-".into(), |angle| format!("{angle:.1}°")));
-                ui.label(d.aspect_ratio.map_or("-".into(), |ratio| format!("{ratio:.3}")));
-                for share in [d.cut, d.shrunk, d.stretched] {
-                    ui.label(format!("{:.0} %", 100.0 * share));
+            for (title, tooltip, values) in rows {
+                ui.label(RichText::new(title).size(12.0).weak()).on_hover_text(tooltip);
+                for value in values {
+                    ui.label(value);
                 }
                 ui.end_row();
             }

@@ -41,7 +41,7 @@ const ROOM_FOR_ONE_ROW: f32 = 480.0;
 fn saving(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let can_export = model.shown().is_some() && model.activity.writing.is_none();
     ui.add_enabled_ui(can_export, |ui| {
-        let save = main_button(ui, "Save rectified pair…");
+        let save = main_button(ui, "Export rectified pair…");
         finish_button(ui, save, RectifiedCommand::ShowExport.into(), commands);
     });
     if model.activity.rectifying {
@@ -52,7 +52,7 @@ fn saving(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 /// Shows layouts and quality measures in the dock.
 pub fn show_figures(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if ui.available_width() < ROOM_FOR_ONE_ROW {
-        ui.horizontal(|ui| figures::layout_chooser(ui, model, commands));
+        ui.horizontal_wrapped(|ui| figures::layout_chooser(ui, model, commands));
         ui.horizontal(|ui| saving(ui, model, commands));
     } else {
         ui.horizontal(|ui| {
