@@ -13,8 +13,9 @@ const GRID: usize = 48;
 
 /// Neighbours that are asked about the disparity of a match.
 const NEIGHBOURS: usize = 8;
-/// Neighbours that must agree: half. Where windows repeat, two or three wrong matches often slide by the same
-/// distance (sceaux-02-06: −636 to 1090 px with two, −221 to −6 px with four to seven; true −219 to −9 px).
+/// Neighbours that must agree: half. Where windows repeat, two or three wrong matches often slide by the
+/// same distance. A facade from −219 to −9 px measured −636 to 1090 px with two, and −221 to −6 px with
+/// four to seven.
 const AGREEING: usize = NEIGHBOURS / 2;
 /// Largest disparity gradient of two matches on one surface (Burt & Julesz 1980; Pollard, Mayhew &
 /// Frisby 1985): change of disparity over distance. Hardly any visible surface exceeds it.
