@@ -1,5 +1,6 @@
 //! `epiline convert`: conversion of a geometry to the format and convention of another program.
 
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -22,7 +23,7 @@ pub(super) struct ConvertArguments {
     #[arg(long, value_enum)]
     format: Option<Format>,
     /// Database of COLMAP. The output is a copy with the points, the matches and the geometry added
-    /// (.db), or a list of the matches at its keypoints for matches_importer (.txt)
+    /// (.db), or a list of the matches at its keypoints for COLMAP to import (.txt)
     #[arg(long, value_name = "FILE", conflicts_with = "format")]
     database: Option<PathBuf>,
     /// Names of both images in the database, by default those of the result
@@ -92,7 +93,7 @@ fn to_colmap(arguments: &ConvertArguments, database: &Path) -> Result<(), CliErr
     );
     if !is_list {
         let [first, second] = pair.keypoints;
-        text += &format!("New keypoints: {first} in {left}, {second} in {right}\n");
+        let _ = writeln!(text, "New keypoints: {first} in {left}, {second} in {right}");
     }
     print(&text)
 }

@@ -159,7 +159,7 @@ impl Inspector {
                     self.model.open.done.tell(format!("Saved {}", path.display()));
                     // The file has the work at the time of the command. Later changes are not
                     // saved.
-                    self.model.session.belongs_to(path, work);
+                    self.model.session.belongs_to(path, *work);
                 }
                 Written::Session { result: Err(problem), .. } => self.model.messages.tell(format!(
                     "The session was not saved: {problem}. Your work is still here. Save it somewhere else."

@@ -19,7 +19,7 @@ pub enum Written {
         /// Path of the session.
         path: PathBuf,
         /// The saved work, or the reason why it was not written.
-        result: Result<Work, String>,
+        result: Result<Box<Work>, String>,
     },
     /// The program's own copy of unsaved work. The error says why it was not written.
     Copy(Result<(), String>),
@@ -42,7 +42,7 @@ pub fn saver(waker: Waker) -> Task<SaveJob, Written> {
 pub fn save(path: PathBuf, session: SessionFile<Work>, work: Work, inputs: Vec<PathBuf>) -> SaveJob {
     Box::new(move || {
         let result = apart(&path, &inputs).and_then(|()| session.write(&path));
-        let result = result.map_err(|error| error.to_string()).map(|()| work);
+        let result = result.map_err(|error| error.to_string()).map(|()| Box::new(work));
         Some(Written::Session { path, result })
     })
 }

@@ -27,6 +27,12 @@ pub type EstimateFn = dyn FnMut(&EstimateRequest, &Monitor) -> Result<Estimate, 
 /// milliseconds.
 pub type FollowFn = dyn FnMut(&EstimateRequest, &[&Estimate]) -> Option<Estimate> + Send;
 
+/// Prepares data that depends on the pictures only.
+pub type PrepareFn = dyn FnMut(&Pictures, &CancelFlag) + Send;
+
+/// Finds the most useful place for one more pair.
+pub type NextClickFn = dyn FnMut(&NextClickQuestion) -> Option<NextClick> + Send;
+
 /// Asks for a path with a dialog of the system, and returns when the dialog is closed.
 pub type PickFn = dyn Fn() -> Option<PathBuf> + Send + Sync;
 
@@ -36,7 +42,7 @@ pub type SavePickFn = dyn Fn(&Path) -> Option<PathBuf> + Send + Sync;
 /// Computations and system dialogs.
 pub struct Services {
     /// Preparation of data that depends on the pictures only, as soon as they are open.
-    pub prepare: Box<dyn FnMut(&Pictures, &CancelFlag) + Send>,
+    pub prepare: Box<PrepareFn>,
     /// Search for a geometry.
     pub estimate: Box<EstimateFn>,
     /// Refit to moved points while the search goes on.
@@ -44,7 +50,7 @@ pub struct Services {
     /// Suggestion for the second click of a pair, within some hundredths of a second.
     pub suggest: Box<dyn FnMut(&SuggestQuestion) -> Suggested + Send>,
     /// Most useful place for one more pair, within milliseconds.
-    pub next_click: Box<dyn FnMut(&NextClickQuestion) -> Option<NextClick> + Send>,
+    pub next_click: Box<NextClickFn>,
     /// Better place for a placed pair, within some hundredths of a second.
     pub repair: Box<dyn FnMut(&RepairQuestion) -> RepairOutcome + Send>,
     /// System dialog for a file; `None` when cancelled or unable to open.

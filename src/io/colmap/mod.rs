@@ -20,6 +20,7 @@ mod keypoints;
 mod tests;
 
 use std::collections::HashSet;
+use std::fmt::Write;
 use std::path::Path;
 
 use nalgebra::{Matrix3, UnitQuaternion};
@@ -102,7 +103,7 @@ impl GeometryFile {
         }
         let mut text = format!("{} {}\n", images[0].name, images[1].name);
         for (numbers, _) in &found {
-            text += &format!("{} {}\n", numbers[0], numbers[1]);
+            let _ = writeln!(text, "{} {}", numbers[0], numbers[1]);
         }
         // An empty line ends the list of a pair.
         text.push('\n');
@@ -221,7 +222,7 @@ impl Geometry {
             fundamental: self
                 .fundamental
                 .and_then(|f| FundamentalMatrix::from_rank_two(f.matrix().transpose())),
-            homography: self.homography.and_then(|h| h.try_inverse()),
+            homography: self.homography.and_then(Matrix3::try_inverse),
             pose: self.pose.map(turned),
             ..self
         }
@@ -311,7 +312,9 @@ fn add(
         geometry = geometry.turned();
         (id1, id2) = (id2, id1);
         (first, second) = (second, first);
-        found.iter_mut().for_each(|(numbers, _)| numbers.reverse());
+        for (numbers, _) in &mut found {
+            numbers.reverse();
+        }
     }
     let pair_id = database::pair_id(id1, id2);
     let mut all = database.matches("matches", pair_id)?;
