@@ -9,6 +9,7 @@
 //! - Camera axes: x right, y down, z forwards. `x2 = R x1 + t`.
 //! - Pixels as everywhere: the centre of the top-left pixel is (0, 0).
 
+mod cloud;
 mod lens;
 mod model;
 mod names;
@@ -18,6 +19,7 @@ mod tests;
 mod undistorted_view;
 mod view_pair;
 
+pub use cloud::{CloudPoint, PointCloud};
 pub use lens::{Lens, Projection, Radial};
 pub use model::CameraModel;
 #[cfg(feature = "files")]

@@ -8,7 +8,9 @@ use super::CliError;
 use super::console::{print, tell};
 use crate::foreign::shown_path;
 use crate::image::Picture;
-use crate::io::{Format, GeometryFile, ImageNote, OutputFile, matrix_as_npy, read_camera, read_point_pairs};
+use crate::io::{
+    Format, GeometryFile, ImageNote, OutputFile, cloud_as_ply, matrix_as_npy, read_camera, read_point_pairs,
+};
 
 /// Source of a geometry.
 #[derive(Debug, Args)]
@@ -164,7 +166,7 @@ impl GeometryOutput {
             Content::Cloud => {
                 let missing = "there are no scene points. Make them with epiline estimate --calibration … --export cloud.ply";
                 let cloud = file.cloud.as_ref().ok_or_else(|| CliError::Arguments(missing.into()))?;
-                cloud.to_ply().into_bytes()
+                cloud_as_ply(cloud).into_bytes()
             }
             Content::Covariances => file.covariances_as_npz().map_err(CliError::Arguments)?,
         };

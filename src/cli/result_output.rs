@@ -8,13 +8,13 @@ use nalgebra::{Matrix3, Vector3};
 use super::CliError;
 use super::geometry_file::{GeometryOutput, image_notes};
 use super::output::Output;
-use crate::camera::{PoseFit, ViewPair, fit_pose};
+use crate::camera::{PointCloud, PoseFit, ViewPair, fit_pose};
 use crate::estimate::{Estimate, Parameters, Uncertainty};
 use crate::geometry::{Camera, PointPair, median, sampson_distance};
 use crate::image::Picture;
 use crate::io::{
-    CalibratedNote, Format, GeometryFile, PairLabel, PairOrigin, PointCloud, ResultFile, TrustNote,
-    refuse_clashes, result_in_words,
+    CalibratedNote, Format, GeometryFile, PairLabel, PairOrigin, ResultFile, TrustNote, refuse_clashes,
+    result_in_words,
 };
 use crate::presentation::pose_in_words;
 
@@ -131,7 +131,7 @@ fn pose(found: &Estimate, views: &ViewPair) -> Option<PoseFit> {
 /// Triangulates the matches.
 fn cloud(found: &Estimate, views: &ViewPair, fit: &PoseFit, left: &Picture) -> PointCloud {
     let matches: Vec<PointPair> = found.matches().iter().map(|found| found.pair).collect();
-    PointCloud::new(&fit.pose, views, &matches, &left.pixels)
+    PointCloud::new(&fit.pose, views, &matches, |point| left.color_at(point))
 }
 
 /// Returns the cameras `K1 [I | 0]` and `K2 [R | t]` of the views.

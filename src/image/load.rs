@@ -3,7 +3,7 @@
 use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
-use image::DynamicImage;
+use image::{DynamicImage, GenericImageView as _};
 
 use super::decode::decode;
 use super::luma::gray_plane;
@@ -100,6 +100,14 @@ impl Picture {
         // Nothing cancels the drawing.
         let pixels = drawn.unwrap_or_default();
         Self { name: self.name.clone(), path: self.path.clone(), gray: gray_plane(&pixels), pixels }
+    }
+
+    /// Returns red, green and blue of the pixel nearest to a point.
+    pub fn color_at(&self, point: Point) -> [u8; 3] {
+        let at = |v: f64, size: u32| v.round().clamp(0.0, f64::from(size.saturating_sub(1))) as u32;
+        let (x, y) = (at(point.x, self.pixels.width()), at(point.y, self.pixels.height()));
+        let [red, green, blue, _] = self.pixels.get_pixel(x, y).0;
+        [red, green, blue]
     }
 
     /// Returns width and height.

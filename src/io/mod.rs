@@ -51,7 +51,7 @@ pub use pair_folder::{PairFiles, pair_folder};
 pub use picture_file::{PictureError, PictureFormat};
 #[doc(hidden)]
 pub use picture_file::{described, encode_picture};
-pub use ply::PointCloud;
+pub use ply::cloud_as_ply;
 pub use point_pairs::{PairProblem, parse_point_pairs};
 pub use read::{IMAGE_EXTENSIONS, ReadError, has_image_extension};
 pub use rectified::{RectifiedError, RectifiedFiles, RectifiedOptions};

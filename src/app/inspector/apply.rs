@@ -7,6 +7,7 @@ use crate::app::model::command::{Command, PickPurpose};
 use crate::app::model::dock::DockLook;
 use crate::app::model::document::{Side, counted, pair_name};
 use crate::app::model::exchange::ViewPart;
+use crate::app::model::focus::LineSource;
 use crate::app::model::history::EditKey;
 use crate::app::model::ids::{StageId, TabId};
 use crate::app::model::look::Tool;
@@ -20,6 +21,10 @@ use crate::app::model::suggesting::Repair;
 use crate::app::tasks::{Opening, Wanted};
 use crate::app::view::Destination;
 use crate::io::PairOrigin;
+
+/// The way to a scene.
+const NO_SCENE: &str = "There are no 3-D points. They need a calibration of both pictures and at least 10 \
+                        matches. Drop a calibration file on the window, then find the geometry.";
 
 impl Inspector {
     /// Applies a command.
@@ -163,9 +168,18 @@ impl Inspector {
                     model.open.done.tell(text);
                 }
             }
+            Command::ShowStage(StageId::Scene) if !model.offers_scene() => {
+                model.messages.tell(NO_SCENE);
+            }
             Command::ShowStage(stage) => model.look.stage = stage,
+            Command::LookAtScene(orbit) => model.open.orbit = orbit,
+            Command::ShowMatch(number) => self.show_match(number),
             Command::ShowTab(tab) => {
-                (model.look.stage, model.look.tab, model.look.dock.folded) = (StageId::Pictures, tab, false);
+                (model.look.tab, model.look.dock.folded) = (tab, false);
+                // The dock shows the figures of the rectified pair in place of tabs.
+                if model.look.stage == StageId::Rectified {
+                    model.look.stage = StageId::Pictures;
+                }
             }
             Command::ShowStep(step) => {
                 model.look.step = step;
@@ -234,6 +248,20 @@ impl Inspector {
             pane.fit();
         }
         self.model.open.viewing.view = None;
+        self.model.open.orbit = None;
+    }
+
+    /// Shows a match of the result in the middle of both pictures, and pins its lines.
+    fn show_match(&mut self, number: usize) {
+        let model = &mut self.model;
+        let found = model.open.computation.result().and_then(|(found, _)| found.matches().get(number));
+        let Some(pair) = found.map(|found| found.pair) else { return };
+        model.look.stage = StageId::Pictures;
+        model.open.focus.pin(LineSource::Through { side: Side::Left, point: pair.point1 });
+        for side in Side::BOTH {
+            let pixel = model.open.pixel(side, side.point(&pair));
+            self.view.panes[side.index()].magnify_at(pixel);
+        }
     }
 
     /// Requests the repair of a pair.

@@ -12,6 +12,7 @@ use super::ids::{MethodStep, OverlayId, StageId, TabId};
 use super::point_table::PointsCommand;
 use super::recording::PlayerCommand;
 use super::rectified::RectifiedCommand;
+use super::scene::Orbit;
 use super::session::OpenSession;
 use super::suggesting::Repair;
 use super::tones::TonesCommand;
@@ -159,6 +160,10 @@ pub enum Command {
     /// A command about the rectified pair.
     Rectified(RectifiedCommand),
     ShowStage(StageId),
+    /// Look at the scene from elsewhere; `None` shows all of it.
+    LookAtScene(Option<Orbit>),
+    /// Show a match of the result in the middle of both pictures, and pin its lines.
+    ShowMatch(usize),
     /// Show a tab of the dock.
     ShowTab(TabId),
     ShowStep(MethodStep),

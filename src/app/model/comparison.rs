@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 
 use super::revision;
 use super::shared::Shared;
-use crate::camera::{PoseFit, ViewPair, fit_pose};
 use crate::comparison::{
     Distances, FitError, KnownPair, PointFit, Spread, fit_eight, fit_least_median, fit_msac, fit_seven,
 };
@@ -115,8 +114,6 @@ pub struct ComparisonQuestion {
     pub is_trusted: bool,
     /// Sizes of the images.
     pub frames: [Frame; 2],
-    /// Views of calibrated cameras.
-    pub views: Option<ViewPair>,
     /// Ground truth, if known and in use.
     pub truth: Option<Shared<GroundTruth>>,
     /// Points, fits and measure.
@@ -149,8 +146,6 @@ pub struct Comparison {
     pub rows: [Compared; Contestant::ALL.len()],
     /// The imported geometry, and what the images say of it.
     pub judgement: Option<(FundamentalMatrix, Judgement)>,
-    /// Relative pose of calibrated cameras, by the result and its matches.
-    pub pose: Option<PoseFit>,
     /// Mean symmetric epipolar distance of all true matches to the shown geometry, px.
     pub true_error: Option<f64>,
     /// Mean symmetric epipolar distance of all true matches to the true geometry, px: a practical
@@ -230,10 +225,6 @@ impl ComparisonQuestion {
             points: points.to_vec(),
             rows,
             judgement: self.judgement(),
-            pose: self
-                .result
-                .zip(self.views)
-                .and_then(|(f, views)| fit_pose(&f, &views.calibrations(), &self.matches, self.frames[0])),
             true_error: self.shown.as_ref().and_then(error),
             truth_error: truth.and_then(|truth| error(&truth.fundamental)),
         }
@@ -329,7 +320,6 @@ mod tests {
             used: sample.show_me.to_vec(),
             matches: Vec::new(),
             is_trusted: true,
-            views: None,
             frames: sample.pictures.each_ref().map(|opened| opened.picture.frame()),
             truth: Some(Shared::new(sample.truth)),
             subject: Subject::default(),

@@ -9,17 +9,20 @@ pub enum StageId {
     Pictures,
     /// The rectified pair.
     Rectified,
+    /// The triangulated matches, with both cameras.
+    Scene,
 }
 
 impl StageId {
     /// All stages from left to right.
-    pub const ALL: [Self; 2] = [Self::Pictures, Self::Rectified];
+    pub const ALL: [Self; 3] = [Self::Pictures, Self::Rectified, Self::Scene];
 
     /// Returns the heading of the stage.
     pub const fn title(self) -> &'static str {
         match self {
             Self::Pictures => "Pictures",
             Self::Rectified => "Rectified",
+            Self::Scene => "3-D",
         }
     }
 }

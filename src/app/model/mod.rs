@@ -15,6 +15,7 @@
 //! | [`thumbnails`] | small pictures of the images of the folder |
 //! | [`recording`] | two sequences in place of two pictures: frames and time offset |
 //! | [`tones`] | brightness and colours of the pictures on the screen |
+//! | [`scene`] | scene points of a calibrated pair, and a view of them |
 //! | [`shown`] | the geometry shown by the whole window |
 //! | [`command`] | all commands |
 //! | [`questions`] | requests to the tasks, made from the current state |
@@ -52,6 +53,7 @@ mod repairing;
 pub mod residuals;
 pub mod revision;
 pub mod sample;
+pub mod scene;
 pub mod session;
 pub mod shared;
 pub mod shown;
@@ -216,12 +218,17 @@ impl Model {
 
     /// Returns the visible tab of the dock; `None` when the dock is folded or has other content.
     pub fn tab(&self) -> Option<TabId> {
-        (!self.look.dock.folded && self.stage() == StageId::Pictures).then_some(self.look.tab)
+        (!self.look.dock.folded && self.stage() != StageId::Rectified).then_some(self.look.tab)
     }
 
-    /// Returns the visible stage. Without a geometry there is nothing to rectify.
+    /// Returns the visible stage: the chosen one while it has content, and else the pictures.
     pub fn stage(&self) -> StageId {
-        if self.can_rectify() { self.look.stage } else { StageId::Pictures }
+        let has_content = match self.look.stage {
+            StageId::Pictures => true,
+            StageId::Rectified => self.can_rectify(),
+            StageId::Scene => self.offers_scene(),
+        };
+        if has_content { self.look.stage } else { StageId::Pictures }
     }
 
     /// Returns whether a rectified pair exists or can be made.

@@ -15,6 +15,7 @@ use super::picture::{Opened, Pictures};
 use super::point_table::PointOrder;
 use super::recording::Player;
 use super::rectified::{Rectified, Viewing};
+use super::scene::{Orbit, Scene};
 use super::suggesting::Suggested;
 use super::tones::{Tones, TonesCommand};
 use super::truth::KnownTruth;
@@ -70,6 +71,11 @@ pub struct OpenPair {
     pub rectified: Option<Rectified>,
     /// Visible part of the rectified pair.
     pub viewing: Viewing,
+    /// Relative pose and scene points of the result, once computed. The inner `None`: the matches do not
+    /// determine a pose.
+    pub scene: Option<Option<Scene>>,
+    /// View of the scene; `None` shows all of it.
+    pub orbit: Option<Orbit>,
     /// Hovered and selected things, in all parts of the window.
     pub focus: Focus,
     /// Brightness and colours of the pictures on the screen.
@@ -138,8 +144,13 @@ impl OpenPair {
 
     /// Returns the views without distortion, if the coordinates of the window differ from the pixels.
     pub fn undistorted(&self) -> Option<ViewPair> {
+        self.views().filter(ViewPair::is_undistorted)
+    }
+
+    /// Returns the views without distortion, if both pictures have a calibrated camera.
+    pub fn views(&self) -> Option<ViewPair> {
         let [left, right] = self.pictures.as_ref()?.each_ref().map(|opened| opened.lens.as_ref());
-        Some(ViewPair { views: [left?.view, right?.view] }).filter(ViewPair::is_undistorted)
+        Some(ViewPair { views: [left?.view, right?.view] })
     }
 
     /// Returns the calibrated cameras of the pictures, if both have one.

@@ -44,8 +44,7 @@ impl Model {
     /// Returns the request for a comparison, while something shows it.
     pub fn comparison_question(&self) -> Option<ComparisonQuestion> {
         let tab = matches!(self.tab(), Some(TabId::Residuals | TabId::Compare));
-        let views = self.open.undistorted();
-        let is_wanted = self.truth().is_some() || self.open.focus.contestant().is_some() || views.is_some();
+        let is_wanted = self.truth().is_some() || self.open.focus.contestant().is_some();
         if !(tab || is_wanted) {
             return None;
         }
@@ -61,7 +60,6 @@ impl Model {
             matches: self.found_matches(),
             is_trusted: self.open.computation.result().is_some_and(|(found, _)| found.may_contradict()),
             frames: pictures.each_ref().map(|picture| picture.frame),
-            views,
             truth: self.truth().and(self.open.known.as_ref()).map(|known| known.truth.clone()),
             subject: self.look.compared,
         })

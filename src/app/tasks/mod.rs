@@ -33,6 +33,7 @@ use super::model::inspection::{Inspection, InspectionRequest};
 use super::model::picture::Pictures;
 use super::model::recording::{OffsetFound, Recordings};
 use super::model::rectified::{Rectified, RectifyQuestion};
+use super::model::scene::{Scene, SceneQuestion};
 use super::model::suggesting::{NextClickQuestion, RepairQuestion, Repaired, SuggestQuestion, Suggested};
 use crate::motion::{MOST_OFFSET, find_offset};
 use crate::suggest::NextClick;
@@ -56,6 +57,7 @@ pub struct Tasks {
     /// Search for the time offset of sequences.
     pub aligning: Task<Recordings, OffsetFound>,
     rectifying: Following<RectifyQuestion, Rectified>,
+    triangulating: Following<SceneQuestion, Option<Scene>>,
     /// Opening of pictures.
     pub loader: Loader,
     /// Small pictures of the folder.
@@ -129,6 +131,8 @@ impl Tasks {
                 }
                 question.answer(&turn.cancel)
             });
+        let triangulating =
+            Task::answering("scene", waker.clone(), |question: SceneQuestion| Some(question.answer()));
         Self {
             estimating: Estimating::new(estimate, follow, &waker),
             preparing: Following::strict(preparing),
@@ -139,6 +143,7 @@ impl Tasks {
             repairing,
             aligning,
             rectifying: Following::keeping(rectifying),
+            triangulating: Following::strict(triangulating),
             loader: Loader::new(waker.clone()),
             thumbnailing: Thumbnailing::new(waker.clone()),
             importing: Task::answering("import", waker.clone(), |question: ImportQuestion| {
@@ -161,6 +166,7 @@ impl Tasks {
         self.inspecting.take(&mut open.inspection);
         self.comparing.take(&mut open.comparison);
         self.rectifying.take(&mut open.rectified);
+        self.triangulating.take(&mut open.scene);
         self.suggesting.take(&mut open.suggestion);
         self.advising.take(&mut open.next_click);
         open.follow_result();
@@ -182,6 +188,8 @@ impl Tasks {
         self.comparing.follow(question, &mut model.open.comparison);
         let question = model.wants_rectified().then(|| model.rectify_question()).flatten();
         self.rectifying.follow(question, &mut model.open.rectified);
+        let question = model.scene_question();
+        self.triangulating.follow(question, &mut model.open.scene);
     }
 
     /// Cancels all work on the previous pictures.
@@ -195,6 +203,7 @@ impl Tasks {
         self.repairing.forget();
         self.aligning.forget();
         self.rectifying.forget();
+        self.triangulating.forget();
         self.importing.forget();
     }
 
@@ -214,6 +223,7 @@ impl Tasks {
             || self.inspecting.is_busy()
             || self.comparing.is_busy()
             || self.rectifying.is_busy()
+            || self.triangulating.is_busy()
             || self.writing.is_busy()
             || self.picking.is_busy()
             || self.saver.is_busy()

@@ -6,7 +6,7 @@ use super::actions::conditions::has_strip;
 use super::capture::ViewCapture;
 use super::dialogs::Dialogs;
 use super::panels;
-use super::panes::{ImagePane, halves};
+use super::panes::{ImagePane, halves, scene};
 use super::theme;
 use crate::app::model::Model;
 use crate::app::model::command::Command;
@@ -230,6 +230,11 @@ impl View {
         if model.stage() == StageId::Rectified {
             let mut inside = ui.new_child(UiBuilder::new().max_rect(area).id_salt("rectified"));
             panels::tabs::rectified::show_pictures(&mut inside, stacked, model, commands);
+            return None;
+        }
+        if model.stage() == StageId::Scene {
+            let mut inside = ui.new_child(UiBuilder::new().max_rect(area).id_salt("scene"));
+            scene::show(&mut inside, &mut self.panes, model, commands);
             return None;
         }
         let mut hover = None;

@@ -61,6 +61,9 @@ pub const MOVING: Color32 = Color32::from_rgb(255, 120, 0);
 /// Places suggested by a patch comparison.
 pub const SUGGESTED: Color32 = Color32::from_rgb(255, 255, 255);
 
+/// Left and right camera of the scene.
+pub const CAMERAS: [Color32; 2] = [Color32::from_rgb(240, 128, 90), Color32::from_rgb(86, 180, 233)];
+
 /// Guide lines over rectified pictures.
 pub const GUIDE: Color32 = Color32::from_rgba_premultiplied(118, 82, 0, 131);
 

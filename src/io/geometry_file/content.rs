@@ -5,10 +5,9 @@ use std::path::Path;
 use nalgebra::{Matrix3, Matrix6, SMatrix};
 use serde::{Deserialize, Serialize};
 
-use super::super::ply::PointCloud;
 use super::super::read::ReadError;
 use super::labels::{PairLabel, TrustNote};
-use crate::camera::{PoseFit, RelativePose};
+use crate::camera::{PointCloud, PoseFit, RelativePose};
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
 
 /// Name and size of an image.

@@ -204,6 +204,14 @@ pub fn with_keys() -> Vec<Action> {
         )
         .key(NONE, Key::Num6)
         .when(Model::can_rectify),
+        action(
+            Command::ShowStage(StageId::Scene),
+            "3-D",
+            "Show both cameras and the triangulated matches. This needs a calibration of both pictures.",
+        )
+        .key(NONE, Key::Num7)
+        .listed(|_| "3-D: cameras and triangulated matches")
+        .when(|model| model.document.pictures.is_some()),
         action(Command::StepMethod { forward: false }, "Previous step", "Show the previous step of the method.")
             .key(SHIFT, Key::N)
             .listed(|_| "Method: previous step"),

@@ -163,7 +163,8 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             }
         });
     }
-    let facts: Vec<Fact> = true_error(model).into_iter().chain(facts).chain(pose(model)).collect();
+    let pose = model.scene().map(|scene| pose_facts(&scene.fit)).unwrap_or_default();
+    let facts: Vec<Fact> = true_error(model).into_iter().chain(facts).chain(pose).collect();
     list(ui, card_facts(&facts).cloned());
     let is_on_card = |fact: &Fact| card_facts(&facts).any(|other| other.name == fact.name);
     let others: Vec<Fact> = facts.iter().filter(|fact| !is_on_card(fact)).cloned().collect();
@@ -249,14 +250,6 @@ fn true_error(model: &Model) -> Option<Fact> {
         "Mean symmetric epipolar distance of all true matches under the geometry shown. The value of the \
          ground truth itself shows how exact the matches are. No estimate can be much better.",
     ))
-}
-
-/// Returns the relative pose of calibrated cameras under the result.
-fn pose(model: &Model) -> Vec<Fact> {
-    let of_result = model.open.computation.result().map(|(estimate, _)| estimate.fundamental());
-    let comparison = model.open.comparison.as_ref();
-    let comparison = comparison.filter(|comparison| comparison.fundamental(Contestant::Result) == of_result);
-    comparison.and_then(|comparison| comparison.pose.as_ref()).map(pose_facts).unwrap_or_default()
 }
 
 /// Shows named figures, values at the right.

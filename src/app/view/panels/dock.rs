@@ -54,7 +54,7 @@ pub fn show(ui: &mut Ui, area: Rect, edge: DockEdge, model: &Model, commands: &m
             }
         }
         part(ui, tab.shrink2(INSET), "tab", |ui| match model.stage() {
-            StageId::Pictures => tabs::show(ui, model, commands),
+            StageId::Pictures | StageId::Scene => tabs::show(ui, model, commands),
             StageId::Rectified => tabs::rectified::show_figures(ui, model, commands),
         });
         part(ui, pairs.shrink2(INSET), "pairs", |ui| pairs::show(ui, model, commands));

@@ -6,12 +6,16 @@ use super::{busy, command_button};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::guide::guide;
+use crate::app::model::ids::StageId;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::view::theme;
 use crate::estimate::Preset;
 
 /// What the mouse does, before there is a next step to tell.
 const MOUSE: &str = "Scroll zooms · drag pans · double click fits · press ? for all keys";
+
+/// What the mouse does on the scene.
+const ORBIT: &str = "Drag turns · scroll zooms · right drag moves · double click fits · click a point to see it in the pictures";
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -34,6 +38,13 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                     ui.label(small(text).monospace()).on_hover_text("Image, x and y in px, intensity.");
                     ui.separator();
                 }
+                if let Some(text) = model.pointed_in_scene() {
+                    ui.label(small(text).monospace()).on_hover_text(
+                        "Depth from the left camera; the distance of the cameras is one baseline. Parallax is the \
+                         angle between the two rays to the point; with a small angle, depth is uncertain.",
+                    );
+                    ui.separator();
+                }
                 if model.activity.loading {
                     busy::show(ui);
                 }
@@ -44,7 +55,11 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                     command_button(ui, RectifiedCommand::StopExport.into(), true, commands);
                     ui.separator();
                 }
-                let hint = || if model.is_at_start() { MOUSE.to_owned() } else { guide(model) };
+                let hint = || match model.stage() {
+                    StageId::Scene => ORBIT.to_owned(),
+                    _ if model.is_at_start() => MOUSE.to_owned(),
+                    _ => guide(model),
+                };
                 let text = model.open.done.text().map_or_else(hint, str::to_owned);
                 ui.add(Label::new(small(text)).truncate());
             });

@@ -18,8 +18,8 @@ use crate::app::view::theme;
 const ROOM_FOR_SEARCH: f32 = 1000.0;
 /// Width from which the switch is in the middle of the bar, screen points.
 const ROOM_FOR_MIDDLE: f32 = 900.0;
-/// Width of the switch of the stage.
-const SWITCH: f32 = 164.0;
+/// Width of a button of the switch, screen points.
+const STAGE: f32 = 80.0;
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -41,7 +41,10 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         });
     });
     if middle {
-        let place = Rect::from_center_size(area.center(), vec2(SWITCH, area.height()));
+        let place = Rect::from_center_size(
+            area.center(),
+            vec2(stages(model).count() as f32 * (STAGE + 2.0), area.height()),
+        );
         ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
             ui.horizontal_centered(|ui| switch(ui, model, commands));
         });
@@ -72,13 +75,19 @@ fn icons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// Shows the switch between the pictures and the rectified pair.
+/// Returns the stages of the switch. The scene is offered only while there is one.
+fn stages(model: &Model) -> impl Iterator<Item = StageId> {
+    let has_scene = model.offers_scene();
+    StageId::ALL.into_iter().filter(move |stage| *stage != StageId::Scene || has_scene)
+}
+
+/// Shows the switch of the stage.
 fn switch(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.x = 2.0;
-    for stage in StageId::ALL {
+    for stage in stages(model) {
         let shown = model.stage() == stage;
-        let enabled = stage == StageId::Pictures || model.can_rectify();
-        let button = Button::selectable(shown, stage.title()).min_size(vec2(80.0, 26.0));
+        let enabled = stage != StageId::Rectified || model.can_rectify();
+        let button = Button::selectable(shown, stage.title()).min_size(vec2(STAGE, 26.0));
         let response = ui.add_enabled(enabled, button);
         finish_button(ui, response, Command::ShowStage(stage), commands);
     }

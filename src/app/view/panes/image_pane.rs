@@ -16,7 +16,7 @@ use crate::app::model::focus::LineSource;
 use crate::app::model::ids::OverlayId;
 use crate::app::model::look::Tool;
 use crate::app::model::open_pair::Hover;
-use crate::app::model::pane_view::PaneView;
+use crate::app::model::pane_view::{LARGEST_SCALE, PaneView};
 use crate::app::model::picture::Opened;
 use crate::app::model::shared::Shared;
 use crate::app::view::panels::{pair_menu, pin_menu, place_menu};
@@ -24,6 +24,9 @@ use crate::app::view::theme;
 use crate::camera::UndistortedView;
 use crate::geometry::{Frame, Point};
 use crate::image::Picture;
+
+/// Magnification of an image that is fitted, to show a point.
+const CLOSER: f64 = 4.0;
 
 /// A drag in progress.
 #[derive(Debug, Clone, Copy)]
@@ -139,6 +142,34 @@ impl ImagePane {
         if let Some(image) = &mut self.image {
             image.view = view;
         }
+    }
+
+    /// Shows a pixel in the middle of the pane, magnified if the whole image is visible.
+    pub fn magnify_at(&mut self, pixel: Point) {
+        if let Some(image) = &mut self.image {
+            let scale = image.transform(self.rect).scale * if image.view.fits() { CLOSER } else { 1.0 };
+            image.view = PaneView { centre: pixel, scale: Some(scale.min(LARGEST_SCALE)), ..image.view };
+            image.view.keep_in_sight(image.shown);
+        }
+    }
+
+    /// Draws the whole image with a ring at a point, in the corner at the lower right of an area. Returns the
+    /// occupied area.
+    pub fn draw_small(&mut self, painter: &egui::Painter, area: Rect, point: Point) -> Rect {
+        let Some(image) = &mut self.image else { return Rect::NOTHING };
+        let view = image.view.fitted(image.shown);
+        let Frame { width, height } = view.turn.turned_frame(image.shown);
+        let scale = (area.width() / width as f32).min(area.height() / height as f32);
+        let size = egui::vec2(width as f32, height as f32) * scale;
+        let rect = Rect::from_min_size(area.max - size, size);
+        let transform = view.transform(image.shown, rect).through(image.lens.as_ref());
+        image.texture.draw(&painter.with_clip_rect(rect), &transform);
+        painter.rect_stroke(rect, 0.0, egui::Stroke::new(1.0, theme::SELECTED), StrokeKind::Outside);
+        let at = transform.screen_from_image(point);
+        for (width, color) in [(4.0, theme::HALO), (2.0, theme::SELECTED)] {
+            painter.circle_stroke(at, theme::HANDLE_RADIUS, egui::Stroke::new(width, color));
+        }
+        rect
     }
 
     /// Shows the same part as another pane.

@@ -4,6 +4,7 @@ mod film;
 mod image_pane;
 mod loupe;
 pub mod overlays;
+pub mod scene;
 mod texture;
 mod transform;
 

@@ -1,0 +1,145 @@
+//! The scene of a calibrated pair: orbit, points under the cursor, and the way back to the pictures.
+
+use crate::support::*;
+
+use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Shape, TouchPhase, vec2};
+use egui_kittest::kittest::Queryable;
+use epiline::camera::{CameraModel, RelativePose, ViewPair};
+use epiline::estimate::{Estimate, RefinedMatch};
+use epiline::geometry::{Frame, Point, PointPair};
+use epiline::internals::app::model::document::Side;
+use epiline::internals::app::model::focus::Target;
+use epiline::internals::app::model::ids::StageId;
+use epiline::internals::app::{Opening, Services, Start};
+use nalgebra::{Rotation3, Vector3};
+
+const FRAME: Frame = Frame { width: 320, height: 240 };
+const CAMERA: [f64; 4] = [250.0, 160.0, 120.0, -0.2];
+const POINTS: usize = 40;
+
+/// An estimator that finds the geometry of two cameras and their exact matches of scene points.
+fn exact() -> Services {
+    let camera = CameraModel::from_colmap("SIMPLE_RADIAL", &CAMERA).unwrap();
+    let views = ViewPair::new([&camera; 2], [FRAME; 2]).unwrap();
+    let rotation = Rotation3::from_euler_angles(0.02, -0.1, 0.01);
+    let pose = RelativePose { rotation, translation: Vector3::new(-1.0, 0.1, 0.1).normalize() };
+    let calibrations = views.calibrations();
+    let pixel = |k: usize, place: Vector3<f64>| {
+        let seen = calibrations[k] * place;
+        Point::new(seen.x / seen.z, seen.y / seen.z)
+    };
+    let matches = (0..POINTS).map(|k| {
+        let k = k as f64;
+        let place = Vector3::new((k * 0.7).sin() * 1.6, (k * 1.9).cos() * 1.2, 6.0 + (k * 0.4).sin());
+        let there = pose.rotation * place + pose.translation;
+        let pair = PointPair { point1: pixel(0, place), point2: pixel(1, there) };
+        RefinedMatch { pair, correlation: 1.0 }
+    });
+    let matches: Vec<RefinedMatch> = matches.collect();
+    let fundamental = pose.fundamental(&calibrations).unwrap();
+    Services {
+        estimate: Box::new(move |request, _| {
+            let found = fake_estimate(&request.pairs, &request.parameters)?;
+            let mut assessment = found.assessment.clone();
+            assessment.refinement.as_mut().unwrap().matches = matches.clone();
+            Ok(Estimate { geometry: fundamental.into(), assessment, ..found })
+        }),
+        ..services()
+    }
+}
+
+fn calibrated(services: Services) -> Window {
+    let files = Files::new();
+    let path = files.0.path().join("cameras.txt");
+    std::fs::write(&path, "1 SIMPLE_RADIAL 320 240 250 160 120 -0.2\n").unwrap();
+    let opening = Opening::Files(files.image("a.png", 320, 240), files.image("b.png", 320, 240));
+    let pairs = vec![PointPair::new(30.0, 40.0, 50.0, 42.0), PointPair::new(250.0, 200.0, 270.0, 190.0)];
+    let mut window = window(Start { opening, imports: vec![path], pairs }, services);
+    settle(&mut window);
+    window
+}
+
+/// The places of the points on the screen, far ones first.
+fn drawn(window: &Window) -> Vec<Pos2> {
+    let stage = window.get_by_label("3-D scene").rect();
+    let clipped =
+        window.output().shapes.iter().filter(|clipped| stage.expand(1.0).contains_rect(clipped.clip_rect));
+    let mesh = clipped.filter_map(|clipped| match &clipped.shape {
+        Shape::Mesh(mesh) if mesh.texture_id == egui::TextureId::default() => Some(mesh.clone()),
+        _ => None,
+    });
+    let mesh = mesh.max_by_key(|mesh| mesh.vertices.len()).unwrap();
+    mesh.vertices.chunks(4).map(|corners| corners[0].pos.lerp(corners[3].pos, 0.5)).collect()
+}
+
+fn stage(window: &Window) -> StageId {
+    window.state().model().stage()
+}
+
+#[test]
+fn the_scene_of_a_calibrated_pair_turns_and_leads_back_to_the_pictures() {
+    let mut window = calibrated(exact());
+    press(&mut window, Key::Num7);
+    assert_eq!(stage(&window), StageId::Scene);
+    let fitted = drawn(&window);
+    assert_eq!(fitted.len(), POINTS);
+    let rect = window.get_by_label("3-D scene").rect();
+    assert!(fitted.iter().all(|at| rect.contains(*at)));
+    let scene = window.state().model().scene().unwrap();
+    assert!(scene.cloud.points.iter().all(|point| (4.9..7.1).contains(&point.place.z)));
+
+    // A drag turns the scene, a right drag moves it, the wheel zooms, and F fits it again.
+    drag(&mut window, rect.center(), rect.center() + vec2(90.0, 20.0), PointerButton::Primary);
+    let turned = drawn(&window);
+    assert!(fitted.iter().zip(&turned).any(|(a, b)| a.distance(*b) > 10.0));
+    drag(&mut window, rect.center(), rect.center() + vec2(40.0, 0.0), PointerButton::Secondary);
+    let moved = drawn(&window);
+    assert!(turned.iter().zip(&moved).all(|(a, b)| b.x > a.x && (b.y - a.y).abs() < 1.0));
+    let spread = |places: &[Pos2]| egui::Rect::from_points(places).width();
+    window.hover_at(rect.center());
+    window.event(Event::MouseWheel {
+        unit: MouseWheelUnit::Point,
+        delta: vec2(0.0, 60.0),
+        phase: TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: Modifiers::NONE,
+    });
+    for _ in 0..10 {
+        window.step();
+    }
+    settle(&mut window);
+    assert!(spread(&drawn(&window)) > 1.1 * spread(&moved));
+    press(&mut window, Key::F);
+    assert_eq!(drawn(&window), fitted);
+
+    // The front point is the one under the cursor. A click shows it in the pictures.
+    let at = *fitted.last().unwrap();
+    window.hover_at(at);
+    settle(&mut window);
+    let Some(Target::Match(number)) = window.state().focus().hovered() else { panic!("no match") };
+    let text = window.state().model().pointed_in_scene().unwrap();
+    assert!(text.starts_with(&format!("Match {}   depth ", number + 1)), "{text}");
+    click(&mut window, at);
+    assert_eq!(stage(&window), StageId::Pictures);
+    let model = window.state().model();
+    let pair = model.open.computation.result().unwrap().0.matches()[number].pair;
+    let lines = model.pinned().next().unwrap().1.lines;
+    for side in Side::BOTH {
+        assert!(lines[side.index()].line().distance(side.point(&pair)) < 1e-6);
+    }
+}
+
+#[test]
+fn the_scene_is_offered_only_with_a_calibration() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    assert!(window.query_by_label("3-D").is_none());
+    press(&mut window, Key::Num7);
+    assert_eq!(stage(&window), StageId::Pictures);
+    assert!(window.state().messages().any(|message| message.contains("calibration")));
+
+    let mut window = calibrated(exact());
+    window.get_by_label("3-D").click();
+    settle(&mut window);
+    assert_eq!(stage(&window), StageId::Scene);
+}
