@@ -41,7 +41,7 @@ fn exact() -> Services {
         estimate: Box::new(move |request, _| {
             let found = fake_estimate(&request.pairs, &request.parameters)?;
             let mut assessment = found.assessment.clone();
-            assessment.refinement.as_mut().unwrap().matches = matches.clone();
+            assessment.refinement.as_mut().unwrap().matches.clone_from(&matches);
             Ok(Estimate { geometry: fundamental.into(), assessment, ..found })
         }),
         ..services()
@@ -130,7 +130,7 @@ fn the_scene_of_a_calibrated_pair_turns_and_leads_back_to_the_pictures() {
 }
 
 #[test]
-fn the_scene_is_offered_only_with_a_calibration() {
+fn the_scene_is_offered_only_with_a_calibration_and_goes_with_its_pictures() {
     let mut window = sample();
     click_two_pairs(&mut window);
     assert!(window.query_by_label("3-D").is_none());
@@ -142,4 +142,11 @@ fn the_scene_is_offered_only_with_a_calibration() {
     window.get_by_label("3-D").click();
     settle(&mut window);
     assert_eq!(stage(&window), StageId::Scene);
+    assert!(window.state().model().scene().is_some());
+
+    // It goes with its pictures.
+    let others = Files::new();
+    drop_files(&mut window, &[others.image("c.png", 320, 240), others.image("d.png", 320, 240)]);
+    assert!(window.state().model().scene().is_none());
+    assert_eq!(stage(&window), StageId::Pictures);
 }

@@ -3,10 +3,12 @@
 use super::Model;
 use super::comparison::ComparisonQuestion;
 use super::computation::{EstimateRequest, Freshness};
+use super::focus::Target;
 use super::ids::{StageId, TabId};
 use super::inspection::InspectionRequest;
 use super::picture::Pictures;
 use super::rectified::{MatchesAtHand, RectifyQuestion};
+use super::scene::{Scene, SceneQuestion};
 use super::suggesting::{NextClickQuestion, SuggestQuestion};
 use crate::convention::FEWEST_MATCHES;
 use crate::estimate::{Estimate, Reason, Search, Verdict};
@@ -14,6 +16,34 @@ use crate::geometry::PointPair;
 use crate::suggest::Known;
 
 impl Model {
+    /// Returns the request for a scene: for a result on calibrated pictures.
+    pub fn scene_question(&self) -> Option<SceneQuestion> {
+        let (found, _) = self.open.computation.shared_result()?;
+        let left = self.open.pictures.as_ref()?[0].picture.clone();
+        Some(SceneQuestion { left, found, views: self.open.views()? })
+    }
+
+    /// Returns the scene of the present result. A scene of another result or of other views is never
+    /// returned.
+    pub fn scene(&self) -> Option<&Scene> {
+        let scene = self.open.scene.as_ref()?.as_ref()?;
+        scene.is_of(&self.scene_question()?).then_some(scene)
+    }
+
+    /// Returns whether there is a scene, or one is being made.
+    pub fn offers_scene(&self) -> bool {
+        self.scene_question().is_some() && !matches!(self.open.scene, Some(None))
+    }
+
+    /// Describes the scene point under the cursor.
+    pub fn pointed_in_scene(&self) -> Option<String> {
+        let Some(Target::Match(number)) = self.open.focus.hovered() else { return None };
+        let scene = self.scene().filter(|_| self.stage() == StageId::Scene)?;
+        let place = scene.point(number)?.place;
+        let parallax = scene.cloud.parallax(&place).to_degrees();
+        Some(format!("Match {}   depth {:.2} baselines   parallax {parallax:.2}°", number + 1, place.z))
+    }
+
     /// Returns the pictures whose patches a search will need.
     pub fn pictures_to_prepare(&self) -> Option<Pictures> {
         let by_patches = self.document.parameters.search == Search::Patches && !self.compares_barcodes();

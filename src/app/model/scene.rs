@@ -4,9 +4,6 @@
 
 use nalgebra::{Rotation3, Vector2, Vector3};
 
-use super::Model;
-use super::focus::Target;
-use super::ids::StageId;
 use super::shared::Shared;
 use crate::camera::{CloudPoint, PointCloud, PoseFit, ViewPair, fit_pose};
 use crate::estimate::Estimate;
@@ -58,40 +55,15 @@ impl SceneQuestion {
 }
 
 impl Scene {
+    /// Returns whether the scene is that of these inputs.
+    pub fn is_of(&self, question: &SceneQuestion) -> bool {
+        self.question == *question
+    }
+
     /// Returns the scene point of a match.
     pub fn point(&self, number: usize) -> Option<&CloudPoint> {
         let place = self.cloud.points.binary_search_by_key(&number, |point| point.number).ok()?;
         self.cloud.points.get(place)
-    }
-}
-
-impl Model {
-    /// Returns the request for a scene: for a result on calibrated pictures.
-    pub fn scene_question(&self) -> Option<SceneQuestion> {
-        let (found, _) = self.open.computation.shared_result()?;
-        let left = self.open.pictures.as_ref()?[0].picture.clone();
-        Some(SceneQuestion { left, found, views: self.open.views()? })
-    }
-
-    /// Returns the scene of the present result. A scene of another result or of other views is never
-    /// returned.
-    pub fn scene(&self) -> Option<&Scene> {
-        let scene = self.open.scene.as_ref()?.as_ref()?;
-        (self.scene_question().as_ref() == Some(&scene.question)).then_some(scene)
-    }
-
-    /// Returns whether there is a scene, or one is being made.
-    pub fn offers_scene(&self) -> bool {
-        self.scene_question().is_some() && !matches!(self.open.scene, Some(None))
-    }
-
-    /// Describes the scene point under the cursor.
-    pub fn pointed_in_scene(&self) -> Option<String> {
-        let Some(Target::Match(number)) = self.open.focus.hovered() else { return None };
-        let scene = self.scene().filter(|_| self.stage() == StageId::Scene)?;
-        let place = scene.point(number)?.place;
-        let parallax = scene.cloud.parallax(&place).to_degrees();
-        Some(format!("Match {}   depth {:.2} baselines   parallax {parallax:.2}°", number + 1, place.z))
     }
 }
 
