@@ -79,7 +79,7 @@ pub fn fit_fundamental(
     Some(FundamentalFit { fundamental, covariance })
 }
 
-/// Returns the derivatives of the entries of `F` in pixels, with norm 1, by the seven numbers, row by row.
+/// Returns the derivatives of the entries of `F` (pixels, norm 1) by the seven numbers, row by row.
 fn unit_entries(conditioning: &Conditioning, representation: &Orthonormal) -> SMatrix<f64, 9, 7> {
     let matrix = representation.matrix();
     let in_pixels = conditioning.in_pixels(&matrix);
@@ -92,20 +92,20 @@ fn unit_entries(conditioning: &Conditioning, representation: &Orthonormal) -> SM
     SMatrix::from_fn(|row, k| columns[k][(row / 3, row % 3)])
 }
 
-/// A measured pair of points, with how much it tells of a fitted `F`.
+/// A measured pair of points, for the covariance of a fitted `F`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GroupedObservation {
     /// The pair, with the scale of its robust loss, px.
     pub observation: Observation,
-    /// Standard deviation of the pair, px. Errors that the loss does not know of are part of it.
+    /// Standard deviation of the pair, px. It includes errors that the loss does not know.
     pub deviation: f64,
-    /// Number of the group of pairs that are off alike. All pairs of a group tell as much as one.
+    /// Number of the group of pairs that share their error. All pairs of a group tell as much as one.
     pub group: usize,
 }
 
-/// Covariance of the nine entries of a fitted `F` with Frobenius norm 1, row by row. The errors of one
-/// group are taken as equal and those of different groups as independent, so more pairs of one group do
-/// not make `F` more precise.
+/// Returns the covariance of the nine entries of a fitted `F` with Frobenius norm 1, row by row. The
+/// errors of one group are taken as equal and those of different groups as independent, so more pairs
+/// of one group do not make `F` more precise.
 ///
 /// The loss is the Cauchy cost of [`fit_fundamental`] with a scale of 1. `None` when the pairs do not
 /// determine all seven numbers.

@@ -65,8 +65,8 @@ enum Hold {
 }
 
 impl Alignment {
-    /// Settings for pairs of similar corners, from starts within about a pixel. The patch is larger than the one that is
-    /// compared: the error of a position falls with the side of the patch.
+    /// Settings for pairs of similar corners, from starts within about a pixel. The patch is larger than
+    /// the compared one, because the error of a position falls with the side of the patch.
     pub(crate) const STRICT: Self = Self {
         half: LARGEST,
         iterations: 25,
@@ -216,8 +216,8 @@ impl<'a> Sampler<'a> {
         Self { plane, x: [0.0; PADDED], y: [0.0; PADDED], values: [0.0; PADDED], counts: Vec::new() }
     }
 
-    /// Samples around the placement and returns how many samples count. Outside the plane the nearest border value
-    /// is taken.
+    /// Samples around the placement and returns the number of samples that count. Outside the plane, the
+    /// nearest border value is taken.
     fn sample(&mut self, offsets: &[Vector], placed: &Placement, counts: impl Fn(Point) -> bool) -> usize {
         let frame = self.plane.frame();
         let (right, bottom) = (frame.right().max(0.0) as f32, frame.bottom().max(0.0) as f32);

@@ -11,9 +11,9 @@ use crate::geometry::{Frame, Point, PointPair};
 /// Points per side of the grid on which areas are compared.
 const GRID: usize = 48;
 
-/// Neighbours that are asked about the disparity of a match.
+/// Number of neighbours with which the disparity of a match is compared.
 const NEIGHBOURS: usize = 8;
-/// Neighbours that must agree: half. Where windows repeat, two or three wrong matches often slide by the
+/// Number of neighbours that must agree: half. Where windows repeat, two or three wrong matches often slide by the
 /// same distance. A facade from −219 to −9 px measured −636 to 1090 px with two, and −221 to −6 px with
 /// four to seven.
 const AGREEING: usize = NEIGHBOURS / 2;
@@ -43,7 +43,8 @@ pub struct RowErrors {
     pub max: f64,
     /// Smallest and largest disparity `x1 − x2`, without the outliers counted in `far_off`.
     pub disparity: [f64; 2],
-    /// Number of matches with disparities unlike those of their neighbours. Most are wrong matches that happen to fit F.
+    /// Number of matches with disparities unlike those of their neighbours. Most are wrong matches that
+    /// fit F by chance.
     pub far_off: usize,
 }
 

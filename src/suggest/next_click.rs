@@ -24,8 +24,8 @@ const LEAST: f64 = 0.0025;
 /// Minimum distance from a placed point, as a fraction of the longer side. Nearer clicks add
 /// nothing.
 const APART: f64 = 0.03;
-/// Matches of the result that must lie near a place. One alone is often wrong: beside what both images show, some
-/// corners fit F by chance.
+/// Number of matches of the result that must lie near a place. One alone is often wrong: beside the
+/// common part of the images, some corners fit F by chance.
 const COMPANY: usize = 3;
 /// Maximum distance from matches of the result, as a fraction of the longer side: farther away, nothing
 /// tells whether the other image shows the same part of the scene. Half of it leaves few places on
@@ -172,7 +172,7 @@ mod tests {
         let matched = PointPair::new(300.0, 200.0, 310.0, 200.0);
         let near = next_click(&prepared(), &rows(1.0, 0.0), &[rival], &[], &[matched]).unwrap();
         assert!((near.point - matched.point1).norm() <= 0.08 * 480.0, "{near:?}");
-        // One match far from the others is no company.
+        // One match far from the others is not enough.
         let others = (0..9).map(|k| PointPair::new(440.0, 150.0 + f64::from(k), 440.0, 150.0));
         let all: Vec<PointPair> = others.chain([matched]).collect();
         let crowded = next_click(&prepared(), &rows(1.0, 0.0), &[rival], &[], &all).unwrap();

@@ -1,8 +1,8 @@
 //! Consensus among matches at the scale of their own noise: sample, score, optimise, compare.
 //!
-//! Minimal samples of seven matches propose geometries. At each of several scales the best samples by a truncated score are
-//! optimised locally (LO-RANSAC: Chum, Matas & Kittler 2003): a few precise matches may be right against many loose ones,
-//! so every scale has its candidate.
+//! Minimal samples of seven matches propose geometries. At each of several scales, the samples with
+//! the best truncated score are optimised locally (LO-RANSAC: Chum, Matas & Kittler 2003). Each scale
+//! has its own candidate, because a few precise matches may be right against many loose ones.
 
 use std::f64::consts::SQRT_2;
 
@@ -20,39 +20,40 @@ use crate::geometry::{
     fit_fundamental, grouped_covariance, point_equation, region, sampson_distance, solve_seven,
 };
 
-/// Minimal samples that are drawn. Of the less ambiguous matches some 80 % are right, so that one sample of five has seven
-/// right ones. Twice as many samples change no figure beyond chance.
+/// Number of minimal samples. Some 80 % of the less ambiguous matches are right, so one sample of five
+/// has seven right ones. Twice as many samples change no figure beyond chance.
 const SAMPLES: usize = 1000;
-/// Samples of one task. The streams of random numbers depend on it.
+/// Number of samples of one task. The streams of random numbers depend on it.
 const TASK: usize = 50;
-/// Samples that are optimised at each scale. Each takes four fits. Never varied.
+/// Number of samples that are optimised at each scale. Each takes four fits. Never varied.
 const OPTIMISED: usize = 4;
-/// Bands of local optimisation, in units of the scale. Far from its matches, a sample is off by more than the noise,
-/// so the first bands are wide.
+/// Bands of local optimisation, in units of the scale. The first are wide, because a sample is off by
+/// more than the noise far from its matches.
 const LOCAL_BANDS: [f64; 4] = [6.0, 4.0, BAND, BAND];
-/// Rounds of estimating the noise and fitting to it. They end earlier when the likelihood no longer grows.
+/// Largest number of rounds of estimating the noise and fitting to it. They end earlier when the
+/// likelihood no longer grows.
 const ROUNDS: usize = 6;
-/// Gain in log-likelihood below which the rounds end: a likelihood 1.1 times as large.
+/// Gain in log-likelihood below which the rounds end: the likelihood grows by less than a tenth.
 const LEAST_GAIN: f64 = 0.1;
-/// Samples are drawn from the likelier half of the matches, but from at least this many. Never varied.
+/// Fewest matches from which samples are drawn: otherwise from the likelier half. Never varied.
 const LEAST_DRAWN_FROM: usize = 40;
-/// One match in so many may be moved by geometries that are the same: about as many are wrong.
+/// Two geometries are the same if they move at most one match in this many: about as many are wrong.
 const SAME_SHARE: usize = 10;
-/// Scales at which rivals of a geometry are looked for, in units of the noise about it.
+/// Scales of the search for rivals of a geometry, in units of its noise.
 const RIVAL_SCALES: [f64; 3] = [0.5, 1.0, 2.0];
 
-/// Matches to be explained, and what holds for all of them.
+/// Matches to be explained, with the clicks and the images.
 pub(in crate::estimate) struct Evidence<'a> {
     pub matches: &'a [Match],
     /// Clicked pairs with their standard deviation, px.
     pub clicks: &'a [Observation],
     /// Sizes of the images.
     pub frames: [Frame; 2],
-    /// Width over which outliers spread around epipolar lines, px.
+    /// Width of the band around epipolar lines in which outliers lie, px.
     pub spread: f64,
 }
 
-/// A geometry fitted to matches, with their noise about it.
+/// A geometry fitted to matches, with their noise.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct Fitted {
     pub fundamental: FundamentalMatrix,
@@ -62,13 +63,13 @@ pub(in crate::estimate) struct Fitted {
 }
 
 impl Fitted {
-    /// Scales at which rivals of this geometry are looked for, px.
+    /// Scales of the search for rivals of this geometry, px.
     pub fn rival_scales(&self) -> [f64; 3] {
         RIVAL_SCALES.map(|factor| (factor * self.noise.scale).max(LEAST_SCALE))
     }
 }
 
-/// The geometry on which most matches agree at one scale.
+/// Geometry on which most matches agree at one scale.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::estimate) struct Agreed {
     pub fundamental: FundamentalMatrix,
@@ -79,7 +80,8 @@ pub(in crate::estimate) struct Agreed {
 }
 
 impl Evidence<'_> {
-    /// Fits a geometry and the noise to the matches in turns, from a start; `None` when too few matches determine it.
+    /// Fits a geometry and the noise to the matches in turns, from a start. `None` if the matches do not
+    /// determine it.
     pub fn fitted(&self, start: &FundamentalMatrix) -> Option<Fitted> {
         let mut best = self.explained(start);
         for _ in 0..ROUNDS {
@@ -97,7 +99,7 @@ impl Evidence<'_> {
         Some(best)
     }
 
-    /// A geometry with the noise about it, not fitted.
+    /// Returns a geometry as it is, with the noise of the matches.
     pub fn explained(&self, f: &FundamentalMatrix) -> Fitted {
         let residuals = residuals(f, self.matches);
         let noise = Noise::of(&residuals, self.spread);
@@ -106,16 +108,17 @@ impl Evidence<'_> {
         Fitted { fundamental: *f, noise, log_likelihood: noise.log_likelihood(&residuals) - of_clicks }
     }
 
-    /// Matches and clicks with their scales, for a Cauchy loss of scale 1. Near its centre the Cauchy distribution of a
-    /// click's scale is a Gaussian one of its σ.
+    /// Returns matches and clicks with their scales, for a Cauchy loss of scale 1. Near its centre, the
+    /// Cauchy distribution of a click equals a Gaussian one of its σ.
     fn observations(&self, noise: &Noise) -> Vec<Observation> {
         let matches = self.matches.iter().map(|m| Observation { pair: m.pair, sigma: m.sigma * noise.scale });
         let clicks = self.clicks.iter().map(|c| Observation { sigma: SQRT_2 * c.sigma, ..*c });
         matches.chain(clicks).collect()
     }
 
-    /// Covariance of the nine entries of a fitted geometry, row by row. Matches of one region of image 1
-    /// are off alike ([`region`]). Clicks are independent. `None` where the matches do not determine all seven numbers.
+    /// Returns the covariance of the nine entries of a fitted geometry, row by row. Matches of one region
+    /// of image 1 share their error ([`region`]); clicks are independent. `None` if the matches do not
+    /// determine all seven degrees of freedom.
     pub fn covariance(&self, fitted: &Fitted) -> Option<Matrix9> {
         let observations = self.observations(&fitted.noise);
         let (matches, clicks) = observations.split_at(self.matches.len());
@@ -134,8 +137,8 @@ impl Evidence<'_> {
         grouped_covariance(&fitted.fundamental, &grouped)
     }
 
-    /// Finds geometries on which many matches agree, at most one for each scale (px), by minimal samples and from starts.
-    /// Each round of one seed draws other samples.
+    /// Finds geometries on which many matches agree, at most one for each scale (px), from minimal samples
+    /// and from starts. Each round of one seed draws other samples.
     pub fn consensus(
         &self,
         starts: &[FundamentalMatrix],
@@ -162,8 +165,8 @@ impl Evidence<'_> {
         scorers.iter().zip(&samples).filter_map(best_at).collect()
     }
 
-    /// Returns whether another geometry moves more than a tenth of the matches against their lines by more than the noise. One
-    /// that does not leads to the same fit.
+    /// Returns whether another geometry moves more than a tenth of the matches against their lines by
+    /// more than the noise. Otherwise it leads to the same fit.
     pub fn tells_apart(&self, f: &FundamentalMatrix, from: &Fitted) -> bool {
         let is_moved = |m: &&Match| {
             let distance = |f: &FundamentalMatrix| sampson_distance(f, &m.pair);
@@ -179,7 +182,7 @@ impl Evidence<'_> {
         Consensus::new(units, &witnesses)
     }
 
-    /// Fits to the matches within reach of a scale, and again to those of the fit.
+    /// Fits to the matches within reach of a scale, then again to those of the fit.
     fn optimised(&self, f: &FundamentalMatrix, scale: f64) -> Option<FundamentalMatrix> {
         let mut current = *f;
         for band in LOCAL_BANDS {
@@ -195,7 +198,7 @@ impl Evidence<'_> {
         Some(current)
     }
 
-    /// The best minimal samples at each scale, drawn from the half of the matches that are least ambiguous.
+    /// Returns the best minimal samples at each scale, drawn from the less ambiguous half of the matches.
     fn sampled(
         &self,
         units: Units,

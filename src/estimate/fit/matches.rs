@@ -1,4 +1,4 @@
-//! The fundamental matrix of given matches, with no images.
+//! Fundamental matrix of given matches, without images.
 
 use thiserror::Error;
 
@@ -19,8 +19,8 @@ pub struct MatchFit {
     /// Probability that each match is right, 0 to 1, in the order of the matches.
     pub inlier_probabilities: Vec<f64>,
     /// Covariance of the matrix, with bands of lines and ellipses of epipoles. Matches of one region of
-    /// image 1 are taken as off alike, so it is too large where they are independent. `None` where the
-    /// matches do not determine all seven numbers.
+    /// image 1 are assumed to share their error, so it is too large if they are independent. `None` if
+    /// the matches do not determine all seven degrees of freedom.
     pub uncertainty: Option<Uncertainty>,
 }
 
@@ -33,7 +33,7 @@ pub enum MatchFitError {
         /// Number of matches given.
         found: usize,
     },
-    /// A match is no pair of points with a scale and a prior.
+    /// A match has no finite points, or an invalid scale or prior.
     #[error("match {number} needs finite coordinates, a sigma above 0 and a prior above 0 and up to 1")]
     Invalid {
         /// Number of the match, from 1.
@@ -47,23 +47,24 @@ pub enum MatchFitError {
     NoAgreement,
 }
 
-/// Twice the seven unknowns: as many matches check the fit as determine it.
+/// Fewest matches: twice the seven unknowns, so as many check the fit as determine it.
 const LEAST_MATCHES: usize = 14;
 /// Smallest scale of the first search, px: about the noise of the best matches.
 const FINEST: f64 = 0.05;
 /// Largest scale of the first search, as a fraction of the longer side: the residue of a lens.
 const COARSEST: f64 = 0.002;
-/// Each scale of the first search is this many times the one before. The truncated score tolerates a factor of 2.
+/// Ratio of successive scales of the first search. The truncated score tolerates a factor of 2.
 const STEP: f64 = 3.0;
-/// Rounds of consensus at most. They end earlier when the likelihood no longer grows.
+/// Largest number of rounds of consensus. They end earlier when the likelihood no longer grows.
 const ROUNDS: u64 = 3;
 
-/// Fits a fundamental matrix to matches of which many may be wrong, and estimates their noise with it.
+/// Fits a fundamental matrix to matches, many of which may be wrong, and estimates their noise.
 ///
-/// `frames` are the sizes of the images. The same matches and seed give the same matrix on any number of threads.
+/// `frames` are the sizes of the images. The same matches and seed give the same matrix on any number
+/// of threads.
 ///
 /// # Errors
-/// [`MatchFitError`] for fewer than 14 matches, for one that is invalid, or when no geometry explains 14.
+/// [`MatchFitError`] for fewer than 14 matches, for an invalid match, or if no geometry explains 14.
 pub fn estimate_fundamental(
     matches: &[Match],
     frames: [Frame; 2],
@@ -86,7 +87,7 @@ pub fn estimate_fundamental(
         .take_while(|scale| *scale <= (COARSEST * side).max(FINEST))
         .collect();
     let agreed = all.consensus(&[], &scales, seed, 0, &cancel);
-    // A match within some scales says the more, the smaller the scale is beside the picture.
+    // The smaller the scale relative to the picture, the more a match within it says.
     let worth = |agreed: &Agreed| agreed.score * (side / agreed.scale).ln();
     let first = agreed.iter().max_by(|a, b| worth(a).total_cmp(&worth(b)));
     let Agreed { fundamental, scale, .. } = first.ok_or(MatchFitError::NoAgreement)?;
@@ -118,7 +119,7 @@ pub fn estimate_fundamental(
     })
 }
 
-/// Fits to the matches within `band` px of the lines, beside a uniform distribution over the band.
+/// Fits to the matches within `band` px of the lines. Outliers are uniform over the band.
 fn within(all: &Evidence, f: &FundamentalMatrix, band: f64) -> Option<Fitted> {
     let mut current = *f;
     let mut fitted = None;
@@ -150,7 +151,7 @@ mod tests {
     use crate::estimate::exact::{ExactScene, FRAME};
     use crate::geometry::{PointPair, Vector};
 
-    /// Matches of a scene with Cauchy noise of this scale, and wrong ones behind them.
+    /// Returns matches of a scene with Cauchy noise of this scale, followed by wrong ones.
     fn matches(scene: &ExactScene, right: usize, wrong: usize, scale: f64, seed: u64) -> Vec<Match> {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         let mut all: Vec<Match> = Vec::new();

@@ -1,7 +1,7 @@
-//! From matches alone to a fundamental matrix: noise, consensus, covariance.
+//! Fundamental matrix from matches alone: noise, consensus, covariance.
 //!
-//! [`estimate_fundamental`] is the stage by itself. The final fit at full size (`patches/guided_fit`) uses the same parts and
-//! matches again along the lines of each geometry.
+//! [`estimate_fundamental`] is the stage by itself. The final fit at full size (`patches/guided_fit`)
+//! uses the same parts, and matches again along the lines of each geometry.
 
 mod consensus;
 mod matches;
@@ -25,13 +25,13 @@ pub struct Match {
     pub pair: PointPair,
     /// Scale of the noise of this match relative to the others: 1 for an ordinary match.
     pub sigma: f64,
-    /// Probability that the match is right as far as its likeness tells, whatever the geometry: 1 for a unique match, ½
-    /// for one of two places that look alike.
+    /// Prior probability that the match is right, from its appearance alone: 1 for a unique match, ½ for
+    /// one of two places that look alike.
     pub prior: f64,
 }
 
 impl From<PointPair> for Match {
-    /// An ordinary, unique match.
+    /// Returns an ordinary, unique match.
     fn from(pair: PointPair) -> Self {
         Self { pair, sigma: 1.0, prior: 1.0 }
     }

@@ -17,15 +17,16 @@ use std::f64::consts::PI;
 use super::Match;
 use crate::geometry::{FundamentalMatrix, sampson_distance};
 
-/// Smallest scale, px. Without a floor a geometry that passes a few matches exactly would outweigh all
+/// Smallest scale, px. Without a limit, a geometry that fits a few matches exactly would outweigh all
 /// others. Matches of usual pictures are several times less precise, but a fit to fewer than some 200
 /// matches of a small picture can reach the floor. Half and twice of it were not measured.
 pub(super) const LEAST_SCALE: f64 = 0.005;
-/// Shares of inliers stay away from 0 and 1, where the likelihood has no bound.
+/// Smallest distance of the share of inliers from 0 and 1, where the likelihood is unbounded.
 const LEAST_SHARE: f64 = 0.01;
-/// Steps of the estimate of scale and share, each from the one before. Twice as many take twice the time.
+/// Number of steps of the estimate of scale and share. Twice as many take twice the time.
 const ITERATIONS: usize = 30;
-/// Scales that hold 95 % of the residuals of a Cauchy distribution, `tan(0.95 π / 2)`.
+/// Distance within which 95 % of the residuals of a Cauchy distribution lie, in scales:
+/// `tan(0.95 π / 2)`.
 const INLIER_SCALES: f64 = 12.7;
 
 /// Distribution of the residuals of inliers and outliers.
@@ -86,7 +87,7 @@ impl Noise {
         noise
     }
 
-    /// How many times as likely a residual is as if all matches were outliers.
+    /// Returns the likelihood of a residual, relative to that if all matches were outliers.
     fn ratio(&self, r: &Residual) -> f64 {
         let scale = self.scale * r.sigma;
         let cauchy = scale / (PI * (scale * scale + r.distance * r.distance));
@@ -94,17 +95,17 @@ impl Noise {
         inlier * cauchy * self.spread + (1.0 - inlier)
     }
 
-    /// Probability that a match is an inlier.
+    /// Returns the probability that a match is an inlier.
     pub(super) fn inlier_probability(&self, r: &Residual) -> f64 {
         1.0 - (1.0 - self.inliers * r.prior) / self.ratio(r)
     }
 
-    /// Distance that 95 % of the inliers with a σ of 1 keep, px.
+    /// Returns the distance below which 95 % of the inliers with a σ of 1 lie, px.
     pub fn reach(&self) -> f64 {
         INLIER_SCALES * self.scale
     }
 
-    /// Log-likelihood of residuals, less that of outliers alone.
+    /// Returns the log-likelihood of residuals, less that of outliers alone.
     pub(super) fn log_likelihood(&self, residuals: &[Residual]) -> f64 {
         residuals.iter().map(|r| self.ratio(r).ln()).sum()
     }

@@ -1,19 +1,20 @@
-//! How well a fundamental matrix explains a pool of matches, fast enough for tens of thousands of matrices.
+//! Score of a fundamental matrix on a pool of matches, fast enough for tens of thousands of matrices.
 //!
 //! ```text
 //!     S(F) = Σ gₘ · max(0, 1 − rₘ² / 9),      gₘ = ln(1 + oₘ · L / (σ √2π))
 //! ```
 //!
-//! `r` is the Sampson distance in units of its own standard deviation, `e / √(σ1² |Fᵀx2|² + σ2² |F x1|²)`, where each
-//! image has the σ of a feature of that scale; `o` the odds of the match before, and `g` what a match that fits exactly says
-//! against one that lies anywhere within `L` pixels: a truncated likelihood (MLESAC, Torr & Zisserman 2000).
+//! `r` is the Sampson distance in units of its own standard deviation, `e / √(σ1² |Fᵀx2|² + σ2² |F x1|²)`.
+//! The σ of each image is that of a feature of this scale. `o` are the prior odds of the match. `g` is
+//! the log-likelihood of a match that fits exactly, less that of one that lies anywhere within `L`
+//! pixels. The score is a truncated likelihood (MLESAC, Torr & Zisserman 2000).
 
 use multiversion::multiversion;
 use nalgebra::Matrix3;
 
 use crate::geometry::{Frame, Point, PointPair};
 
-/// Residual, in standard deviations, from which on a match says nothing.
+/// Residual, in standard deviations, beyond which a match does not count.
 pub(in crate::estimate) const BAND: f64 = 3.0;
 const LANES: usize = 16;
 
@@ -26,7 +27,7 @@ struct WitnessBlock {
     y1: Lane,
     x2: Lane,
     y2: Lane,
-    /// σ² of a coordinate in each image.
+    /// Variance of a coordinate in each image.
     variance1: Lane,
     variance2: Lane,
     gain: Lane,
@@ -44,7 +45,7 @@ pub(in crate::estimate) struct Witness {
     pub clicked: bool,
 }
 
-/// Coordinates of each image moved to its middle, in units of half its longer side.
+/// Conditioned coordinates: from the middle of each image, in units of half its longer side.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::estimate) struct Units {
     middles: [Point; 2],
@@ -59,7 +60,7 @@ impl Units {
         }
     }
 
-    /// A pair in these units.
+    /// Returns a pair in these units.
     pub fn pair(&self, pair: &PointPair) -> [f64; 4] {
         let a = (pair.point1 - self.middles[0]) / self.units[0];
         let b = (pair.point2 - self.middles[1]) / self.units[1];
@@ -76,23 +77,23 @@ impl Units {
         Matrix3::new(s, 0.0, m.x, 0.0, s, m.y, 0.0, 0.0, 1.0)
     }
 
-    /// A matrix for these units, given one for pixels.
+    /// Returns the matrix for these units, given one for pixels.
     pub fn conditioned(self, f: &Matrix3<f64>) -> Matrix3<f64> {
         self.from(1).transpose() * f * self.from(0)
     }
 
-    /// A matrix for pixels, given one for these units.
+    /// Returns the matrix for pixels, given one for these units.
     pub fn in_pixels(self, f: &Matrix3<f64>) -> Matrix3<f64> {
         self.to(1).transpose() * f * self.to(0)
     }
 
-    /// Lengths of directions in an image in these units.
+    /// Returns directions in an image in these units.
     pub fn length(&self, image: usize, pixels: f64) -> f64 {
         pixels / self.units[image]
     }
 }
 
-/// A pool of witnesses laid out for the vector units.
+/// A pool of witnesses, laid out for vector instructions.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct Consensus {
     units: Units,
@@ -123,12 +124,12 @@ impl Consensus {
         Self { units, blocks }
     }
 
-    /// S of a matrix for pixels.
+    /// Returns the score S of a matrix for pixels.
     pub fn score(&self, f: &Matrix3<f64>) -> f64 {
         self.score_conditioned(&self.units.conditioned(f))
     }
 
-    /// S of a matrix for conditioned coordinates.
+    /// Returns the score S of a matrix for conditioned coordinates.
     pub fn score_conditioned(&self, f: &Matrix3<f64>) -> f64 {
         let f = f / f.amax();
         let rows = std::array::from_fn(|k| f[(k / 3, k % 3)] as f32);
@@ -157,7 +158,7 @@ fn score_blocks(blocks: &[WitnessBlock], f: &[f32; 9]) -> f32 {
     sums.iter().sum()
 }
 
-/// The Sampson distance of a pair in standard deviations.
+/// Returns the Sampson distance of a pair in standard deviations.
 pub(in crate::estimate) fn residual(f: &Matrix3<f64>, witness: &Witness) -> f64 {
     let (x1, x2) = (witness.pair.point1.to_homogeneous(), witness.pair.point2.to_homogeneous());
     let (l2, l1) = (f * x1, f.tr_mul(&x2));

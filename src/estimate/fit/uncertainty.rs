@@ -1,8 +1,8 @@
-//! How well `F` is determined: bands of epipolar lines and ellipses of epipoles, from the covariance of the fit
-//! (Hartley & Zisserman, §11.6 and chapter 5).
+//! Uncertainty of `F`: bands of epipolar lines and ellipses of epipoles, from the covariance of the fit
+//! (Hartley & Zisserman, §11.6 and chapter 5), to first order.
 //!
-//! To first order. The covariance holds what the matches leave open, not what a wrong geometry does: it is
-//! small for a wrong result that many matches happen to support. The verdict looks at both.
+//! The covariance says how far the matches leave `F` open. It does not say whether `F` is right: it is
+//! also small for a wrong result that many matches support by accident. The verdict looks at both.
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -13,7 +13,7 @@ use crate::geometry::{
     Frame, FundamentalMatrix, Matrix9, Point, PointPair, finite_point, rescaled, rescaling,
 };
 
-/// Covariance of a fundamental matrix, with the level it was estimated at.
+/// Covariance of a fundamental matrix.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
     fundamental: FundamentalMatrix,
@@ -24,7 +24,7 @@ pub struct Uncertainty {
 /// One standard deviation of an epipole, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EpipoleEllipse {
-    /// Where the epipole is, px.
+    /// Position of the epipole, px.
     pub centre: Point,
     /// Half axes, px, the longer one first.
     pub half_axes: [f64; 2],
@@ -32,7 +32,7 @@ pub struct EpipoleEllipse {
     pub angle: f64,
 }
 
-/// Where an epipole is, seen from the middle of its image, with 95 % intervals.
+/// Position of an epipole, seen from the middle of its image, with 95 % intervals.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct EpipoleBearing {
     /// Direction, radians from the x axis towards the y axis.
@@ -47,15 +47,15 @@ pub struct EpipoleBearing {
     pub farthest: Option<f64>,
 }
 
-/// What is known of an epipole.
+/// Certainty of an epipole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EpipoleCertainty {
-    /// Its position.
+    /// The position is known.
     Position,
-    /// Its direction. It may be at infinity.
+    /// The direction is known. The epipole may be at infinity.
     Direction,
-    /// Neither.
+    /// Neither is known.
     Open,
 }
 
@@ -65,7 +65,7 @@ const ONE_SIDE: f64 = FRAC_PI_4;
 const WITHIN: f64 = 1.96;
 
 impl EpipoleBearing {
-    /// Returns what is known of the epipole.
+    /// Returns the certainty of the epipole.
     pub fn certainty(&self) -> EpipoleCertainty {
         match self.farthest {
             Some(_) => EpipoleCertainty::Position,
@@ -100,8 +100,8 @@ impl Uncertainty {
         jacobian * self.covariance * jacobian.transpose()
     }
 
-    /// Standard deviation, px, of the epipolar line of `point1` in image 2 across itself, where it passes
-    /// nearest to `point2`. `None` at the epipole, where there is no line.
+    /// Returns the standard deviation of the epipolar line of `point1` in image 2, px, across the line,
+    /// where it passes nearest to `point2`. `None` at the epipole, which has no line.
     pub fn line2_deviation(&self, point1: Point, point2: Point) -> Option<f64> {
         let (x1, x2) = (self.level(point1, 0), self.level(point2, 1));
         let on_line = self.fundamental.line2_from_point1(x1)?.foot(x2);
@@ -109,7 +109,8 @@ impl Uncertainty {
         Some(self.deviation(x1, on_line, normal) / self.scales[1])
     }
 
-    /// Standard deviation, px, of the epipolar line of `point2` in image 1, where it passes nearest to `point1`.
+    /// Returns the standard deviation of the epipolar line of `point2` in image 1, px, where it passes
+    /// nearest to `point1`.
     pub fn line1_deviation(&self, point2: Point, point1: Point) -> Option<f64> {
         let (x1, x2) = (self.level(point1, 0), self.level(point2, 1));
         let on_line = self.fundamental.line1_from_point2(x2)?.foot(x1);
@@ -117,17 +118,17 @@ impl Uncertainty {
         Some(self.deviation(on_line, x2, normal) / self.scales[0])
     }
 
-    /// One standard deviation of the epipole in image 1; `None` when it is at infinity.
+    /// Returns one standard deviation of the epipole in image 1. `None` at infinity.
     pub fn epipole1(&self) -> Option<EpipoleEllipse> {
         self.epipole(false)
     }
 
-    /// One standard deviation of the epipole in image 2; `None` when it is at infinity.
+    /// Returns one standard deviation of the epipole in image 2. `None` at infinity.
     pub fn epipole2(&self) -> Option<EpipoleEllipse> {
         self.epipole(true)
     }
 
-    /// Median over matches of the deviation of their lines in image 2, px; `None` without matches.
+    /// Returns the median deviation of the lines of matches in image 2, px. `None` without matches.
     pub fn median_line2_deviation(&self, matches: &[PointPair]) -> Option<f64> {
         let mut deviations: Vec<f64> =
             matches.iter().filter_map(|m| self.line2_deviation(m.point1, m.point2)).collect();
@@ -135,12 +136,12 @@ impl Uncertainty {
         deviations.get(deviations.len() / 2).copied()
     }
 
-    /// Returns where the epipole is in image 1, of this size.
+    /// Returns the position of the epipole in image 1, of this size.
     pub fn epipole1_bearing(&self, frame: Frame) -> Option<EpipoleBearing> {
         self.bearing(false, frame)
     }
 
-    /// Returns where the epipole is in image 2, of this size.
+    /// Returns the position of the epipole in image 2, of this size.
     pub fn epipole2_bearing(&self, frame: Frame) -> Option<EpipoleBearing> {
         self.bearing(true, frame)
     }
@@ -182,7 +183,7 @@ impl Uncertainty {
         rescaled(p, self.scales[image])
     }
 
-    /// Deviation of `x2ᵀ F x1 / normal`.
+    /// Returns the deviation of `x2ᵀ F x1 / normal`.
     fn deviation(&self, x1: Point, x2: Point, normal: f64) -> f64 {
         let (a, b) = (x1.to_homogeneous(), x2.to_homogeneous());
         let row = SVector::<f64, 9>::from_fn(|k, _| b[k / 3] * a[k % 3]);
@@ -238,12 +239,12 @@ mod tests {
     use crate::geometry::random_scene::RandomScene;
     use crate::geometry::{Line, Observation, fit_fundamental};
 
-    /// Row by row, as the covariance has them.
+    /// Entries row by row, as in the covariance.
     fn entries(m: &Matrix3<f64>) -> SVector<f64, 9> {
         SVector::from_fn(|k, _| m[(k / 3, k % 3)])
     }
 
-    /// A covariance along one direction: what a shift of camera 2 does.
+    /// Covariance along one direction: a shift of camera 2.
     fn along_a_motion() -> (ExactScene, [f64; 3], Matrix9, f64) {
         let (place, step) = ([-0.25, 0.12, 1.2], 1e-5);
         let at = |s: f64| ExactScene::moved([place[0] + s, place[1] - 2.0 * s, place[2]]);
@@ -277,7 +278,7 @@ mod tests {
             let (before, after) = (finite_point(&before).unwrap(), finite_point(&after).unwrap());
             let motion = after - before;
             assert!((ellipse.centre - before).norm() < 1e-9);
-            // To first order: the step is a hundred-thousandth of the distances.
+            // First order suffices: the step is a hundred-thousandth of the distances.
             assert!((ellipse.half_axes[0] / motion.norm() - 1.0).abs() < 1e-3, "{ellipse:?} {motion}");
             assert!(ellipse.half_axes[1] < 1e-3 * ellipse.half_axes[0]);
             let along = Vector2::new(ellipse.angle.cos(), ellipse.angle.sin());
@@ -313,7 +314,7 @@ mod tests {
             let away = ellipse.centre - middle;
             assert!((bearing.distance / away.norm() - 1.0).abs() < 1e-6);
             assert!((bearing.direction - away.y.atan2(away.x)).abs() < 1e-9);
-            // The covariance has one direction: the ellipse is a segment.
+            // A covariance along one direction makes the ellipse a segment.
             let along =
                 Vector2::new(ellipse.angle.cos(), ellipse.angle.sin()) * (1.96 * ellipse.half_axes[0]);
             let turn = (along.perp(&away) / away.norm_squared()).abs();
@@ -359,7 +360,7 @@ mod tests {
         assert_eq!(below, 3);
     }
 
-    /// Matches with noise, fitted again and again: the scatter of what comes out is what each fit says of itself.
+    /// Matches with noise, fitted repeatedly: the results scatter as each fit predicts.
     #[test]
     fn ellipses_and_line_deviations_are_the_scatter_under_noise() {
         let scene = ExactScene::forward();
@@ -371,7 +372,7 @@ mod tests {
         let [on1, on2] = [line1.foot(probe.point1), line2.foot(probe.point2)];
         let mut noise = RandomScene::new(11);
         let (sigma, runs) = (0.2, 200);
-        // Squares of what was seen and of what was predicted: epipoles along and across, lines.
+        // Squared errors, measured and predicted: of epipoles along and across, and of lines.
         let (mut seen, mut predicted) = ([[0.0; 2]; 3], [[0.0; 2]; 3]);
         for _ in 0..runs {
             let observed = noise.disturbed(&exact, sigma);
@@ -403,7 +404,7 @@ mod tests {
             }
         }
         for (seen, predicted) in seen.into_iter().flatten().zip(predicted.into_iter().flatten()) {
-            // A deviation from 200 runs is itself known to 5 %; four times that.
+            // A deviation from 200 runs is known to 5 %. Four times as much is allowed.
             let ratio: f64 = (seen / predicted).sqrt();
             assert!((0.8..1.2).contains(&ratio), "measured over predicted deviation {ratio}");
         }

@@ -1,7 +1,8 @@
-//! Matches of features at a level of the refinement, moved to where their surroundings fit.
+//! Matches of features at a level of the refinement, aligned to their surroundings.
 //!
-//! A feature is placed to a quarter of its scale, a patch to a fraction of a pixel: where the surroundings of a match are
-//! alike under the affine map that its two frames say, it is as good as one of corners, and counts like one.
+//! The position of a feature is precise to a quarter of its scale, that of a patch to a fraction of a
+//! pixel. If the surroundings of a match are alike under the affine map of its two features, the match
+//! is as precise as one of corners, and counts like one.
 
 use std::sync::{Arc, OnceLock};
 
@@ -13,7 +14,8 @@ use super::near_lines::is_within;
 use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::image::{Alignment, PairLevel, PatchSampler, Placement, Warp, align, correlation};
 
-/// Matches of features at one level, each aligned when it is first near a geometry: the same whatever `F`.
+/// Matches of features at one level, each aligned when it is first near a geometry. The
+/// alignment does not depend on `F`.
 #[derive(Debug, Default)]
 pub(super) struct AlignedFeatures {
     features: Arc<[FeatureSupport]>,
@@ -25,12 +27,12 @@ pub(super) struct AlignedFeatures {
 const LEAST_CORRELATION: f32 = 0.8;
 
 impl AlignedFeatures {
-    /// Matches none of which is aligned yet.
+    /// Returns matches, none of which is aligned yet.
     pub fn new(features: Arc<[FeatureSupport]>) -> Self {
         Self { aligned: features.iter().map(|_| OnceLock::new()).collect(), features }
     }
 
-    /// Matches within `band` px of their epipolar lines, in pixels of the level.
+    /// Returns the matches within `band` px of their epipolar lines, in pixels of the level.
     pub fn near(&self, level: &PairLevel, f: &FundamentalMatrix, band: f64) -> Vec<LevelMatch> {
         self.features
             .par_iter()
@@ -52,7 +54,7 @@ impl AlignedFeatures {
     }
 }
 
-/// The match where its surroundings fit, or where its features are if they do not.
+/// Returns the match at the place where its surroundings fit, or else at its features.
 fn placed(level: &PairLevel, feature: &FeatureSupport) -> LevelMatch {
     let pair = feature.pair.rescaled(level.scales);
     let affine: Warp = feature.affine * (level.scales[1] / level.scales[0]);
@@ -87,7 +89,7 @@ mod tests {
         (scene, PyramidPair::new(&plane1, &plane2, 48.0))
     }
 
-    /// A match of a point that is so far off.
+    /// Returns a match of a point that is off by `by`.
     fn off(scene: &ExactScene, point1: Point, by: Vector) -> FeatureSupport {
         let pair = PointPair { point1, point2: scene.partner(point1) + by };
         FeatureSupport::new(pair, 0.9, Warp::identity(), 0.5)
@@ -108,7 +110,7 @@ mod tests {
         errors.sort_by(f64::total_cmp);
         let middle = errors[errors.len() / 2];
         assert!(middle < 0.1, "{middle} px");
-        // Something else is there.
+        // Different surroundings.
         let wrong: Vec<FeatureSupport> =
             corners.iter().map(|corner| off(&scene, *corner, Vector::new(19.0, 23.0))).collect();
         let stayed = wrong.iter().filter(|feature| {

@@ -1,14 +1,17 @@
 //! The final fit at full size: guided matching and consensus in turns.
 //!
-//! Matches along the lines of a geometry speak for that geometry: where windows or tiles repeat, they slide along until they
-//! fit. Such a geometry has more matches than the right one, but looser ones. Three things tell them apart:
+//! Matches found along the lines of a geometry favour that geometry. Where windows or tiles repeat,
+//! they slide along the lines until they fit. A wrong geometry can so have more matches than the right
+//! one, but less precise ones. Three things tell them apart:
 //!
-//! - **the noise** of the matches is estimated with each geometry ([`Noise`](crate::estimate::fit::Noise)), so that precise
-//!   matches outvote loose ones;
-//! - **ambiguous matches** count less: a match that has an equal elsewhere along its line is right half of the time;
-//! - geometries are compared by **how much likelier their own matches are than chance**. Matches of a wrong geometry lie
-//!   anywhere within the band in which they were looked for, so the likelihood beside that of a uniform distribution over the
-//!   band is 0 for chance and grows with the number and with the precision of the matches.
+//! - **Noise** is estimated with each geometry ([`Noise`](crate::estimate::fit::Noise)), so precise
+//!   matches outvote imprecise ones.
+//! - **Ambiguous matches** count less: a match with an equal elsewhere on its line is right half of the
+//!   time.
+//! - **Likelihood against chance** compares the geometries, each on its own matches. Matches of a wrong
+//!   geometry lie anywhere within the searched band. So the log-likelihood is taken relative to a
+//!   uniform distribution over the band. It is 0 for chance, and grows with the number and the precision
+//!   of the matches.
 
 use std::collections::HashSet;
 
@@ -24,9 +27,9 @@ use crate::estimate::fit::{Evidence, Fitted, Match};
 use crate::geometry::{FundamentalMatrix, Observation, PointPair, sampson_distance};
 use crate::image::{GrayPlane, PairLevel, RelativeView};
 
-/// Widest band in which matches are looked for, px of the level: that of the first refinement.
+/// Widest band in which matches are sought, px of the level: that of the first refinement.
 const WIDEST: f64 = 4.0;
-/// Rounds of consensus at most; each begins with the best geometry of the one before.
+/// Largest number of rounds of consensus. Each begins with the best geometry of the one before.
 const ROUNDS: u64 = 3;
 /// Least gain in log-likelihood for another round: a likelihood 2.7 times as large.
 const LEAST_GAIN: f64 = 1.0;
@@ -55,7 +58,7 @@ struct Followed {
 }
 
 impl GuidedMatcher<'_> {
-    /// Fits `start` (full size) and its rivals; returns the likeliest.
+    /// Fits `start` (full size) and its rivals. Returns the likeliest.
     pub fn settled(
         &self,
         start: &FundamentalMatrix,
@@ -156,7 +159,7 @@ impl GuidedMatcher<'_> {
         Some(Followed { matches, fitted })
     }
 
-    /// The geometry with the matches that count as right and its covariance.
+    /// Returns the geometry with the matches that count as right, and its covariance.
     fn refined(&self, followed: Followed, clicks: &[Observation], band: f64) -> Option<Refined> {
         let Followed { mut matches, fitted } = followed;
         let evidence_matches = observed(&matches);
@@ -172,7 +175,7 @@ impl GuidedMatcher<'_> {
     }
 }
 
-/// Matches relative to an aligned one.
+/// Returns matches relative to an aligned one.
 fn observed(matches: &[LevelMatch]) -> Vec<Match> {
     let of = |m: &LevelMatch| Match {
         pair: m.found.pair,
@@ -182,7 +185,7 @@ fn observed(matches: &[LevelMatch]) -> Vec<Match> {
     matches.iter().map(of).collect()
 }
 
-/// The matches along the lines of several geometries, each once.
+/// Returns the matches along the lines of several geometries, each once.
 #[derive(Default)]
 struct Pool {
     matches: Vec<LevelMatch>,

@@ -1,8 +1,10 @@
-//! Refinement of all seven degrees of freedom at full resolution, on patches matched along the epipolar lines.
+//! Refinement of all seven degrees of freedom at full resolution, on patches matched along the
+//! epipolar lines.
 //!
-//! With `F` known to a few pixels, each corner of image 1 is compared only with the corners of image 2 near its
-//! epipolar line. Mutual best matches are moved to sub-pixel positions, `F` is refitted to them with a robust
-//! cost, and the same again with a narrower band. The clicks take part with their own uncertainty.
+//! `F` is known to a few pixels, so each corner of image 1 is compared only with the corners of image 2
+//! near its epipolar line. Mutual best matches are aligned to sub-pixel positions, and `F` is refitted
+//! to them with a robust cost. Then the same is done with a narrower band. The clicks take part with
+//! their own uncertainty.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -22,25 +24,26 @@ use crate::geometry::{
 };
 use crate::image::{Alignment, PairLevel, Placement, RelativeView, align, warps_around};
 
-/// What a geometry was refined on.
+/// Matches of a refined geometry, their noise, and its uncertainty.
 #[derive(Debug, Clone)]
 pub struct Refinement {
     /// Patches matched along the epipolar lines.
     pub matches: Vec<RefinedMatch>,
-    /// How well they determine the geometry; `None` when they do not.
+    /// Uncertainty of the geometry. `None` if the matches do not determine it.
     pub uncertainty: Option<Uncertainty>,
-    /// Noise of the matches: half of the right ones have a Sampson distance below this, px. `None` where too few matches tell.
+    /// Noise of the matches, px: half of the right ones have a smaller Sampson distance. `None` for too
+    /// few matches.
     pub noise: Option<f64>,
 }
 
 /// Corners and patches of one level, computed once per image pair.
 #[derive(Debug, Default)]
 pub(in crate::estimate) struct RefinementLevel {
-    /// What others use, too, where they look at the same size.
+    /// Patches of this size, shared with other stages.
     patches: SharedPatches,
     corners: Lazy<LevelCorners>,
-    /// Where in image 2 the surroundings of a corner of image 1 fit best, starting at a corner of image 2 under a
-    /// warp: the same whatever `F`, and most matches of one refinement are those of the next.
+    /// Best places in image 2 for the surroundings of a corner of image 1, starting at a corner of image 2
+    /// under a warp. They do not depend on `F`, so the next refinement needs most of them again.
     aligned: Mutex<HashMap<Alike, Option<Placement>>>,
 }
 
@@ -56,21 +59,22 @@ const BAND_DEVIATIONS: f64 = 3.0;
 /// good. It decides in the last round only, where the band alone would give 1.3.
 const LEAST_SCALE: f64 = 1.5;
 
-/// What a refinement found.
+/// Result of a refinement.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct Refined {
     pub fundamental: FundamentalMatrix,
     pub refinement: Refinement,
-    /// How much speaks for it: summed over the matches, correlation excess times how well the match fits
-    /// (1 on the epipolar line, ½ at the deviation of a match, falling with the square of the distance). Of
-    /// several refinements the one with most of it is the right one, on nearly every pair measured.
+    /// Weight of the evidence: the sum over the matches of the correlation excess times the fit, which is
+    /// 1 on the epipolar line, ½ at the deviation of a match, and falls with the square of the distance.
+    /// The right one of several refinements has the largest weight on nearly every pair measured.
     pub weight: f64,
-    /// Standard deviation of the weight as a sum of so many independent matches (that of a Poisson process).
+    /// Standard deviation of the weight, as a sum over independent matches (Poisson process).
     pub weight_deviation: f64,
 }
 
 impl Refined {
-    /// A geometry that was fitted to matches at a level, all in its pixels, with their noise and the covariance of the fit.
+    /// Returns the result for a geometry fitted to matches at a level, with their noise and the covariance
+    /// of the fit. All are in pixels of the level.
     pub(super) fn new(
         level: &PairLevel,
         f: &FundamentalMatrix,
@@ -100,7 +104,7 @@ impl Refined {
     }
 }
 
-/// Corners and patches under one view, for each size made by who comes first.
+/// Corners and patches under one view, computed for each size when first needed.
 #[derive(Debug, Clone, Default)]
 pub(super) struct SharedPatches(Arc<Mutex<Vec<PatchesOfScales>>>);
 
@@ -114,9 +118,9 @@ impl SharedPatches {
     }
 
     fn of_size(&self, scales: [f64; 2]) -> PatchesOfSize {
-        // Entries are whole whatever happened to a thread that held the lock.
+        // Entries are complete even if a thread that held the lock panicked.
         let mut sizes = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        // Equal sizes have equal scales, to the bit.
+        // Equal sizes have bitwise equal scales.
         let same = |of: &[f64; 2]| of.map(f64::to_bits) == scales.map(f64::to_bits);
         if let Some((_, known)) = sizes.iter().find(|(of, _)| same(of)) {
             return Arc::clone(known);
@@ -128,7 +132,7 @@ impl SharedPatches {
 }
 
 impl RefinementLevel {
-    /// A level that looks at these patches.
+    /// Returns a level with these patches.
     pub fn on(patches: &SharedPatches) -> Self {
         Self { patches: patches.clone(), ..Self::default() }
     }
@@ -142,8 +146,8 @@ impl RefinementLevel {
         self.corners.get_or_make(|| LevelCorners::new(self.patches.get(level, view)))
     }
 
-    /// Refines `f` (full size) at this level; `None` when too few matches support it there. Clicks and
-    /// features are in full-size pixels.
+    /// Refines `f` (full size) at this level. `None` if too few matches support it. Clicks and features
+    /// are in full-size pixels.
     pub fn refine(
         &self,
         level: &PairLevel,
@@ -182,7 +186,8 @@ impl RefinementLevel {
         Refined::new(level, &current, &matches, None, covariance.as_ref())
     }
 
-    /// Matches of corners and features within `band` px of the epipolar lines of `f`, all in the level's pixels.
+    /// Returns matches of corners and features within `band` px of the epipolar lines of `f`, all in
+    /// pixels of the level.
     pub fn matches_along_lines(
         &self,
         level: &PairLevel,
@@ -196,8 +201,8 @@ impl RefinementLevel {
         matches
     }
 
-    /// Mutual best matches among corners within `band` px of each other's epipolar lines, sub-pixel positions
-    /// in image 2; all in the level's pixels.
+    /// Returns mutual best matches of corners within `band` px of each other's epipolar lines, with
+    /// sub-pixel positions in image 2. All are in pixels of the level.
     fn guided_matches(
         &self,
         level: &PairLevel,
@@ -214,7 +219,7 @@ impl RefinementLevel {
         })
     }
 
-    /// Mutual best matches among corners where `find` looks for them, at sub-pixel positions.
+    /// Returns mutual best matches of corners among the candidates of `find`, at sub-pixel positions.
     fn mutual_matches(
         &self,
         level: &PairLevel,
@@ -236,8 +241,8 @@ impl RefinementLevel {
             .collect()
     }
 
-    /// Sub-pixel positions in image 2, those not known yet computed in parallel; `None` where the surroundings do
-    /// not fit after all.
+    /// Returns sub-pixel positions in image 2, and computes unknown ones in parallel. `None` where the
+    /// surroundings do not fit after all.
     fn placements(
         &self,
         level: &PairLevel,
