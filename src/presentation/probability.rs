@@ -29,7 +29,7 @@ mod tests {
         let reliable = words(Verdict::Reliable, Vec::new()).unwrap();
         assert!(reliable.starts_with("Lines: about 9"), "{reliable}");
         assert!(reliable.ends_with("% likely to be within 8 px, 1 % of the longer side"), "{reliable}");
-        let plane = Reason::OnePlane { percent: 98, groups: 9, agreeing: 2 };
+        let plane = Reason::OnePlane { percent: 98, groups: 9, agreeing: 2, is_still: false };
         assert!(words(Verdict::Doubtful, vec![plane]).unwrap().starts_with("Lines near the matches: about "));
         assert_eq!(words(Verdict::Doubtful, vec![Reason::NotChecked]), None);
     }

@@ -84,7 +84,13 @@ pub fn reason_in_words(reason: &Reason) -> String {
                 100.0 * margin
             )
         }
-        Reason::OnePlane { percent, groups, agreeing } => format!(
+        Reason::OnePlane { percent, is_still: true, .. } => format!(
+            "{percent} % of the matches are at the same place in both images, \
+             as if the camera stood still. \
+             Things that moved by themselves do not show the epipole. \
+             Use views from different places."
+        ),
+        Reason::OnePlane { percent, groups, agreeing, is_still: false } => format!(
             "{percent} % of the matches fit one plane or a rotation of the camera, \
              so the epipole is uncertain. \
              {} Use views farther apart, or a scene with more depth.",
@@ -164,11 +170,12 @@ mod tests {
             Reason::Bent { percent: 98 },
             Reason::Pattern { size: 0.8 },
             Reason::Ambiguous { margin: 0.02 },
-            Reason::OnePlane { percent: 98, groups: 13, agreeing: 4 },
-            Reason::OnePlane { percent: 98, groups: 0, agreeing: 0 },
-            Reason::OnePlane { percent: 98, groups: 1, agreeing: 0 },
-            Reason::OnePlane { percent: 98, groups: 1, agreeing: 1 },
-            Reason::OnePlane { percent: 98, groups: 12, agreeing: 0 },
+            Reason::OnePlane { percent: 98, groups: 13, agreeing: 4, is_still: false },
+            Reason::OnePlane { percent: 98, groups: 0, agreeing: 0, is_still: false },
+            Reason::OnePlane { percent: 98, groups: 1, agreeing: 0, is_still: false },
+            Reason::OnePlane { percent: 98, groups: 1, agreeing: 1, is_still: false },
+            Reason::OnePlane { percent: 98, groups: 12, agreeing: 0, is_still: false },
+            Reason::OnePlane { percent: 88, groups: 8, agreeing: 8, is_still: true },
             Reason::NoRelief { along: 12, across: 9, on_warp: 480 },
             Reason::Mirrored { matches: 212 },
             Reason::Loose { deviation: 2.0 },

@@ -89,7 +89,7 @@ mod tests {
     use super::*;
     use crate::estimate::{BarcodeFigures, Suspect};
 
-    const PLANE: Reason = Reason::OnePlane { percent: 98, groups: 9, agreeing: 2 };
+    const PLANE: Reason = Reason::OnePlane { percent: 98, groups: 9, agreeing: 2, is_still: false };
     const CLICK: Reason = Reason::ClickOff { pair: 1, distance: 30.0, suspect: Suspect::Click };
     const FEW: Reason = Reason::FewMatches { matches: 40 };
 

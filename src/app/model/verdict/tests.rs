@@ -170,7 +170,7 @@ fn where_only_a_plane_is_certain_no_epipole_is_told() {
         let facts = epipoles(&document, estimate.fundamental(), Some(estimate));
         facts.into_iter().map(|fact| fact.value).collect()
     };
-    let plane = Reason::OnePlane { percent: 97, groups: 0, agreeing: 0 };
+    let plane = Reason::OnePlane { percent: 97, groups: 0, agreeing: 0, is_still: false };
     assert_eq!(epipoles_of(vec![plane]), ["not determined"; 2]);
     assert!(epipoles_of(vec![Reason::NotRefined]).iter().all(|text| text != "not determined"));
 }

@@ -205,6 +205,7 @@ fn assessed(
         plane: None,
         together: Together::default(),
         witnesses: None,
+        further: None,
         mirror: None,
         pattern: None,
         side: prepared.frames()[0].longer_side(),

@@ -61,7 +61,8 @@ struct FoundPlane {
     plane: PlaneHomography,
     evidence: PlaneEvidence,
     together: Together,
-    witnesses: Option<Witnesses>,
+    /// Without and with further planes.
+    witnesses: Option<[Witnesses; 2]>,
     mirror: Option<Mirror>,
 }
 
@@ -191,14 +192,25 @@ impl Judge<'_> {
         // Each clicked pair shows one scene point in both images.
         let clicked = OffPlane::new(&self.clicks.observed(), f, &h, side, self.parameters.click_sigma);
         // Each kind of matches alone may determine the epipoles.
+        let is_still = leaves_in_place(&h, matches, tolerance);
         let evidence = [afar, closely, clicked].map(|off| {
             let OffPlane { groups, agreeing, motions, by_chance, motions_by_chance } = off;
-            PlaneEvidence { share, bent_share, groups, agreeing, motions, by_chance, motions_by_chance }
+            PlaneEvidence {
+                share,
+                bent_share,
+                groups,
+                agreeing,
+                motions,
+                by_chance,
+                motions_by_chance,
+                is_still,
+            }
         });
         let evidence = evidence.into_iter().reduce(PlaneEvidence::or_stronger)?;
         let together = parallax::together(&distinctive, &f_fine, &h_fine, side_fine);
         let warp = warp::Warp::fit(matches, &h, frames[0], tolerance);
-        let witnesses = warp.map(|warp| warp::witnesses(&testify, &warp, f, side, tolerance));
+        let seed = self.parameters.seed;
+        let witnesses = warp.map(|warp| warp::witnesses(&testify, &warp, f, side, tolerance, seed));
         // Most unguided matches of an upright pair are right; those of a mirror image are not.
         let on_lines = |m: &&UnguidedMatch| sampson_distance(f, &m.pair) < tolerance;
         let likely = || unguided.iter().filter(|m| m.is_likely());
@@ -248,7 +260,8 @@ impl Judge<'_> {
             deviation,
             plane: found.as_ref().map(|found| found.evidence),
             together: found.as_ref().map(|found| found.together).unwrap_or_default(),
-            witnesses: found.as_ref().and_then(|found| found.witnesses),
+            witnesses: found.as_ref().and_then(|found| found.witnesses).map(|[beside, _]| beside),
+            further: found.as_ref().and_then(|found| found.witnesses).map(|[_, further]| further),
             mirror: found.as_ref().and_then(|found| found.mirror),
             pattern: pattern::residual_pattern(&matches, f, side),
             side,
@@ -256,6 +269,13 @@ impl Judge<'_> {
         let plane = found.map(|found| found.plane).filter(|_| trust.says_one_plane());
         (trust, plane)
     }
+}
+
+/// Returns whether `h` leaves its matches in their places, to within the error of a match.
+fn leaves_in_place(h: &Matrix3<f64>, matches: &[PointPair], tolerance: f64) -> bool {
+    let on_plane = matches.iter().filter(|m| transfer_error(h, m) < tolerance);
+    let moved: Vec<f64> = on_plane.map(|m| (m.point2 - m.point1).norm()).collect();
+    median(moved) < tolerance
 }
 
 /// Returns the homography `h` in the form of a result.

@@ -24,13 +24,20 @@ pub(super) const BY_CHANCE: f64 = 1e-3;
 /// looser, as static surfaces at different places can have equal parallax.
 pub(super) const MOTIONS_BY_CHANCE: f64 = 1.0;
 /// Number of motions off the plane that any epipole fits: two lines always meet.
-pub(super) const ANY_EPIPOLE: usize = 2;
+pub(in crate::estimate) const ANY_EPIPOLE: usize = 2;
 /// Least share of the matches that are beside the smooth warp along their lines. In flat scenes and
 /// with turned cameras it is below. Chosen on pairs with and without parallax: a debt.
 pub(super) const LEAST_ALONG: f64 = 0.05;
-/// Least share along the lines among the matches beside the warp, at the lower end of its interval:
+/// Least share along the lines among the matches along and across, at the lower end of its interval:
 /// three quarters. By chance, half are along and half across.
 const MOSTLY_ALONG: f64 = 0.75;
+/// Least share along the lines among the matches along and off, at the lower end of its interval: the
+/// majority. By chance, [`ALONG_BY_CHANCE`] are along.
+const MAJORITY_ALONG: f64 = 0.5;
+/// Largest ratio of the parts across and along a line of a displacement along the line.
+pub(in crate::estimate) const ALONG: f64 = 1.0 / 3.0;
+/// Probability that a displacement in any direction is along a line: `2 / π · atan(1 / 3)`.
+const ALONG_BY_CHANCE: f64 = 0.204_832_76;
 /// Largest probability that chance explains the contradicting matches: one in a thousand right
 /// results fails.
 const WRONG_BY_CHANCE: f64 = 1e-3;
@@ -72,6 +79,8 @@ pub(in crate::estimate) struct PlaneEvidence {
     pub by_chance: f64,
     /// The same number if all groups of one motion count once.
     pub motions_by_chance: f64,
+    /// Whether the homography leaves the matches in their places, as if the camera stood still.
+    pub is_still: bool,
 }
 
 impl PlaneEvidence {
@@ -89,11 +98,16 @@ impl PlaneEvidence {
         if rank(&other) < rank(&self) { other } else { self }
     }
 
-    /// Returns whether the matches leave the epipoles undetermined.
-    pub(super) fn leaves_the_epipoles_open(&self) -> bool {
+    /// Returns whether the matches leave the epipoles undetermined. `relief` is the relief beside
+    /// [`ANY_EPIPOLE`] further planes. It shows the epipole whatever the number of motions, since some
+    /// epipole fits the planes but not the rest. If the camera stood still, everything that moved did
+    /// so by itself.
+    pub(super) fn leaves_the_epipoles_open(&self, relief: Option<Witnesses>) -> bool {
+        let is_undecided = || !relief.is_some_and(Witnesses::show_the_epipole);
         self.share > ONE_PLANE
-            || self.share > MOSTLY_PLANE && !self.holds_the_epipoles()
-            || self.share > HALF_PLANE && self.motions <= ANY_EPIPOLE
+            || self.share > HALF_PLANE && self.is_still
+            || self.share > MOSTLY_PLANE && !self.holds_the_epipoles() && is_undecided()
+            || self.share > HALF_PLANE && self.motions <= ANY_EPIPOLE && is_undecided()
     }
 
     /// Returns whether a lens explains most of the matches off the plane.
@@ -109,47 +123,53 @@ pub(in crate::estimate) struct Witnesses {
     pub on_warp: usize,
     /// Number of matches that are beside it along their epipolar lines.
     pub along: usize,
-    /// Number of matches that are beside it across their epipolar lines.
+    /// Number of matches that are beside it across their epipolar lines. They are some of those off.
     pub across: usize,
+    /// Number of matches that are beside it, not along their epipolar lines and clearly off them.
+    pub off: usize,
 }
 
 impl Witnesses {
     /// Returns whether parallax that no smooth warp explains shows the epipole.
     pub fn show_the_epipole(self) -> bool {
-        self.is_no_chance() && self.share_along() >= LEAST_ALONG && self.along_at_least() >= MOSTLY_ALONG
+        self.is_no_chance()
+            && self.share_along() >= LEAST_ALONG
+            && at_least(self.along, self.along + self.across) >= MOSTLY_ALONG
+            && at_least(self.along, self.along + self.off) >= MAJORITY_ALONG
     }
 
-    /// Returns whether chance seldom does as well. A wrong match is as likely across a line as along
-    /// it. Some epipole fits any two matches, so there are as many epipoles as pairs of matches. The
+    /// Returns whether chance seldom does as well. A wrong match lies in any direction from the warp.
+    /// Some epipole fits any two matches, so there are as many epipoles as pairs of matches. The
     /// binomial tail says how likely each explains as many by chance.
     fn is_no_chance(self) -> bool {
-        let n = self.along + self.across;
+        let n = self.along + self.off;
         let pairs = (n * n.saturating_sub(1) / 2) as f64;
-        pairs * even_odds_tail(self.across, n) <= BY_CHANCE
+        pairs * tail(self.off, n, ALONG_BY_CHANCE) <= BY_CHANCE
     }
 
     /// Returns the share of the matches that are beside the warp along their lines, 0 to 1.
     pub fn share_along(self) -> f64 {
-        self.along as f64 / (self.on_warp + self.along + self.across).max(1) as f64
-    }
-
-    /// Returns the lower bound of the share along the lines among the matches beside the warp
-    /// (Wilson's interval, one-sided, 95 %).
-    fn along_at_least(self) -> f64 {
-        const Z: f64 = 1.645;
-        let n = (self.along + self.across).max(1) as f64;
-        let share = self.along as f64 / n;
-        let spread = Z * (share * (1.0 - share) / n + Z * Z / (4.0 * n * n)).sqrt();
-        (share + Z * Z / (2.0 * n) - spread) / (1.0 + Z * Z / n)
+        self.along as f64 / (self.on_warp + self.along + self.off).max(1) as f64
     }
 }
 
-/// Returns the probability of at most `few` heads in `n` throws of a coin.
-fn even_odds_tail(few: usize, n: usize) -> f64 {
-    let mut log_term = -(n as f64) * std::f64::consts::LN_2;
+/// Returns the lower bound of a share of which `some` of `all` were seen (Wilson's interval,
+/// one-sided, 95 %).
+fn at_least(some: usize, all: usize) -> f64 {
+    const Z: f64 = 1.645;
+    let n = all.max(1) as f64;
+    let share = some as f64 / n;
+    let spread = Z * (share * (1.0 - share) / n + Z * Z / (4.0 * n * n)).sqrt();
+    (share + Z * Z / (2.0 * n) - spread) / (1.0 + Z * Z / n)
+}
+
+/// Returns the probability that at most `few` of `n` trials fail if each succeeds with probability `p`.
+fn tail(few: usize, n: usize, p: f64) -> f64 {
+    let odds = ((1.0 - p) / p).ln();
+    let mut log_term = n as f64 * p.ln();
     let mut sum = log_term.exp();
     for k in 1..=few {
-        log_term += ((n - k + 1) as f64 / k as f64).ln();
+        log_term += ((n - k + 1) as f64 / k as f64).ln() + odds;
         sum += log_term.exp();
     }
     sum.min(1.0)
@@ -193,7 +213,7 @@ impl Together {
         if 1.0 - fewer_than(self.contradicting, expected) < WRONG_BY_CHANCE {
             return Some((self.contradicting, self.matches));
         }
-        let is_majority_off = even_odds_tail(self.all - self.off, self.all) < HALF_WRONG_BY_CHANCE;
+        let is_majority_off = tail(self.all - self.off, self.all, 0.5) < HALF_WRONG_BY_CHANCE;
         is_majority_off.then_some((self.off, self.all))
     }
 }
@@ -261,6 +281,8 @@ pub(in crate::estimate) struct Evidence<'a> {
     pub together: Together,
     /// Matches beside the smooth warp. `None` without matches.
     pub witnesses: Option<Witnesses>,
+    /// The same, with two more planes counted as the warp.
+    pub further: Option<Witnesses>,
     /// Matches with the mirror image. `None` if most matches of the image as it is are right.
     pub mirror: Option<Mirror>,
     /// Pattern of the residuals. `None` without neighbouring matches.

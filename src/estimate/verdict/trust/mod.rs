@@ -7,8 +7,8 @@ mod rules;
 use serde::{Deserialize, Serialize};
 
 pub(in crate::estimate) use evidence::{
-    BarcodeEvidence, Evidence, HALF_PLANE, Mirror, PlaneEvidence, RefinedOn, ResidualPattern, Together,
-    USUAL_SIDE, WRONG_TOGETHER, Witnesses,
+    ALONG, ANY_EPIPOLE, BarcodeEvidence, Evidence, HALF_PLANE, Mirror, PlaneEvidence, RefinedOn,
+    ResidualPattern, Together, USUAL_SIDE, WRONG_TOGETHER, Witnesses,
 };
 pub(in crate::estimate) use rules::CHANCE_DEVIATIONS;
 pub use rules::{
@@ -113,6 +113,8 @@ pub enum Reason {
         groups: usize,
         /// Number of these groups that agree with the epipoles.
         agreeing: usize,
+        /// Whether these matches are at the same place in both images, as if the camera stood still.
+        is_still: bool,
     },
     /// The parallax beside one smooth warp, as of a camera that turns behind a lens, does not show
     /// the epipole. Counts matches that were found without the geometry.

@@ -81,11 +81,11 @@ impl Trust {
         if let Some(mirror) = evidence.mirror.filter(|mirror| mirror.is_likely()) {
             reasons.push(Reason::Mirrored { matches: mirror.flipped });
         }
-        if let Some(plane) = evidence.plane.filter(PlaneEvidence::leaves_the_epipoles_open) {
-            let PlaneEvidence { share, groups, agreeing, .. } = plane;
-            reasons.push(Reason::OnePlane { percent: (100.0 * share) as u32, groups, agreeing });
+        if let Some(plane) = evidence.plane.filter(|plane| plane.leaves_the_epipoles_open(evidence.further)) {
+            let PlaneEvidence { share, groups, agreeing, is_still, .. } = plane;
+            reasons.push(Reason::OnePlane { percent: (100.0 * share) as u32, groups, agreeing, is_still });
         } else if let Some(witnesses) = evidence.witnesses.filter(|w| !w.show_the_epipole()) {
-            let Witnesses { along, across, on_warp } = witnesses;
+            let Witnesses { along, across, on_warp, .. } = witnesses;
             reasons.push(Reason::NoRelief { along, across, on_warp });
         } else if let Some(plane) = evidence.plane.filter(PlaneEvidence::is_bent) {
             reasons.push(Reason::Bent { percent: (100.0 * plane.bent_share) as u32 });
@@ -142,9 +142,11 @@ mod tests {
             motions: 1,
             by_chance: 1.0,
             motions_by_chance: 1.0,
+            is_still: false,
         }),
         together: Together { all: 260, off: 20, matches: 200, contradicting: 2 },
-        witnesses: Some(Witnesses { on_warp: 300, along: 90, across: 5 }),
+        witnesses: Some(Witnesses { on_warp: 300, along: 90, across: 5, off: 20 }),
+        further: None,
         mirror: None,
         pattern: Some(ResidualPattern { share: 0.1, size: 0.1 }),
         side: 768.0,
@@ -168,6 +170,7 @@ mod tests {
                 motions: 5,
                 by_chance,
                 motions_by_chance,
+                is_still: false,
             })
         };
         assert_eq!(verdict(&Evidence { plane: plane(0.6, 1e-4), ..GOOD }), Verdict::Reliable);
@@ -205,6 +208,7 @@ mod tests {
             motions,
             by_chance,
             motions_by_chance: by_chance,
+            is_still: false,
         };
         let (one_motion, held, open) = (plane(1, 1e-9), plane(5, 1e-4), plane(5, 0.1));
         for (a, b) in [(one_motion, held), (held, one_motion)] {
@@ -231,20 +235,55 @@ mod tests {
 
     #[test]
     fn the_epipole_is_open_if_matches_off_the_warp_are_few_or_point_anywhere() {
-        let reasons = |on_warp, along, across| {
-            let witnesses = Some(Witnesses { on_warp, along, across });
+        let reasons = |on_warp, along, across, off| {
+            let witnesses = Some(Witnesses { on_warp, along, across, off });
             Trust::judge(&Evidence { witnesses, ..GOOD }).reasons
         };
-        assert_eq!(reasons(380, 20, 0), []);
+        let told = |on_warp, along, across| [Reason::NoRelief { on_warp, along, across }];
+        assert_eq!(reasons(380, 20, 0, 0), []);
         // Less than a twentieth.
-        assert_eq!(reasons(381, 20, 0), [Reason::NoRelief { on_warp: 381, along: 20, across: 0 }]);
-        // Fewer than chance explains: each two of them have an epipole.
-        assert_eq!(reasons(0, 18, 0), []);
-        assert_eq!(reasons(0, 17, 0), [Reason::NoRelief { on_warp: 0, along: 17, across: 0 }]);
+        assert_eq!(reasons(381, 20, 0, 0), told(381, 20, 0));
+        // So few may all be along, though a quarter of such matches are across.
+        assert_eq!(reasons(0, 9, 0, 0), []);
+        assert_eq!(reasons(0, 8, 0, 0), told(0, 8, 0));
         // A quarter across.
-        assert_eq!(reasons(100, 400, 100), []);
-        assert_eq!(reasons(100, 400, 130), [Reason::NoRelief { on_warp: 100, along: 400, across: 130 }]);
+        assert_eq!(reasons(100, 400, 100, 100), []);
+        assert_eq!(reasons(100, 400, 130, 130), told(100, 400, 130));
+        // Half of them off their lines.
+        assert_eq!(reasons(100, 400, 0, 350), []);
+        assert_eq!(reasons(100, 400, 0, 380), told(100, 400, 0));
+        // Each two of them have an epipole, so chance explains few with others off their lines.
+        assert_eq!(reasons(0, 14, 0, 7), []);
+        assert_eq!(reasons(0, 13, 0, 6), []);
+        assert_eq!(reasons(0, 10, 0, 4), told(0, 10, 0));
         assert_eq!(Trust::judge(&Evidence { witnesses: None, ..GOOD }).reasons, []);
+    }
+
+    #[test]
+    fn relief_beside_further_planes_decides_where_the_motions_are_too_few() {
+        let plane = PlaneEvidence {
+            share: 0.6,
+            bent_share: 0.6,
+            groups: 9,
+            agreeing: 7,
+            motions: ANY_EPIPOLE,
+            by_chance: 1.0,
+            motions_by_chance: 9.0,
+            is_still: false,
+        };
+        let shown = Some(Witnesses { on_warp: 90, along: 30, across: 2, off: 8 });
+        let open = Some(Witnesses { on_warp: 90, along: 10, across: 8, off: 28 });
+        let with = |plane, further| verdict(&Evidence { plane: Some(plane), further, ..GOOD });
+        assert_eq!(with(plane, shown), Verdict::Reliable);
+        for further in [open, None] {
+            assert_eq!(with(plane, further), Verdict::Doubtful);
+        }
+        // Few matches beside one plane, and a camera that stood still, are not made up for.
+        assert_eq!(with(PlaneEvidence { share: 0.96, ..plane }, shown), Verdict::Doubtful);
+        let still =
+            PlaneEvidence { is_still: true, motions: 9, by_chance: 0.0, motions_by_chance: 0.0, ..plane };
+        assert_eq!(with(still, shown), Verdict::Doubtful);
+        assert_eq!(with(PlaneEvidence { share: HALF_PLANE, ..still }, shown), Verdict::Reliable);
     }
 
     #[test]
@@ -282,6 +321,7 @@ mod tests {
                 motions: ANY_EPIPOLE + 1,
                 by_chance,
                 motions_by_chance: MOTIONS_BY_CHANCE,
+                is_still: false,
             })
         };
         let bent = |bent_share| plane(0.4, 0.0).map(|plane| PlaneEvidence { bent_share, ..plane });
@@ -328,11 +368,11 @@ mod tests {
             (Evidence { deviation: Some(deviation), ..GOOD }, Reason::Loose { deviation }),
             (
                 Evidence { plane: plane(next(ONE_PLANE), 0.0), ..GOOD },
-                Reason::OnePlane { percent: 95, groups: 9, agreeing: 2 },
+                Reason::OnePlane { percent: 95, groups: 9, agreeing: 2, is_still: false },
             ),
             (
                 Evidence { plane: plane(next(MOSTLY_PLANE), next(BY_CHANCE)), ..GOOD },
-                Reason::OnePlane { percent: 50, groups: 9, agreeing: 2 },
+                Reason::OnePlane { percent: 50, groups: 9, agreeing: 2, is_still: false },
             ),
             (
                 Evidence {
@@ -340,7 +380,7 @@ mod tests {
                         .map(|p| PlaneEvidence { motions_by_chance: next(MOTIONS_BY_CHANCE), ..p }),
                     ..GOOD
                 },
-                Reason::OnePlane { percent: 50, groups: 9, agreeing: 2 },
+                Reason::OnePlane { percent: 50, groups: 9, agreeing: 2, is_still: false },
             ),
             (
                 Evidence {
@@ -348,14 +388,14 @@ mod tests {
                         .map(|p| PlaneEvidence { motions: ANY_EPIPOLE, ..p }),
                     ..GOOD
                 },
-                Reason::OnePlane { percent: 50, groups: 9, agreeing: 2 },
+                Reason::OnePlane { percent: 50, groups: 9, agreeing: 2, is_still: false },
             ),
             (
                 Evidence {
                     plane: plane(next(HALF_PLANE), 0.0).map(|p| PlaneEvidence { motions: ANY_EPIPOLE, ..p }),
                     ..GOOD
                 },
-                Reason::OnePlane { percent: 40, groups: 9, agreeing: 2 },
+                Reason::OnePlane { percent: 40, groups: 9, agreeing: 2, is_still: false },
             ),
             (Evidence { plane: bent(0.71), ..GOOD }, Reason::Bent { percent: 71 }),
             (Evidence { pattern: pattern(next(PATTERN), 0.4), ..GOOD }, Reason::Pattern { size: 0.4 }),
