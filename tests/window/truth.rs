@@ -97,14 +97,6 @@ fn document(window: &Window) -> Document {
     window.state().document().clone()
 }
 
-/// Whether a text is painted anywhere.
-fn painted(window: &Window, text: &str) -> bool {
-    window.output().shapes.iter().any(|clipped| match &clipped.shape {
-        Shape::Text(shape) => shape.galley.text().contains(text),
-        _ => false,
-    })
-}
-
 /// The truth that a folder has about a pair.
 fn truth(files: &Files, pair: [usize; 2]) -> epiline::io::GroundTruth {
     TruthFolder::open(files.0.path()).unwrap().truth(pair).unwrap()
