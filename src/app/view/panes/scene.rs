@@ -18,6 +18,8 @@ use crate::camera::PointCloud;
 const REACH: f32 = 9.0;
 /// Side of a point as far away as the middle of the view, screen points.
 const POINT: f32 = 3.6;
+/// Difference of the intensities of a point and of the ground below which the point has an edge.
+const LEAST_CONTRAST: f32 = 0.25;
 /// Length of the axes in the corner, screen points.
 const AXIS: f64 = 26.0;
 /// Share of the area that a small picture may take, and the space around it in screen points.
@@ -58,7 +60,8 @@ pub fn show(ui: &mut Ui, panes: &mut [ImagePane; 2], model: &Model, commands: &m
     } else if response.double_clicked() {
         commands.push(Command::LookAtScene(None));
     }
-    let drawing = Drawing { painter: ui.painter_at(rect), rect, orbit, text: ui.visuals().text_color() };
+    let (text, ground) = (ui.visuals().text_color(), theme::palette(ui.visuals()).canvas);
+    let drawing = Drawing { painter: ui.painter_at(rect), rect, orbit, text, ground };
     drawing.points(scene);
     drawing.cameras(scene);
     drawing.axes();
@@ -95,8 +98,9 @@ struct Drawing {
     painter: Painter,
     rect: Rect,
     orbit: Orbit,
-    /// Colour of lines and texts.
+    /// Colours of lines and texts, and of the ground.
     text: Color32,
+    ground: Color32,
 }
 
 impl Drawing {
@@ -121,12 +125,18 @@ impl Drawing {
             .filter(|(_, at, _)| visible.contains(*at))
             .collect();
         seen.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut mesh = Mesh::default();
+        let ground = self.ground.intensity();
+        let (mut edges, mut mesh) = (Mesh::default(), Mesh::default());
         for (depth, at, [red, green, blue]) in seen {
             let side = (POINT / depth).clamp(2.0, 8.0);
             let square = |side: f32| Rect::from_center_size(at, vec2(side, side));
-            mesh.add_colored_rect(square(side), Color32::from_rgb(red, green, blue));
+            let color = Color32::from_rgb(red, green, blue);
+            mesh.add_colored_rect(square(side), color);
+            if (color.intensity() - ground).abs() < LEAST_CONTRAST {
+                edges.add_colored_rect(square(side + 1.6), self.text.gamma_multiply(0.5));
+            }
         }
+        self.painter.add(edges);
         self.painter.add(mesh);
     }
 
@@ -138,9 +148,10 @@ impl Drawing {
                 self.painter.line_segment([from, to], stroke);
             }
         };
-        let [left, right] = &scene.cloud.cameras;
+        let cameras = self.orbit.cameras(&scene.cloud);
+        let [left, right] = &cameras;
         line(&left[0], &right[0], Stroke::new(1.0, self.text.gamma_multiply(0.6)));
-        for (side, corners) in Side::BOTH.into_iter().zip(&scene.cloud.cameras) {
+        for (side, corners) in Side::BOTH.into_iter().zip(&cameras) {
             let color = theme::CAMERAS[side.index()];
             for [from, to] in PointCloud::EDGES {
                 line(&corners[from], &corners[to], Stroke::new(1.6, color));
