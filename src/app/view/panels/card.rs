@@ -1,10 +1,10 @@
 //! The card of the verdict: one word, one sentence, at most four figures, one button.
 
-use egui::{Align, Button, Label, Layout, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui, pos2, vec2};
+use egui::{Align, Label, Layout, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui, pos2, vec2};
 
 use super::dialog::named;
 use super::gauge::{self, tone_color};
-use super::{busy, command_button, finish_button};
+use super::{busy, command_button, finish_button, main_button};
 use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::comparison::Contestant;
@@ -86,12 +86,6 @@ fn left_behind(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             }
         });
     }
-}
-
-/// Shows a button in the accent colour.
-pub fn main_button(ui: &mut Ui, name: &str) -> egui::Response {
-    let palette = theme::palette(ui.visuals());
-    ui.add(Button::new(RichText::new(name).color(palette.on_accent)).fill(palette.accent))
 }
 
 /// Shows the geometry that the window displays in place of the result. Returns whether there is one.

@@ -10,7 +10,7 @@ mod residuals;
 
 use egui::{Align, Button, Label, Layout, RichText, Ui};
 
-use super::{busy, command_button, finish_button};
+use super::{busy, finish_button, main_button};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::ids::TabId;

@@ -148,7 +148,7 @@ fn all_plots(ui: &mut Ui, model: &Model, inspection: &Inspection, area: Rect, gr
             }
             if number == 3 {
                 let (bar, _) = ui.allocate_exact_size(vec2(56.0, 9.0), Sense::hover());
-                heat::bar(ui, bar);
+                heat::bar(ui.painter(), bar);
                 ui.label(small("unlike to alike"))
                     .on_hover_text("Cost of matching two samples, high to low.");
             }
