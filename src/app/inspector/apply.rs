@@ -224,7 +224,6 @@ impl Inspector {
     fn apply_to_points(&mut self, ctx: &egui::Context, command: PointsCommand) {
         let model = &mut self.model;
         match command {
-            PointsCommand::SortBy(column) => model.sort_points(column),
             PointsCommand::Choose(pair, how) => model.choose_pair(pair, how),
             PointsCommand::ChooseAll => model.choose_all_pairs(),
             PointsCommand::Edit(what) => model.edit_chosen(what),

@@ -172,11 +172,22 @@ fn summary(
         gauge: &|_, _| None,
         about: &|row| {
             let contestant = contestants[row];
-            let is_cut = is_narrow && comparison.of(contestant).fit.is_ok();
-            is_cut.then(|| format!("{}: {}.", contestant.name(), from(model, comparison, contestant)))
+            let is_fitted = comparison.of(contestant).fit.is_ok();
+            let note = match contestant {
+                Contestant::SevenPoint if is_fitted => {
+                    "Of several solutions, the nearest to the measured points counts."
+                }
+                Contestant::Truth if model.open.known.is_none() => return Some(NO_TRUTH.to_owned()),
+                Contestant::Truth if !is_fitted => {
+                    return Some("Press Ground truth (G) to use it.".to_owned());
+                }
+                _ if is_narrow && is_fitted => "",
+                _ => return None,
+            };
+            let from = from(model, comparison, contestant);
+            Some(format!("{}: {from}. {note}", contestant.name()).trim_end().to_owned())
         },
         look: &|row| RowLook { chosen: chosen == Some(contestants[row]), lit: false },
-        toggle: &|_| None,
     }
     .show(ui);
     if let Some(row) = touched.clicked {

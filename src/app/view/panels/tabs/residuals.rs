@@ -216,17 +216,12 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
             chosen: are_pairs && document.selection.is_some_and(|at| at.pair == row),
             lit: model.open.focus.hovered().is_some_and(|hovered| target(row) == Some(hovered)),
         },
-        toggle: &|row| {
-            are_pairs.then(|| (document.role(row) != Role::Excluded, format!("Count pair {}", name(row))))
-        },
     }
     .show(ui);
     if let Some(target) = touched.hovered.and_then(target) {
         commands.push(Command::PointAt(target));
     }
-    if let Some((row, included)) = touched.toggled {
-        commands.push(Command::IncludePair(row, included));
-    } else if let Some(row) = touched.clicked {
+    if let Some(row) = touched.clicked {
         if are_pairs {
             commands.push(Command::Select(Some(PointRef { pair: row, side: Side::Left })));
         } else if let Some(pair) = comparison.points.get(row) {

@@ -118,7 +118,6 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
             chosen: chosen == number(row),
             lit: number(row).is_some() && lit == number(row),
         },
-        toggle: &|_| None,
     }
     .show(ui);
     if let Some(number) = touched.hovered.and_then(number) {
