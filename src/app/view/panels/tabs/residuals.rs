@@ -12,7 +12,7 @@ use crate::app::model::document::{PointRef, Role, Side, pair_name};
 use crate::app::model::focus::{LineSource, Target};
 use crate::app::model::ids::{OverlayId, TabId};
 use crate::app::model::verdict::Gauge;
-use crate::app::view::panels::{command_button, truth_button};
+use crate::app::view::panels::truth_button;
 use crate::app::view::theme;
 
 /// Registered in [`super::TABS`].
@@ -36,10 +36,6 @@ pub fn measured<'a>(ui: &mut Ui, model: &'a Model, commands: &mut Vec<Command>) 
             "Distances from the epipolar lines appear here. Click point pairs, or find F without clicks."
         };
         empty(ui, text);
-        if model.can_find_without_clicks() {
-            ui.add_space(4.0);
-            command_button(ui, Command::FindWithoutClicks, true, commands);
-        }
         return None;
     }
     ui.horizontal_wrapped(|ui| {
@@ -95,10 +91,11 @@ pub fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         let then = Subject { measure, ..now };
         choice(ui, (name, tooltip), now.measure == measure, None, then, commands);
     }
+    ui.weak("in px");
 }
 
 /// Tooltip of the matches of the result.
-pub const MATCHES: &str = "The matches that the program found in the images. It looked for them along the epipolar \
+const MATCHES: &str = "The matches that the program found in the images. It looked for them along the epipolar \
                            lines of the result, which favours the result.";
 
 fn has_matches(model: &Model) -> bool {
@@ -179,7 +176,8 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
     };
     let name = |row: usize| if are_pairs { pair_name(row) } else { (row + 1).to_string() };
     let document = &model.document;
-    let contestants = contestants(model);
+    let mut contestants = contestants(model);
+    contestants.retain(|c| *c != Contestant::Truth || model.truth().is_some());
     let columns = point_columns(&contestants);
     let distances = |column: usize| &comparison.of(contestants[column - 1]).distances;
     let touched = Table {
