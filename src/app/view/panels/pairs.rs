@@ -17,7 +17,6 @@ use crate::app::model::focus::Target;
 use crate::app::model::point_table::{Choosing, ChosenEdit, PointsCommand};
 use crate::app::model::residuals::check_summary;
 use crate::app::model::suggesting::Repair;
-use crate::app::model::verdict::capitalised;
 use crate::app::view::theme;
 use crate::geometry::Point;
 
@@ -297,8 +296,7 @@ fn position(ui: &mut Ui, model: &Model, at: PointRef, commands: &mut Vec<Command
     // Coordinates are those of the picture on the screen.
     let Some(frame) = model.open.shown_frame(at.side) else { return };
     let point = model.open.pixel(at.side, point);
-    let label =
-        ui.add_sized(vec2(34.0, theme::ROW), Label::new(RichText::new(capitalised(at.side.name())).weak()));
+    let label = ui.add_sized(vec2(34.0, theme::ROW), Label::new(RichText::new(at.side.title()).weak()));
     ui.spacing_mut().button_padding.x = 4.0;
     ui.spacing_mut().interact_size.x = COORDINATE;
     let mut last = label.rect;
@@ -312,7 +310,7 @@ fn position(ui: &mut Ui, model: &Model, at: PointRef, commands: &mut Vec<Command
             .update_while_editing(false);
         let field = ui.add(field);
         last = field.rect;
-        let name = format!("{} {axis} of pair {}", capitalised(at.side.name()), pair_name(at.pair));
+        let name = format!("{} {axis} of pair {}", at.side.title(), pair_name(at.pair));
         field
             .widget_info(|| WidgetInfo { label: Some(name.clone()), ..WidgetInfo::drag_value(true, before) });
         if field.gained_focus() || field.drag_started() {

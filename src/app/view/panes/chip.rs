@@ -1,14 +1,22 @@
-//! The name of an image in the corner of its pane.
+//! Texts over pictures: the name of an image in the corner of its pane, and others on the same ground.
 
 use std::fmt::Write;
 
 use egui::text::{LayoutJob, TextFormat, TextWrapping};
-use egui::{Color32, FontId, Rect, Role, Sense, Ui, WidgetInfo, vec2};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Ui, WidgetInfo, vec2};
 
 use crate::app::model::Model;
 use crate::app::model::document::Side;
 use crate::app::view::theme;
 use crate::geometry::Frame;
+
+/// Writes a text on a dark ground.
+pub fn label(painter: &Painter, at: Pos2, align: Align2, text: &str, color: Color32) {
+    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(theme::CAPTION), color);
+    let area = align.anchor_size(at, galley.size() + vec2(12.0, 6.0));
+    painter.rect_filled(area, 4.0, theme::LABEL_FILL);
+    painter.galley(area.min + vec2(6.0, 3.0), galley, color);
+}
 
 /// An image and its view.
 pub struct Chip {
@@ -25,10 +33,7 @@ pub struct Chip {
 impl Chip {
     /// Shows the name and the size of the image, its zoom, and whether its brightness is changed.
     pub fn show(&self, ui: &Ui, model: &Model) {
-        let title = match self.side {
-            Side::Left => "Left",
-            Side::Right => "Right",
-        };
+        let title = self.side.title();
         let mut text = String::new();
         if let Some(picture) = model.document.pictures.as_ref().map(|p| &p[self.side.index()]) {
             text = format!("{}  {} × {}", picture.name, self.size.width, self.size.height);

@@ -5,6 +5,7 @@ use egui::{
 };
 use nalgebra::{Vector2, Vector3};
 
+use super::chip::label;
 use super::{ImagePane, zoom_asked};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
@@ -81,15 +82,8 @@ fn small_pictures(drawing: &Drawing, panes: &mut [ImagePane; 2], model: &Model, 
     for side in [Side::Right, Side::Left] {
         let area = Rect::from_min_max(corner - size, corner);
         let taken = panes[side.index()].draw_small(&drawing.painter, area, side.point(&pair));
-        drawing.label(taken.min + vec2(4.0, 4.0), Align2::LEFT_TOP, title(side), theme::SELECTED);
+        label(&drawing.painter, taken.min, Align2::LEFT_TOP, side.title(), theme::SELECTED);
         corner.x = taken.min.x - MARGIN;
-    }
-}
-
-fn title(side: Side) -> &'static str {
-    match side {
-        Side::Left => "Left",
-        Side::Right => "Right",
     }
 }
 
@@ -133,7 +127,7 @@ impl Drawing {
             let color = Color32::from_rgb(red, green, blue);
             mesh.add_colored_rect(square(side), color);
             if (color.intensity() - ground).abs() < LEAST_CONTRAST {
-                edges.add_colored_rect(square(side + 1.6), self.text.gamma_multiply(0.5));
+                edges.add_colored_rect(square(side + 1.4), self.text.gamma_multiply(0.3));
             }
         }
         self.painter.add(edges);
@@ -157,7 +151,7 @@ impl Drawing {
                 line(&corners[from], &corners[to], Stroke::new(1.6, color));
             }
             if let Some((at, _)) = project(&corners[0]) {
-                self.label(at + vec2(0.0, 8.0), Align2::CENTER_TOP, title(side), color);
+                label(&self.painter, at + vec2(0.0, 6.0), Align2::CENTER_TOP, side.title(), color);
             }
         }
     }
@@ -198,15 +192,6 @@ impl Drawing {
         if let Some((word, _)) = model.doubt() {
             text = format!("{text}  {word}");
         }
-        self.label(self.rect.min + vec2(12.0, 9.0), Align2::LEFT_TOP, &text, theme::SELECTED);
-    }
-
-    /// Writes a text on a dark ground.
-    fn label(&self, at: Pos2, align: Align2, text: &str, color: Color32) {
-        let galley =
-            self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(theme::CAPTION), color);
-        let area = align.anchor_size(at, galley.size());
-        self.painter.rect_filled(area.expand2(vec2(6.0, 3.0)), 4.0, theme::LABEL_FILL);
-        self.painter.galley(area.min, galley, color);
+        label(&self.painter, self.rect.min + vec2(6.0, 6.0), Align2::LEFT_TOP, &text, theme::SELECTED);
     }
 }

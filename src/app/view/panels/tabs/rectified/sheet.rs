@@ -2,15 +2,15 @@
 
 use std::fmt::Write;
 
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, vec2};
+use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, vec2};
 
 use super::figures::{fits, pixels, search_range};
 use crate::app::model::Model;
 use crate::app::model::document::{Role, Side};
 use crate::app::model::focus::Target;
 use crate::app::model::rectified::{DrawnPair, RectifiedLayout, RectifiedSheet};
-use crate::app::view::panes::Transform;
 use crate::app::view::panes::overlays::{cross, true_matches_shown};
+use crate::app::view::panes::{Transform, label};
 use crate::app::view::{heat, theme};
 use crate::geometry::{Point, PointPair};
 
@@ -128,7 +128,7 @@ impl SheetCanvas<'_> {
             } else {
                 (visible.left_bottom() + vec2(6.0, -6.0), Align2::LEFT_BOTTOM)
             };
-            self.label(corner, align, &row.text, theme::HOVER);
+            label(self.painter, corner, align, &row.text, theme::HOVER);
         } else {
             // Marks the same column, for reading the disparity.
             for (width, color) in [(3.4, theme::HALO), (1.4, theme::HOVER)] {
@@ -192,7 +192,7 @@ impl SheetCanvas<'_> {
             (RectifiedLayout::SideBySide, _) => "Right, rectified",
         };
         let corner = self.painter.clip_rect().left_top() + vec2(6.0, 6.0);
-        self.label(corner, Align2::LEFT_TOP, text, theme::SELECTED);
+        label(self.painter, corner, Align2::LEFT_TOP, text, theme::SELECTED);
     }
 
     /// Draws the colour scale of the disparities at the upper right, with the suggested search range.
@@ -216,14 +216,13 @@ impl SheetCanvas<'_> {
         if let Some(rows) = full.measures.rows.filter(|_| fits(full)) {
             let [from, to] = search_range(rows.disparity).map(pixels);
             let text = format!("Suggested search range {from} to {to} px");
-            self.label(area.right_bottom() + vec2(0.0, 4.0), Align2::RIGHT_TOP, &text, theme::SELECTED);
+            label(
+                self.painter,
+                area.right_bottom() + vec2(0.0, 4.0),
+                Align2::RIGHT_TOP,
+                &text,
+                theme::SELECTED,
+            );
         }
-    }
-
-    fn label(&self, corner: Pos2, align: Align2, text: &str, color: Color32) {
-        let galley = self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(13.0), color);
-        let area: Rect = align.anchor_size(corner, galley.size() + vec2(10.0, 4.0));
-        self.painter.rect_filled(area, 4.0, theme::LABEL_FILL);
-        self.painter.add(Shape::galley(area.min + vec2(5.0, 2.0), galley, color));
     }
 }
