@@ -185,7 +185,7 @@ impl ComparisonQuestion {
         });
         let fits = Contestant::ALL.map(|contestant| match contestant {
             Contestant::Result => {
-                let none = || "no result yet: click two point pairs".to_owned();
+                let none = || "no result yet".to_owned();
                 self.result.as_ref().map(|f| known(f, self.used.len())).ok_or_else(none)
             }
             Contestant::SevenPoint => {

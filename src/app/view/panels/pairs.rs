@@ -27,7 +27,7 @@ const COORDINATE: f32 = 52.0;
 /// Space between two rows. All rows are equally high, so that a list of whole rows can end at a row.
 const BETWEEN_ROWS: f32 = 2.0;
 /// Indent of an unfolded pair, screen points.
-const INDENT: f32 = 12.0;
+const INDENT: f32 = 6.0;
 
 /// Shows the list in all available space.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -49,11 +49,15 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         });
     });
     let document = &model.document;
-    let selected = document.selection.map(|at| at.pair);
-    // Scrolls to a pair when it is selected, and lets a person scroll away again.
+    let open = match document.chosen.len() {
+        0 => document.selection.map(|at| at.pair),
+        1 => document.chosen.first().copied(),
+        _ => None,
+    };
+    // Scrolls to a pair when it unfolds, and lets a person scroll away again.
     let id = ui.scope_id().with("selected before");
-    let scrolls =
-        ui.data_mut(|data| std::mem::replace(data.get_temp_mut_or_default(id), selected)) != selected;
+    let now = (open, document.half.is_some());
+    let scrolls = ui.data_mut(|data| std::mem::replace(data.get_temp_mut_or_default(id), now)) != now;
     let pitch = theme::ROW + BETWEEN_ROWS;
     let whole_rows = ((ui.available_height() + BETWEEN_ROWS) / pitch).floor() * pitch - BETWEEN_ROWS;
     let list = ScrollArea::vertical().id_salt("pairs").auto_shrink([false, false]);
@@ -67,9 +71,9 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         let is_held = ui.memory(|memory| memory.focused().is_some()) || ui.ctx().dragged_id().is_some();
         for pair in (0..document.pairs.len()).chain(half) {
             let top = ui.cursor().min.y;
-            if is_held || selected == Some(pair) || seen.contains(top) {
+            if is_held || open == Some(pair) || seen.contains(top) {
                 row(ui, model, pair, commands);
-                if scrolls && selected == Some(pair) {
+                if scrolls && open == Some(pair) {
                     let block = Rect::from_x_y_ranges(ui.max_rect().x_range(), top..=ui.min_rect().max.y);
                     ui.scroll_to_rect_animation(block, None, ScrollAnimation::none());
                 }
@@ -228,7 +232,8 @@ fn unfolded(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>
     let name = pair_name(pair);
     let row = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
         ui.horizontal_wrapped(|ui| {
-            ui.spacing_mut().item_spacing.x = 4.0;
+            ui.spacing_mut().item_spacing.x = 3.0;
+            ui.spacing_mut().button_padding.x = 3.0;
             ui.add_space(INDENT);
             add(ui);
         });

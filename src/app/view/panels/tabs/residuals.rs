@@ -91,7 +91,6 @@ pub fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         let then = Subject { measure, ..now };
         choice(ui, (name, tooltip), now.measure == measure, None, then, commands);
     }
-    ui.weak("in px");
 }
 
 /// Tooltip of the matches of the result.
