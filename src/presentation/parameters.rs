@@ -164,9 +164,9 @@ const WORDS: [Words; PARAMETERS.len()] = [
     ),
     choice(
         "line_score",
-        "Line score",
+        "Line cost",
         &["Cost", "Against mismatched"],
-        "Score of a hypothesis. Cost: the matching cost of its lines, as published. Against mismatched: this cost divided by the cost of mismatched lines.",
+        "Cost of the lines of a hypothesis. Cost: the matching cost of its lines, as published. Against mismatched: this cost divided by the cost of mismatched lines.",
     ),
     number(
         "resampling",

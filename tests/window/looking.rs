@@ -123,6 +123,23 @@ fn enter_accepts_a_clear_suggestion_only() {
 }
 
 #[test]
+fn only_places_that_look_alike_are_marked_and_their_number_is_named() {
+    for (verdict, says) in [
+        (Clarity::Clear, Some("Enter to accept, similarity 0.93 of 1")),
+        (Clarity::Ambiguous, Some("one of several alike, similarity 0.93 of 1")),
+        (Clarity::Weak, None),
+        (Clarity::NoReturn, None),
+    ] {
+        let mut window = window(Start::default(), suggesting(verdict));
+        let left = at(&window, Side::Left, -0.1, 0.1);
+        click(&mut window, left);
+        assert_eq!(painted(&window, "similarity"), says.is_some(), "{verdict:?}");
+        assert!(says.is_none_or(|says| painted(&window, says)), "{verdict:?}");
+        assert!(verdict == Clarity::Clear || verdict == Clarity::Ambiguous || !painted(&window, "0.71"));
+    }
+}
+
+#[test]
 fn the_palette_finds_and_runs_commands_by_key_and_by_mouse() {
     let mut window = sample();
     let theme = window.ctx.theme();

@@ -7,9 +7,10 @@ use egui::{Color32, Key, Modifiers, Shape, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::estimate::{Apart, Parameters, Search, Trust, Verdict};
 use epiline::geometry::{FundamentalMatrix, Point};
-use epiline::internals::app::Start;
+use epiline::internals::app::model::comparison::PointSet;
 use epiline::internals::app::model::document::{Role as PairRole, Side};
 use epiline::internals::app::model::focus::{LineSource, Target};
+use epiline::internals::app::{Services, Start};
 
 /// The sample with two pairs and a result with hypotheses and pencils.
 fn with_result() -> Window {
@@ -55,6 +56,62 @@ fn choosing_a_hypothesis_changes_the_lines_until_the_result_is_wanted_again() {
 }
 
 #[test]
+fn the_matches_of_the_result_are_pale_under_another_geometry() {
+    let services = Services {
+        estimate: Box::new(|request, _| matched_estimate(&request.pairs, &request.parameters)),
+        ..services()
+    };
+    let mut window = window(Start::default(), services);
+    click_two_pairs(&mut window);
+    choose(&mut window, "Overlays", "Show Matches");
+    press(&mut window, Key::Escape);
+    let match_color = Color32::from_rgb(190, 255, 150);
+    let dots = |window: &Window, color: Color32| {
+        let is_dot = |shape: &Shape| matches!(shape, Shape::Circle(circle) if circle.fill == color);
+        window.output().shapes.iter().filter(|clipped| is_dot(&clipped.shape)).count()
+    };
+    assert_eq!(dots(&window, match_color), 6);
+    show_step(&mut window, "Validation");
+    window.get_by_label("Hypothesis 3").click();
+    settle(&mut window);
+    window.get_by_label_contains("The pale dots are the matches of the result");
+    assert_eq!((dots(&window, match_color), dots(&window, match_color.gamma_multiply(0.45))), (0, 6));
+}
+
+#[test]
+fn a_comparison_starts_on_the_matches_and_says_that_it_is_partly_circular() {
+    let services = Services {
+        estimate: Box::new(|request, _| matched_estimate(&request.pairs, &request.parameters)),
+        ..services()
+    };
+    let mut window = window(Start::default(), services);
+    click_two_pairs(&mut window);
+    press(&mut window, Key::Num4);
+    let measured = window.state().model().open.comparison.as_ref().unwrap().measured;
+    assert_eq!(measured, PointSet::Matches);
+    window.get_by_label_contains("partly circular");
+    // In a narrow dock, the tools have a line of their own.
+    run_command(&mut window, "Dock: at the right");
+    window.set_size(vec2(1024.0, 640.0));
+    settle(&mut window);
+    let [tab, tool] = ["Compare", "Ground truth"].map(|name| {
+        window.query_all_by_label(name).map(|node| node.rect()).min_by(|a, b| a.min.y.total_cmp(&b.min.y))
+    });
+    let (tab, tool) = (tab.unwrap(), tool.unwrap());
+    assert!(!tab.intersects(tool) && tool.max.x <= 1024.0, "{tab:?} {tool:?}");
+}
+
+#[test]
+fn a_new_pair_is_told_its_distance_from_the_result_before() {
+    let mut window = with_result();
+    for side in Side::BOTH {
+        let position = at(&window, side, 0.1, -0.3);
+        click(&mut window, position);
+    }
+    window.get_by_label_contains("px from the lines of the previous result");
+}
+
+#[test]
 fn the_hypotheses_can_be_sorted_both_ways() {
     let mut window = with_result();
     show_step(&mut window, "Validation");
@@ -65,10 +122,10 @@ fn the_hypotheses_can_be_sorted_both_ways() {
         rows.into_iter().map(|(_, k)| k).collect::<Vec<_>>()
     };
     assert_eq!(order(&window), [1, 2, 3]);
-    window.get_by_label("Sort by Line score").click();
+    window.get_by_label("Sort by Line cost").click();
     settle(&mut window);
-    assert_eq!(order(&window), [3, 2, 1], "the lowest score first");
-    window.get_by_label("Sort by Line score").click();
+    assert_eq!(order(&window), [3, 2, 1], "the lowest cost first");
+    window.get_by_label("Sort by Line cost").click();
     settle(&mut window);
     assert_eq!(order(&window), [1, 2, 3]);
 }
@@ -199,7 +256,7 @@ fn a_pair_left_out_takes_no_part_in_the_estimate() {
     }
     let third = window.state().document().pairs[2];
     unfold(&mut window, "p");
-    window.get_by_label("Include pair p").click();
+    window.get_by_label("Leave out pair p").click();
     settle(&mut window);
     let used = window.state().document().used_pairs().unwrap();
     assert_eq!(used[1], third);
@@ -417,15 +474,12 @@ fn the_rival_that_makes_the_margin_is_marked() {
     for (row, says) in [
         (
             "Hypothesis 2",
-            "Not clearly different from the result: half of the 221 matches before refinement lie \
-             within 3.1 px of its lines (symmetric distance; up to 3.8 px count as near). So it is \
-             not a rival, and the margin ignores it.",
+            "Agrees with the result: half of the matches lie within 3.1 px of its lines. It is no rival.",
         ),
         (
             "Hypothesis 3, the rival",
-            "The best clearly different geometry: half of the 221 matches before refinement lie \
-             within 25.0 px of its lines (symmetric distance; up to 3.8 px count as near). Its \
-             support 80.0 against 100.0 for hypothesis 1 gives a margin of 20 %.",
+            "The best clearly different geometry: half of the matches lie within 25.0 px of its lines. The \
+             result leads by 20 %.",
         ),
     ] {
         let row = window.get_by_label(row).rect();
@@ -447,11 +501,13 @@ fn a_pair_unfolds_to_all_its_actions_and_nothing_is_cut() {
         if window.query_by_label("Delete: pair p").is_none() {
             unfold(&mut window, "p");
         }
+        let bottom = height - 24.0;
         for name in
-            ["Left x of pair p", "Right y of pair p", "Name of pair p", "Check only pair p", "Delete: pair p"]
+            ["Left x of pair p", "Right y of pair p", "Name of pair p", "Leave out pair p", "Delete: pair p"]
         {
             let rect = window.get_by_label(name).rect();
             assert!(rect.max.x <= width && rect.min.x > 0.0, "{name} at {width}: {rect:?}");
+            assert!(rect.max.y <= bottom, "{name} at {width}: {rect:?}");
         }
         let name = window.get_by_label("Name of pair p").rect().width();
         assert!(name >= 120.0, "{name} at {width}");
@@ -459,6 +515,16 @@ fn a_pair_unfolds_to_all_its_actions_and_nothing_is_cut() {
     window.get_by_label("Check only pair p").click();
     settle(&mut window);
     assert_eq!(window.state().document().checks.len(), 1);
+    // The list scrolls to a selected pair far down.
+    for k in 0..4 {
+        for side in Side::BOTH {
+            let position = at(&window, side, 0.1 + 0.08 * k as f32, -0.3);
+            click(&mut window, position);
+        }
+    }
+    let rect = window.get_by_label("Delete: pair 6").rect();
+    let list = window.get_by_label("Row of pair 6").rect();
+    assert!(rect.max.y <= 640.0 - 24.0 && list.min.y < rect.min.y, "{rect:?} {list:?}");
 }
 
 #[test]
@@ -558,17 +624,14 @@ fn plots_that_have_no_room_are_scrolled_to() {
     assert!((before.min.y - after.min.y).abs() < 1.0 && before.max.x < after.min.x, "{before:?} {after:?}");
     assert!(costs.min.y > before.min.y + 82.0, "no plot over another");
     press(&mut window, Key::Num3);
-    let count = window.get_by_label("Count pair q").rect();
-    assert!(count.max.x < 1024.0);
+    assert!(window.get_by_label("Residuals of pair q").rect().max.x < 1024.0);
 }
 
 #[test]
 fn figures_stand_on_their_scales_of_good_and_bad() {
     let mut window = with_result();
     // The limits are those of the verdict's rules; what no rule judges says so.
-    window.get_by_label("Margin on its scale: Good from 20 % on, bad below 5 %.");
-    window.get_by_label("Details").click();
-    settle(&mut window);
+    window.get_by_label("Lead over rival on its scale: Good from 20 % on, bad below 5 %.");
     // Figures of the search stand in the steps of the method, not beside a fitted result.
     assert!(window.query_by_label_contains("Round trip on its scale").is_none());
     let of_p =

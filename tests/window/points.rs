@@ -100,19 +100,6 @@ fn several_rows_are_chosen_and_edited_together() {
     assert_eq!(window.state().document().pairs.len(), 3);
 }
 
-#[test]
-fn the_menu_of_the_list_sorts_it() {
-    let mut window = sample();
-    paste(&mut window, TABLE);
-    let above = |window: &Window, upper: &str, lower: &str| {
-        let y = |pair: &str| window.get_by_label(&format!("Row of pair {pair}")).rect().top();
-        y(upper) < y(lower)
-    };
-    assert!(above(&window, "p", "r"));
-    choose(&mut window, "More for the list of pairs", "Sort points by Left x, y");
-    assert!(above(&window, "r", "q") && above(&window, "q", "p"));
-}
-
 fn unreliable() -> Window {
     let mut services = services();
     services.estimate = Box::new(|request, _| {

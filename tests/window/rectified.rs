@@ -235,11 +235,11 @@ fn an_epipole_inside_forbids_planar_and_polar_is_one_press_away() {
     window.get_by_label("Show me").click();
     settle(&mut window);
     press(&mut window, Key::Num6);
-    window.get_by_label_contains("Polar, because the epipole lies inside image 1");
+    window.get_by_label_contains("Polar, because the epipole lies inside the left image");
     window.get_by_label("Planar").click();
     settle(&mut window);
     assert_eq!(window.state().document().rectification, RectifyMethod::Planar);
-    window.get_by_label_contains("epipole lies inside image 1. Planar rectification is impossible");
+    window.get_by_label_contains("epipole lies inside the left image. Planar rectification is impossible");
     window.get_by_label("Use the polar method").click();
     settle(&mut window);
     assert_eq!(window.state().document().rectification, RectifyMethod::Polar);
@@ -256,6 +256,7 @@ fn the_pair_is_exported_at_full_size_with_what_was_chosen() {
     let into = folder.path().join("pair");
     window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     settle(&mut window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
     window.event(egui::Event::Text(into.display().to_string()));
     settle(&mut window);
     window.get_by_role_and_label(Role::RadioButton, "TIFF").click();
@@ -263,10 +264,10 @@ fn the_pair_is_exported_at_full_size_with_what_was_chosen() {
         .get_by_role_and_label(Role::CheckBox, "Source position of each pixel, as .npy arrays for cv2.remap")
         .click();
     settle(&mut window);
-    window.get_by_label("Export pair").click();
+    window.get_by_role_and_label(Role::Button, "Export rectified pair").click();
     settle(&mut window);
     window.get_by_label_contains("The rectified pair is in ");
-    assert!(window.query_by_label("Export pair").is_none(), "the window for it is closed");
+    assert!(window.query_by_label("Export rectified pair").is_none(), "the window for it is closed");
     for name in
         ["left.tiff", "right.tiff", "stacked.tiff", "left-map.npy", "right-map.npy", "rectification.json"]
     {
@@ -285,6 +286,7 @@ fn an_export_that_fails_is_a_sentence() {
     std::fs::write(&file, "in the way").unwrap();
     window.get_by_label("Export rectified pair…").click();
     settle(&mut window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
     window.event(egui::Event::Text(file.display().to_string()));
     settle(&mut window);
     press(&mut window, Key::Enter);
@@ -390,6 +392,17 @@ fn a_click_on_a_ring_brings_its_depth_into_register_and_a_wipe_shows_it() {
     settle(&mut window);
     window.get_by_label("disparities of the rectified pair");
     window.get_by_label_contains("Disparity preview: ");
+}
+
+#[test]
+fn the_disparities_have_a_colour_scale_with_the_search_range() {
+    let (mut window, _) = rectified();
+    // The dock has a colon after these words.
+    let is_beside_the_scale = |window: &Window| painted(window, "Suggested search range ");
+    assert!(!is_beside_the_scale(&window));
+    window.get_by_label("Disparity").click();
+    settle(&mut window);
+    assert!(is_beside_the_scale(&window));
 }
 
 #[test]

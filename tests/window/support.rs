@@ -10,7 +10,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use epiline::estimate::{
     Assessment, Candidate, Clicks, ComparedPencils, Construction, Estimate, EstimateError, LineFigures,
-    Parameters, PatchSupport, Reason, Refinement, SearchPlan, SearchTrace, Suspect,
+    Parameters, PatchSupport, Reason, RefinedMatch, Refinement, SearchPlan, SearchTrace, Suspect,
 };
 use epiline::geometry::{FundamentalMatrix, Point, PointPair};
 use epiline::internals::app::model::document::{PointRef, Side};
@@ -95,6 +95,33 @@ pub fn rich_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
     let trace = trace
         .map(|trace| Arc::new(SearchTrace { hypotheses, pencils: clicks.map(compared).to_vec(), ..trace }));
     Ok(Estimate { trace, ..estimate })
+}
+
+/// [`rich_estimate`] with three matches on the sample.
+pub fn matched_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Estimate, EstimateError> {
+    let mut estimate = rich_estimate(pairs, parameters)?;
+    let at = |x: f64, y: f64| PointPair::new(x, y, x - 12.0, y);
+    let matches = [at(200.0, 150.0), at(400.0, 300.0), at(600.0, 450.0)];
+    let matches = matches.map(|pair| RefinedMatch { pair, correlation: 0.9 }).to_vec();
+    estimate.assessment.refinement = Some(Refinement { matches, uncertainty: None, noise: None });
+    Ok(estimate)
+}
+
+/// Whether a text is painted anywhere.
+pub fn painted(window: &Window, text: &str) -> bool {
+    window.output().shapes.iter().any(|clipped| match &clipped.shape {
+        Shape::Text(shape) => shape.galley.text().contains(text),
+        _ => false,
+    })
+}
+
+/// Runs a command by its title in the list of all commands.
+pub fn run_command(window: &mut Window, title: &str) {
+    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
+    settle(window);
+    window.get_by_label("Search commands").type_text(title);
+    settle(window);
+    press(window, Key::Enter);
 }
 
 /// That a pair, counted from 1, is so far off its line (Sampson).

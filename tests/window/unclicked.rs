@@ -63,6 +63,16 @@ fn a_geometry_is_found_without_a_click_and_its_matches_become_pairs() {
 }
 
 #[test]
+fn a_single_point_leaves_the_offer_in_view() {
+    let mut window = window(Start::default(), finding());
+    let left = at(&window, Side::Left, 0.1, 0.1);
+    click(&mut window, left);
+    press(&mut window, "Find without clicks");
+    assert!(window.state().model().shown().is_some());
+    assert!(window.query_by_label("Find without clicks").is_none());
+}
+
+#[test]
 fn one_click_takes_part_and_clearing_asks_no_more() {
     let mut window = window(Start::default(), finding());
     press(&mut window, "Find without clicks");

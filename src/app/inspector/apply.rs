@@ -20,6 +20,7 @@ use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::suggesting::Repair;
 use crate::app::tasks::{Opening, Wanted};
 use crate::app::view::Destination;
+use crate::geometry::symmetric_epipolar_distance;
 use crate::io::PairOrigin;
 
 /// The way to a scene.
@@ -88,11 +89,21 @@ impl Inspector {
             Command::Recompute => model.open.computation.restart(),
             Command::Place(side, point) => {
                 let before = model.document.clone();
+                let result = model.settled().copied();
                 let is_moved = before.half.is_some_and(|half| half.side == side);
                 model.edit(|document| document.place(side, point));
                 if is_moved {
                     let (name, other) = (pair_name(before.pairs.len()), side.other().name());
                     model.open.done.tell(format!("Moved {name}. Click its match in the {other} image"));
+                }
+                // The pair took no part in that result, so its distance is an independent test.
+                let added = model.document.pairs.get(before.pairs.len());
+                if let Some((f, pair)) = result.zip(added) {
+                    let (name, distance) =
+                        (pair_name(before.pairs.len()), symmetric_epipolar_distance(&f, pair));
+                    let text =
+                        format!("Pair {name} added, {distance:.1} px from the lines of the previous result");
+                    model.open.done.tell(text);
                 }
                 model.open.placed = (before != model.document).then(|| model.document.clone());
             }
@@ -224,7 +235,6 @@ impl Inspector {
     fn apply_to_points(&mut self, ctx: &egui::Context, command: PointsCommand) {
         let model = &mut self.model;
         match command {
-            PointsCommand::SortBy(column) => model.sort_points(column),
             PointsCommand::Choose(pair, how) => model.choose_pair(pair, how),
             PointsCommand::ChooseAll => model.choose_all_pairs(),
             PointsCommand::Edit(what) => model.edit_chosen(what),

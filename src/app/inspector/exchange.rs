@@ -177,15 +177,15 @@ impl Inspector {
         }
     }
 
-    /// Shows the dialog for the rectified pair. It suggests a folder beside the left image, or the
-    /// folder typed before.
+    /// Shows the dialog for the rectified pair. It suggests a folder named after both images.
     fn show_rectified_export(&mut self) {
-        if self.model.shown().is_none() {
+        let Some(pictures) = self.model.open.pictures.as_ref().filter(|_| self.model.shown().is_some())
+        else {
             return self.model.messages.tell(NOTHING_TO_RECTIFY);
-        }
-        let left = self.model.document.pictures.as_ref().and_then(|[left, _]| left.path.as_ref());
-        let folder = left.and_then(|path| Some(path.parent()?.join("rectified")));
-        self.view.dialogs.rectified.show_with(folder);
+        };
+        let mut name = suggested_path(pictures).file_stem().unwrap_or_default().to_owned();
+        name.push("-rectified");
+        self.view.dialogs.rectified.show_with(name.into());
     }
 
     fn export_rectified(&mut self, folder: PathBuf, options: RectifiedOptions) {

@@ -185,7 +185,7 @@ impl ComparisonQuestion {
         });
         let fits = Contestant::ALL.map(|contestant| match contestant {
             Contestant::Result => {
-                let none = || "no result yet: click two point pairs".to_owned();
+                let none = || "no result yet".to_owned();
                 self.result.as_ref().map(|f| known(f, self.used.len())).ok_or_else(none)
             }
             Contestant::SevenPoint => {
@@ -252,9 +252,10 @@ impl ComparisonQuestion {
         }
     }
 
-    /// Returns the wanted set if it has points, and else the first set that has some.
+    /// Returns the wanted set if it has points, and else the first set that has some. Two clicked pairs say
+    /// less than hundreds of matches.
     fn present(&self, wanted: PointSet) -> PointSet {
-        let order = [wanted, PointSet::Pairs, PointSet::Matches];
+        let order = [wanted, PointSet::Matches, PointSet::Pairs];
         order.into_iter().find(|set| !self.points(*set).is_empty()).unwrap_or(PointSet::Pairs)
     }
 
@@ -262,12 +263,8 @@ impl ComparisonQuestion {
     /// the clicked pairs, if they are enough for every method, and else the matches.
     fn fitted_to(&self) -> PointSet {
         match self.present(self.subject.fitted) {
-            PointSet::Pairs
-                if self.subject.fitted != PointSet::Pairs
-                    && self.pairs.len() < ENOUGH
-                    && !self.matches.is_empty() =>
-            {
-                PointSet::Matches
+            PointSet::Matches if self.subject.fitted != PointSet::Matches && self.pairs.len() >= ENOUGH => {
+                PointSet::Pairs
             }
             set => set,
         }
@@ -381,10 +378,18 @@ mod tests {
         for contestant in [Contestant::SevenPoint, Contestant::EightPoint, Contestant::Ransac] {
             assert!(comparison.of(contestant).spread.unwrap().max < 1e-2, "{contestant:?}");
         }
-        // Clicked pairs come first, unless the matches are asked for.
+        // Matches come first, unless the clicked pairs are asked for, or are enough for every method.
         question.pairs = question.used.clone();
-        assert_eq!(question.answer().measured, PointSet::Pairs);
-        assert_eq!(question.answer().fitted, PointSet::Matches, "two pairs are too few for the methods");
+        let sets = |question: &ComparisonQuestion| {
+            let answer = question.answer();
+            (answer.measured, answer.fitted)
+        };
+        assert_eq!(sets(&question), (PointSet::Matches, PointSet::Matches));
+        question.subject.measured = PointSet::Pairs;
+        assert_eq!(sets(&question), (PointSet::Pairs, PointSet::Matches));
+        let few = std::mem::replace(&mut question.pairs, question.matches[..ENOUGH].to_vec());
+        assert_eq!(sets(&question), (PointSet::Pairs, PointSet::Pairs));
+        question.pairs = few;
         question.subject.measured = PointSet::Matches;
         question.subject.fitted = PointSet::Pairs;
         let asked = question.answer();

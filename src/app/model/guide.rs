@@ -3,6 +3,7 @@
 use super::Model;
 use super::document::pair_name;
 use super::look::Tool;
+use super::verdict::Tone;
 use crate::suggest::Clarity;
 
 /// Returns a hint about the next step.
@@ -49,7 +50,8 @@ pub fn guide(model: &Model) -> String {
             "Click a distinct point in one image, then its match in the other.".into()
         }
         _ if document.is_unclicked() && computation.result().is_some() => {
-            "Point at an image to see its epipolar line in the other. Click pairs for more certainty.".into()
+            let more = if model.tone() == Tone::Good { "" } else { " Click pairs for more certainty." };
+            format!("Point at an image to see its epipolar line in the other.{more}")
         }
         0 => "Click a point in one image, then the same scene point in the other.".into(),
         placed if placed < needed => {

@@ -3,7 +3,7 @@
 //! | module | contents |
 //! |---|---|
 //! | [`document`], [`history`] | the edited state; undo and redo |
-//! | [`point_table`] | the list of point pairs: order, selection, copying and pasting |
+//! | [`point_table`] | the list of point pairs: selection, copying and pasting |
 //! | [`open_pair`], [`pair_folder`] | state that belongs to the open pictures; their folder |
 //! | [`album`] | work on the other pairs of the folder |
 //! | [`computation`] | progress and result of the estimate |

@@ -12,7 +12,6 @@ use super::measuring::Measuring;
 use super::messages::LastDone;
 use super::pair_folder::PairFolder;
 use super::picture::{Opened, Pictures};
-use super::point_table::PointOrder;
 use super::recording::Player;
 use super::rectified::{Rectified, Viewing};
 use super::scene::{Orbit, Scene};
@@ -82,8 +81,8 @@ pub struct OpenPair {
     pub tones: Tones,
     /// Visible frames of sequences.
     pub player: Player,
-    /// Order of the list of point pairs.
-    pub points: PointOrder,
+    /// First pair of the next range that is chosen in the list.
+    pub first_chosen: Option<usize>,
     /// The measurement in an image.
     pub measuring: Option<Measuring>,
     /// Position of the cursor: written in one frame, read in the next.

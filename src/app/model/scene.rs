@@ -20,6 +20,8 @@ const NEAREST: f64 = 0.02;
 /// Turn of a fitted view: from the left and from above, radians.
 const FROM_LEFT: f64 = -0.5;
 const FROM_ABOVE: f64 = 0.4;
+/// Length of the pyramid of a camera in the middle of a view, as a share of the area.
+const CAMERA: f64 = 0.07;
 /// Range of the distance of a view, baselines.
 const DISTANCES: [f64; 2] = [0.05, 1e5];
 
@@ -121,6 +123,16 @@ impl Orbit {
         }
     }
 
+    /// Returns the corners of the cameras of a cloud, enlarged or reduced so that a camera in the middle
+    /// of the view has always the same size on the screen.
+    pub fn cameras(&self, cloud: &PointCloud) -> [[Vector3<f64>; 5]; 2] {
+        cloud.cameras.map(|corners| {
+            let length = (0.25 * corners[1..].iter().sum::<Vector3<f64>>() - corners[0]).norm();
+            let factor = CAMERA * self.distance / length.max(1e-12);
+            corners.map(|corner| corners[0] + factor * (corner - corners[0]))
+        })
+    }
+
     /// Returns the view after a drag over the screen.
     #[must_use]
     pub fn turned(self, by: Vector2<f64>) -> Self {
@@ -204,6 +216,19 @@ mod tests {
             orbit.centre + orbit.rotation().inverse() * Vector3::new(at.x, at.y, 0.0) * orbit.distance;
         let after = orbit.zoomed(at, 2.0);
         assert!((project(&after, &under) - at).norm() < 1e-9 && after.distance < orbit.distance);
+    }
+
+    #[test]
+    fn a_camera_in_the_middle_keeps_its_size_on_the_screen() {
+        let mut cloud = cloud();
+        let near = Orbit::fitting(&cloud, Vector2::new(800.0, 600.0));
+        for factor in [0.1, 1.0, 10.0] {
+            let orbit = Orbit { distance: near.distance / factor, ..near };
+            cloud.cameras = cloud.cameras.map(|corners| corners.map(|c| c - corners[0] + orbit.centre));
+            let [corners, _] = orbit.cameras(&cloud);
+            let length = (0.25 * corners[1..].iter().sum::<Vector3<f64>>() - corners[0]).norm();
+            assert!((length / orbit.distance - CAMERA).abs() < 1e-9, "{length}");
+        }
     }
 
     #[test]

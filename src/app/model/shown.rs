@@ -6,6 +6,7 @@ use super::computation::Freshness;
 use super::document::Side;
 use super::focus::{LineSource, Pin};
 use super::pair_folder::PairFolder;
+use super::verdict::Tone;
 use crate::estimate::{Construction, Estimate, Reason, lines_at};
 use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair, symmetric_epipolar_distance};
 use crate::io::GroundTruth;
@@ -32,6 +33,13 @@ pub struct InspectedLines {
     pub source: LineSource,
     /// One line per image, with matching directions and anchors at nearly the same scene point.
     pub lines: [AnchoredLine; 2],
+}
+
+impl ShownGeometry<'_> {
+    /// Returns whether the geometry is the result itself.
+    pub fn is_result(&self) -> bool {
+        self.hypothesis.is_none() && self.contestant.is_none()
+    }
 }
 
 impl Model {
@@ -94,6 +102,12 @@ impl Model {
     /// Returns whether another geometry than the result is selected.
     pub fn shows_another(&self) -> bool {
         self.open.focus.hypothesis().is_some() || self.open.focus.contestant().is_some()
+    }
+
+    /// Returns the geometry of a final result that is not unreliable.
+    pub fn settled(&self) -> Option<&FundamentalMatrix> {
+        let (estimate, freshness) = self.open.computation.result()?;
+        (freshness == Freshness::Final && self.tone() != Tone::Bad).then(|| estimate.fundamental())
     }
 
     pub fn has_result(&self) -> bool {

@@ -79,8 +79,8 @@ pub fn result_text(stage: Stage, document: &Document, computation: &Computation)
             let score = line_score_text(document.parameters.validation.line_score, score);
             // Without a validation, the result was the only hypothesis.
             Some(match trace.counts.validated {
-                0 => format!("line score {score}"),
-                validated => format!("{validated} compared, best line score {score}"),
+                0 => format!("line cost {score}"),
+                validated => format!("{validated} compared, best line cost {score}"),
             })
         }
         Stage::Refinement => {

@@ -5,8 +5,9 @@ use super::shared::Shared;
 use crate::io::{GroundTruth, TruthError, TruthFolder};
 
 /// Explanation when the pictures have no ground truth.
-pub const NO_TRUTH: &str = "These images have no ground truth. To compare with ground truth, open \
-                            a VGG folder, or a folder of pairs with true matches.";
+pub const NO_TRUTH: &str = "These images have no ground truth. To compare with ground truth, open a VGG folder, or a \
+                            folder of pairs NAMEA.* and NAMEB.* with the true matches NAME.txt: a row x1 y1 x2 y2 \
+                            for each match, in px.";
 
 /// Ground truth of the pictures, whether or not it is in use.
 #[derive(Debug, Clone)]

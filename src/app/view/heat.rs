@@ -1,6 +1,6 @@
 //! Colour map of matrices and legends.
 
-use egui::{Color32, Rect, Ui, epaint};
+use egui::{Color32, Painter, Rect, epaint};
 
 use crate::app::model::heat::rgb;
 
@@ -11,7 +11,7 @@ pub fn color(share: f32) -> Color32 {
 }
 
 /// Draws the colour map as a bar, for a legend.
-pub fn bar(ui: &Ui, rect: Rect) {
+pub fn bar(painter: &Painter, rect: Rect) {
     let mut mesh = epaint::Mesh::default();
     let stops = 8;
     for k in 0..=stops {
@@ -25,5 +25,5 @@ pub fn bar(ui: &Ui, rect: Rect) {
             mesh.add_triangle(v - 1, v, v + 1);
         }
     }
-    ui.painter().add(mesh);
+    painter.add(mesh);
 }

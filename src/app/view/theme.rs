@@ -83,6 +83,8 @@ pub const TOP_BAR: f32 = 40.0;
 pub const STATUS_BAR: f32 = 22.0;
 /// Height of a row of the dock, screen points.
 pub const ROW: f32 = 20.0;
+/// Width kept free beside scrolled texts, screen points, which the scroll bar would cover.
+pub const SCROLL_BAR: f32 = 8.0;
 /// Size of captions.
 pub const CAPTION: f32 = 11.5;
 /// Size of the word of the verdict.

@@ -59,6 +59,14 @@ impl Side {
             Self::Right => "right",
         }
     }
+
+    /// Returns the name of the side for headings.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Left => "Left",
+            Self::Right => "Right",
+        }
+    }
 }
 
 /// Identity of a picture of a document.

@@ -21,9 +21,7 @@ pub fn csv(model: &Model) -> String {
         }
     }
     text.push_str("x1,y1,x2,y2,name,origin,role,distance\n");
-    let places = model.pairs_in_pictures();
-    for pair in model.listed_pairs() {
-        let points = places[pair];
+    for (pair, points) in model.pairs_in_pictures().into_iter().enumerate() {
         let role = match document.role(pair) {
             Role::Used => "used",
             Role::Check => "check only",

@@ -1,4 +1,4 @@
-//! The list of point pairs: order, selection, edits, and copying and pasting as spreadsheets do it.
+//! The list of point pairs: selection, edits, and copying and pasting as spreadsheets do it.
 
 mod kinds;
 mod pasting;
@@ -7,48 +7,17 @@ mod tests;
 
 use std::fmt::Write as _;
 
-pub use kinds::{Choosing, ChosenEdit, PointColumn, PointOrder, PointsCommand};
+pub use kinds::{Choosing, ChosenEdit, PointsCommand};
 use pasting::{is_name_of_a_place, parse_table};
 
 use super::Model;
-use super::document::{Role, counted};
+use super::document::counted;
 use super::history::EditKey;
 use super::verdict::Gauge;
 use crate::geometry::{PointPair, symmetric_epipolar_distance};
 use crate::io::PairOrigin;
 
 impl Model {
-    /// Returns the pairs in the order of the list.
-    pub fn listed_pairs(&self) -> Vec<usize> {
-        let PointOrder { column, descending, .. } = self.open.points;
-        let document = &self.document;
-        let mut pairs: Vec<usize> = (0..document.pairs.len()).collect();
-        let role = |pair: usize| match document.role(pair) {
-            Role::Used => 0.0,
-            Role::Check => 1.0,
-            Role::Excluded => 2.0,
-        };
-        let key = |pair: usize| match column {
-            PointColumn::Number | PointColumn::Name => pair as f64,
-            PointColumn::Left => document.pairs[pair].point1.x,
-            PointColumn::Right => document.pairs[pair].point2.x,
-            PointColumn::Role => role(pair),
-            PointColumn::Distance => self.pair_distance(pair).unwrap_or(f64::NAN),
-        };
-        pairs.sort_by(|a, b| {
-            let missing = |pair: usize| match column {
-                PointColumn::Name => document.given_name(pair).is_none(),
-                _ => key(pair).is_nan(),
-            };
-            let order = match column {
-                PointColumn::Name => document.given_name(*a).cmp(&document.given_name(*b)),
-                _ => key(*a).total_cmp(&key(*b)),
-            };
-            missing(*a).cmp(&missing(*b)).then(if descending { order.reverse() } else { order })
-        });
-        pairs
-    }
-
     /// Returns the symmetric distance of a pair from the shown geometry, px.
     pub fn pair_distance(&self, pair: usize) -> Option<f64> {
         let distance = symmetric_epipolar_distance(self.shown()?.fundamental, self.document.pairs.get(pair)?);
@@ -61,25 +30,15 @@ impl Model {
         Some(Gauge::of_click(self.shown()?.fundamental, self.document.pairs.get(pair)?, sigma))
     }
 
-    /// Sorts the list by a column.
-    pub fn sort_points(&mut self, by: PointColumn) {
-        let PointOrder { column, descending, .. } = &mut self.open.points;
-        *descending = *column == by && !*descending;
-        *column = by;
-    }
-
     /// Selects rows of the list.
     pub fn choose_pair(&mut self, pair: usize, how: Choosing) {
         if pair >= self.document.pairs.len() {
             return;
         }
-        let listed = self.listed_pairs();
-        let place = |pair: usize| listed.iter().position(|other| *other == pair);
-        let anchor = self.open.points.anchor.and_then(place);
         let chosen = &mut self.document.chosen;
-        match (how, anchor.zip(place(pair))) {
-            (Choosing::Through, Some((from, to))) => {
-                chosen.extend(&listed[from.min(to)..=from.max(to)]);
+        match (how, self.open.first_chosen.filter(|first| *first < self.document.pairs.len())) {
+            (Choosing::Through, Some(first)) => {
+                chosen.extend(first.min(pair)..=first.max(pair));
                 return;
             }
             (Choosing::Toggle, _) => {
@@ -95,7 +54,7 @@ impl Model {
                 }
             }
         }
-        self.open.points.anchor = Some(pair);
+        self.open.first_chosen = Some(pair);
         self.history.close_step();
     }
 
@@ -127,13 +86,13 @@ impl Model {
         self.edit_run(EditKey::Name(pair), |document| document.rename(pair, name));
     }
 
-    /// Returns the selected pairs, or all, as a table for spreadsheets, in the order of the list.
+    /// Returns the selected pairs, or all, as a table for spreadsheets.
     pub fn copied_pairs(&self) -> String {
         let document = &self.document;
         let mut text = String::from("name\tx1\ty1\tx2\ty2\n");
         let all = document.chosen.is_empty();
         let places = self.pairs_in_pictures();
-        for pair in self.listed_pairs().into_iter().filter(|pair| all || document.chosen.contains(pair)) {
+        for pair in (0..places.len()).filter(|pair| all || document.chosen.contains(pair)) {
             let PointPair { point1, point2 } = places[pair];
             let name = document.name(pair);
             let _ = writeln!(text, "{name}\t{}\t{}\t{}\t{}", point1.x, point1.y, point2.x, point2.y);

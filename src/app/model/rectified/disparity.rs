@@ -18,6 +18,10 @@ const ROOM: [f64; 2] = [0.25, 0.03];
 const BEYOND: f64 = 0.02;
 /// Largest cost of a match, squared grey levels.
 const WORST: u32 = 900;
+/// Half of the samples around a sample that must differ, and their least range in grey levels. Anything
+/// matches a surface without texture.
+const AROUND: usize = 5;
+const LEAST_TEXTURE: u8 = 8;
 
 /// Disparities of the pixels of the left picture.
 #[derive(Debug, Clone)]
@@ -68,7 +72,7 @@ impl DisparityMap {
             let found = match_profiles(&left, &right, range, &stereo);
             for (k, (disparity, cost)) in found.disparities.iter().zip(&found.sample_costs).enumerate() {
                 let x = left.first + k as i32;
-                if right.get(x + disparity).is_some() && *cost < WORST {
+                if right.get(x + disparity).is_some() && *cost < WORST && has_texture(&left.values, k) {
                     values[y as usize * width as usize + x as usize] =
                         Some((-f64::from(*disparity) * scale) as f32);
                 }
@@ -105,6 +109,12 @@ impl DisparityMap {
     pub fn matched(&self) -> f64 {
         self.values.iter().flatten().count() as f64 / self.values.len().max(1) as f64
     }
+}
+
+/// Returns whether the intensities around a sample differ.
+fn has_texture(values: &[u8], at: usize) -> bool {
+    let around = &values[at.saturating_sub(AROUND)..(at + AROUND + 1).min(values.len())];
+    around.iter().max().zip(around.iter().min()).is_some_and(|(most, least)| most - least >= LEAST_TEXTURE)
 }
 
 /// Applies a 3×3 median filter, which removes single rows with wrong matches.
@@ -163,6 +173,18 @@ mod tests {
         let cancelled = CancelFlag::default();
         cancelled.cancel();
         assert!(DisparityMap::new([&left, &right], 400, None, &cancelled).is_none());
+    }
+
+    #[test]
+    fn a_surface_without_texture_has_no_disparity() {
+        let flat_below = |shift: u32| {
+            let mut picture = textured(|_| shift).to_luma8();
+            picture.enumerate_pixels_mut().filter(|(_, y, _)| *y >= 30).for_each(|(_, _, p)| p.0 = [120]);
+            DynamicImage::from(picture)
+        };
+        let (left, right) = (flat_below(40), flat_below(52));
+        let map = DisparityMap::new([&left, &right], 400, None, &CancelFlag::default()).unwrap();
+        assert!(map.at(0.5, 0.2).is_some() && map.at(0.5, 0.8).is_none());
     }
 
     #[test]

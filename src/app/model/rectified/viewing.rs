@@ -58,7 +58,7 @@ impl RectifiedLayout {
             Self::Disparity,
             "Disparity",
             "Shift to the left from the left picture to the right one, by colour, from a coarse \
-             matching of the rows; grey where nothing matches. A good geometry gives smooth \
+             matching of the rows; grey where nothing matches or there is no texture. A good geometry gives smooth \
              surfaces with sharp edges.",
         ),
     ];

@@ -31,8 +31,11 @@ impl Model {
             return None;
         }
         let Some((estimate, Freshness::Final)) = computation.result() else {
-            let failed = computation.failure().is_some() || computation.was_stopped();
-            return failed.then(|| CardAction::new("Compute again", Command::Recompute));
+            if computation.failure().is_some() || computation.was_stopped() {
+                return Some(CardAction::new("Compute again", Command::Recompute));
+            }
+            let find = || CardAction::new("Find without clicks", Command::FindWithoutClicks);
+            return (!self.has_result() && self.can_find_without_clicks()).then(find);
         };
         let reasons = estimate.assessment.trust.iter().flat_map(|trust| &trust.reasons);
         let off = reasons.clone().find_map(|reason| match reason {

@@ -116,13 +116,6 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
              dirt on the sensor. They say nothing about the scene.",
         ));
     }
-    if let Some(trace) = &estimate.trace {
-        facts.push(Fact::new(
-            "Time",
-            format!("{:.2} s, first {:.2} s", trace.seconds, trace.first_seconds),
-            "Duration of the computation, and time until its first result.",
-        ));
-    }
     facts
 }
 
@@ -171,26 +164,24 @@ fn barcodes(estimate: &Estimate) -> Vec<Fact> {
     [agreement, lines].into_iter().chain(precision).collect()
 }
 
-const SUPPORT: &str = "Corners of the reduced images with a match along their epipolar line, \
-                       weighted by similarity. No value is good by itself: compare it with the \
-                       other hypotheses.";
+const SUPPORT: &str = "Image corners that find a match along their epipolar line, weighted by similarity. \
+                       Higher is better; compare hypotheses.";
 
 /// Returns the margin of the result, and the hypothesis to which it is measured.
 fn margin(estimate: &Estimate) -> Fact {
     let Some(margin) = estimate.assessment.margin else {
-        return Fact { tone: Some(Tone::Good), ..Fact::new("Margin", "no rival", MARGIN) };
+        return Fact { tone: Some(Tone::Good), ..Fact::new(MARGIN, "no rival", MARGIN_TOOLTIP) };
     };
     // The margin after refinement decides, if it was measured.
     let decides = estimate.assessment.refined_margin.unwrap_or(margin);
     let gauge = Gauge::judged(Scale::MARGIN, decides, |v| format!("{:.0} %", v * 100.0));
-    Fact::new("Margin", format!("{:.0} %", decides * 100.0), MARGIN).on(Some(gauge))
+    Fact::new(MARGIN, format!("{:.0} %", decides * 100.0), MARGIN_TOOLTIP).on(Some(gauge))
 }
 
-const MARGIN: &str = "Difference in support between hypothesis 1, from which the result was \
-                      refined, and the best clearly different geometry. The published search \
-                      compares line scores instead. With a small margin, the result is a guess. \
-                      When the margin is not clear, the rivals are refined as well, and the margin \
-                      after refinement decides. The step Validation marks the rival.";
+const MARGIN: &str = "Lead over rival";
+const MARGIN_TOOLTIP: &str = "The margin: how far the result is ahead of the rival, the best clearly different \
+                              geometry. With a small margin, the result is a guess. The step Validation marks \
+                              the rival.";
 
 /// Returns the figures of a hypothesis shown in place of its result `of`.
 pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate, of: Option<&Estimate>) -> Vec<Fact> {
@@ -217,17 +208,13 @@ pub fn epipoles(document: &Document, f: &FundamentalMatrix, estimate: Option<&Es
         _ => epipole_text(epipole, frames.map(|frames| frames[k])),
     };
     vec![
-        Fact::new("Left epipole", value(0, &f.epipole1()), LEFT_EPIPOLE),
-        Fact::new("Right epipole", value(1, &f.epipole2()), RIGHT_EPIPOLE),
+        Fact::new("Left epipole", value(0, &f.epipole1()), EPIPOLE),
+        Fact::new("Right epipole", value(1, &f.epipole2()), EPIPOLE),
     ]
 }
 
-const LEFT_EPIPOLE: &str = "Image of the other camera. All epipolar lines of the left image meet there. \
-                            The 95 % interval of its distance from the middle of the image follows \
-                            from the matches.";
-const RIGHT_EPIPOLE: &str = "Image of the other camera. All epipolar lines of the right image meet there. \
-                             The 95 % interval of its distance from the middle of the image follows \
-                             from the matches.";
+const EPIPOLE: &str = "Image of the other camera, where all epipolar lines of this image meet. The 95 % interval of \
+                       its distance from the middle of the image, or of its direction, follows from the matches.";
 
 /// Returns the figures of a relative pose.
 pub fn pose_facts(fit: &PoseFit) -> Vec<Fact> {
@@ -265,14 +252,14 @@ pub(super) fn bearing_text(epipole: &HomogeneousPoint, frame: Frame, bearing: &E
     let side = direction(frame.centre() + Vector::new(cos, sin) * (2.0 * frame.longer_side()), frame);
     match bearing.certainty() {
         EpipoleCertainty::Direction => {
-            format!("far {side}, direction ± {:.1}°", bearing.direction_error.to_degrees())
+            format!("far {side}, ± {:.1}°", bearing.direction_error.to_degrees())
         }
         EpipoleCertainty::Position => format!("{side}, {}", interval_in_words(bearing)),
         EpipoleCertainty::Open => interval_in_words(bearing),
     }
 }
 
-/// Returns line score and round trip. The first result of a computation has neither yet.
+/// Returns line cost and round trip. The first result of a computation has neither yet.
 fn line_figures(
     document: &Document,
     estimate: &Estimate,
@@ -280,16 +267,14 @@ fn line_figures(
 ) -> impl Iterator<Item = Fact> + use<> {
     let score = estimate.line_score().map(|score| match document.parameters.validation.line_score {
         LineScore::AgainstMismatched => Fact::new(
-            "Line score",
+            "Line cost",
             format!("{} of mismatched", line_score_text(LineScore::AgainstMismatched, score)),
-            "Matching cost of corresponding lines, relative to deliberately mismatched lines. \
-             Lower is better; 100 % is no better than mismatched.",
+            "How unlike corresponding lines are, relative to deliberately mismatched lines. Lower is better.",
         ),
         LineScore::Cost => Fact::new(
-            "Line score",
+            "Line cost",
             format!("{} grey² per sample", line_score_text(LineScore::Cost, score)),
-            "Matching cost of corresponding lines, as published. Lower is better. The cost depends \
-             on the contrast of the images: compare it with the other hypotheses.",
+            "How unlike corresponding lines are, as published. Lower is better; compare hypotheses.",
         ),
     });
     let score = score.map(|fact| fact.on(gauge(HypothesisFigure::LineScore)));
@@ -298,10 +283,8 @@ fn line_figures(
         Fact::new(
             "Round trip",
             format!("{area:.2} px"),
-            "Distance between a line and the result of mapping it to the other image and back, \
-             with the maps built from the clicks. The published search compares its hypotheses by \
-             this distance. The verdict rests on the matches, so a good result may have a large \
-             value.",
+            "Distance between a line and itself after mapping it to the other image and back. A good result \
+             may have a large value: the verdict rests on the matches.",
         )
         .on(gauge(HypothesisFigure::RoundTrip))
     });
@@ -315,7 +298,7 @@ pub fn card_facts(facts: &[Fact]) -> impl Iterator<Item = &Fact> {
         "Agreement",
         "Distinct lines",
         "Matches",
-        "Margin",
+        MARGIN,
         "Left epipole",
         "Right epipole",
         "Checked",

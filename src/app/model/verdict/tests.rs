@@ -28,7 +28,7 @@ fn a_clean_result_is_good_and_one_with_warnings_is_not() {
     let good = verdict(&document, &computation);
     assert_eq!(good.tone, Tone::Good);
     assert_eq!((good.word, good.sentence.as_str()), ("Estimated", "Estimated from pairs p and q"));
-    assert!(good.facts.iter().any(|fact| fact.name == "Margin" && fact.value == "40 %"));
+    assert!(good.facts.iter().any(|fact| fact.name == "Lead over rival" && fact.value == "40 %"));
     assert!(good.facts.iter().all(|fact| fact.name != "Left out"));
     let (document, computation) = computed(|e| {
         let trace = e.trace.as_mut().and_then(std::sync::Arc::get_mut).unwrap();
@@ -77,7 +77,7 @@ fn margins_are_always_in_percent() {
     });
     let doubtful = verdict(&document, &computation);
     assert!(doubtful.sentence.contains("(margin 5 %)"), "{}", doubtful.sentence);
-    let margin = doubtful.facts.iter().find(|fact| fact.name == "Margin").unwrap();
+    let margin = doubtful.facts.iter().find(|fact| fact.name == "Lead over rival").unwrap();
     assert_eq!((margin.value.as_str(), margin.tone), ("5 %", Some(Tone::Caution)));
 }
 
@@ -88,7 +88,7 @@ fn the_margin_after_refinement_decides() {
         e.assessment.refined_margin = Some(0.62);
     });
     let good = verdict(&document, &computation);
-    let margin = good.facts.iter().find(|fact| fact.name == "Margin").unwrap();
+    let margin = good.facts.iter().find(|fact| fact.name == "Lead over rival").unwrap();
     assert_eq!((margin.value.as_str(), margin.tone), ("62 %", Some(Tone::Good)));
 }
 
@@ -145,7 +145,7 @@ fn far_epipoles_are_told_by_their_side_and_what_is_known() {
     };
     assert_eq!(text(0.1, Some(1010.0)), "right, 950 ± 60 px");
     assert_eq!(text(3.1, Some(2500.0)), "left, 900 to 2500 px");
-    assert_eq!(text(-1.5, None), "far above, direction ± 1.1°");
+    assert_eq!(text(-1.5, None), "far above, ± 1.1°");
     let inside = HomogeneousPoint::new(30.0, 40.0, 1.0);
     let near = EpipoleBearing {
         direction: 0.0,

@@ -8,7 +8,7 @@ use crate::app::model::document::Side;
 use crate::app::model::exchange::ExportOrder;
 use crate::app::model::focus::LineSource;
 use crate::app::model::ids::OverlayId;
-use crate::app::model::point_table::{Choosing, ChosenEdit, PointColumn, PointsCommand};
+use crate::app::model::point_table::{Choosing, ChosenEdit, PointsCommand};
 use crate::app::model::rectified::{Guides, RectifiedCommand};
 use crate::app::model::session::OpenSession;
 use crate::app::model::suggesting::Repair;
@@ -59,11 +59,6 @@ pub fn in_dialogs() -> Vec<Action> {
             "Leave the chosen pairs out of the estimate and of all measures.",
         ),
         action(
-            PointsCommand::SortBy(PointColumn::Number),
-            "Sort",
-            "Sort the list. Another click reverses the order.",
-        ),
-        action(
             PointsCommand::Choose(0, Choosing::Only),
             "Choose the row",
             "Choose this row. Ctrl adds a row, Shift adds all rows up to it.",
@@ -72,8 +67,8 @@ pub fn in_dialogs() -> Vec<Action> {
         action(PointsCommand::Paste(String::new()), "Paste", "Add the point pairs of a copied table."),
         action(
             Command::IncludePair(0, true),
-            "Include or leave out",
-            "Include the pair, or leave it out of the estimate and the summary.",
+            "Leave out",
+            "Leave the pair out of the estimate and of all measures, or include it again.",
         ),
         action(
             Command::Repair(0, Repair::Refine),

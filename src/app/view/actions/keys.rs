@@ -220,7 +220,7 @@ pub fn with_keys() -> Vec<Action> {
             .listed(|_| "Method: next step"),
         action(
             RectifiedCommand::ShowExport,
-            "Export",
+            "Export rectified pair…",
             "Write the rectified pair at full size into a folder, with its homographies or tables and its \
              quality measures.",
         )

@@ -1,14 +1,15 @@
 //! The card of the verdict: one word, one sentence, at most four figures, one button.
 
-use egui::{Align, Button, Label, Layout, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui, pos2, vec2};
+use egui::{Align, Label, Layout, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui, pos2, vec2};
 
 use super::dialog::named;
 use super::gauge::{self, tone_color};
-use super::{busy, command_button, finish_button};
+use super::{busy, command_button, finish_button, main_button};
 use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::comparison::Contestant;
 use crate::app::model::guide::guide;
+use crate::app::model::ids::OverlayId;
 use crate::app::model::messages::MessageKind;
 use crate::app::model::verdict::{
     CardAction, Fact, Tone, VerdictInWords, card_facts, epipoles, hypothesis_facts, import_facts,
@@ -16,15 +17,11 @@ use crate::app::model::verdict::{
 };
 use crate::app::view::theme;
 
-/// Width kept free for the scroll bar, screen points.
-const SCROLL_BAR: f32 = 6.0;
-
 /// Shows the card in all available space. The details scroll.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ScrollArea::vertical().id_salt("card").auto_shrink([false, false]).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 4.0;
-        // The scroll bar must not cover the figures.
-        ui.set_max_width(ui.available_width() - SCROLL_BAR);
+        ui.set_max_width(ui.available_width() - theme::SCROLL_BAR);
         if model.is_at_start() {
             start(ui, model, commands);
         } else if !another(ui, model, commands) {
@@ -88,18 +85,12 @@ fn left_behind(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// Shows a button in the accent colour.
-pub fn main_button(ui: &mut Ui, name: &str) -> egui::Response {
-    let palette = theme::palette(ui.visuals());
-    ui.add(Button::new(RichText::new(name).color(palette.on_accent)).fill(palette.accent))
-}
-
 /// Shows the geometry that the window displays in place of the result. Returns whether there is one.
 fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
     let Some(shown) = model.shown() else { return false };
     if let Some((number, hypothesis)) = shown.hypothesis {
         heading(ui, None, &format!("Hypothesis {}", number + 1));
-        another_shown(ui, &format!("hypothesis {}", number + 1), commands);
+        another_shown(ui, model, &format!("hypothesis {}", number + 1), commands);
         let facts = hypothesis_facts(&model.document, hypothesis, model.open.computation.searched());
         list(ui, true_error(model).into_iter().chain(facts));
         return true;
@@ -112,7 +103,7 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
     };
     heading(ui, None, contestant.name());
     if model.has_result() {
-        another_shown(ui, &name, commands);
+        another_shown(ui, model, &name, commands);
     } else {
         let text =
             format!("The images show {name}. Mark two point pairs to estimate a geometry for comparison.");
@@ -127,10 +118,15 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
         ui,
         true_error(model).into_iter().chain(facts).chain(epipoles(&model.document, shown.fundamental, None)),
     );
-    if imported.is_some() {
-        let remove = ui.button("Remove it");
-        finish_button(ui, remove, ExchangeCommand::RemoveImported.into(), commands);
-    }
+    ui.horizontal_wrapped(|ui| {
+        if imported.is_some() {
+            let remove = ui.button("Remove it");
+            finish_button(ui, remove, ExchangeCommand::RemoveImported.into(), commands);
+        }
+        if !model.has_result() && model.can_find_without_clicks() {
+            command_button(ui, Command::FindWithoutClicks, true, commands);
+        }
+    });
     true
 }
 
@@ -259,7 +255,8 @@ fn list(ui: &mut Ui, facts: impl Iterator<Item = Fact>) {
     for fact in facts {
         let tooltip = fact.explained();
         ui.horizontal(|ui| {
-            ui.weak(fact.name).on_hover_text(&tooltip);
+            let name = RichText::new(fact.name).size(theme::CAPTION).weak();
+            ui.label(name).on_hover_text(&tooltip);
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let value = ui.add(Label::new(&fact.value).truncate()).on_hover_text(&tooltip);
                 if let Some(bar) = &fact.gauge {
@@ -275,8 +272,12 @@ fn list(ui: &mut Ui, facts: impl Iterator<Item = Fact>) {
 }
 
 /// Shows that the window displays another geometry, with a button back to the result.
-fn another_shown(ui: &mut Ui, name: &str, commands: &mut Vec<Command>) {
-    let text = format!("The images show {name}, not the result");
+fn another_shown(ui: &mut Ui, model: &Model, name: &str, commands: &mut Vec<Command>) {
+    let mut text = format!("The images show {name}, not the result");
+    let has_matches = model.shown().is_some_and(|shown| !shown.estimate.matches().is_empty());
+    if has_matches && model.look.shows(OverlayId::Matches) {
+        text += ". The pale dots are the matches of the result.";
+    }
     let color = theme::palette(ui.visuals()).accent;
     ui.add(Label::new(RichText::new(text).color(color)).wrap());
     command_button(ui, Command::ChooseHypothesis(None), true, commands);

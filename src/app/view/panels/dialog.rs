@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use egui::{Align2, Button, Context, Key, Label, Rect, Response, Sense, TextEdit, Ui, Window, vec2};
 
-use super::{command_button, finish_button};
+use super::{command_button, finish_button, main_button};
 use crate::app::model::command::Command;
 
 /// Width of the labels, screen points. Equal widths align the fields.
@@ -80,7 +80,7 @@ pub fn ending(
     described: Command,
     commands: &mut Vec<Command>,
 ) {
-    let button = ui.add_enabled(command.is_some(), Button::new(text));
+    let button = ui.add_enabled_ui(command.is_some(), |ui| main_button(ui, text)).inner;
     finish_button(ui, button, command.clone().unwrap_or(described), commands);
     command_button(ui, Command::Cancel, true, commands);
     if ui.input(|input| input.key_pressed(Key::Enter)) {

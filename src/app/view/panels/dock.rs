@@ -73,7 +73,7 @@ fn part(ui: &mut Ui, area: Rect, name: &str, content: impl FnOnce(&mut Ui)) {
 
 /// Returns the columns of a dock at the bottom: card, tab and pairs.
 fn columns(area: Rect) -> [Rect; 3] {
-    let card = (area.width() * 0.23).clamp(190.0, 330.0);
+    let card = (area.width() * 0.26).clamp(190.0, 262.0).max(area.width() * 0.23).min(330.0);
     let pairs = (area.width() * 0.22).clamp(170.0, 300.0);
     let (card, rest) = area.split_left_right_at_x(area.min.x + card);
     let (tab, pairs) = rest.split_left_right_at_x(rest.max.x - pairs);

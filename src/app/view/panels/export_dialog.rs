@@ -14,6 +14,8 @@ use crate::io::{PictureFormat, RectifiedOptions};
 pub struct ExportDialog {
     pub open: bool,
     folder: String,
+    /// Name of the folder for the pair that the dialog was shown for.
+    pair: PathBuf,
     options: RectifiedOptions,
     just_opened: bool,
 }
@@ -21,17 +23,21 @@ pub struct ExportDialog {
 impl Default for ExportDialog {
     fn default() -> Self {
         let options = RectifiedOptions { format: PictureFormat::Png, guide_spacing: 40, maps: false };
-        Self { open: false, folder: String::new(), options, just_opened: false }
+        Self { open: false, folder: String::new(), pair: PathBuf::new(), options, just_opened: false }
     }
 }
 
 impl ExportDialog {
-    /// Opens the dialog. `folder` is the default where none was typed.
-    pub fn show_with(&mut self, folder: Option<PathBuf>) {
+    /// Opens the dialog for a pair. It suggests a folder named after the pair, beside the folder of the pair
+    /// before, or else in the documents of the user. The folder of the same pair stays.
+    pub fn show_with(&mut self, pair: PathBuf) {
         (self.open, self.just_opened) = (true, true);
-        if let Some(folder) = folder.filter(|_| self.folder.trim().is_empty()) {
-            self.folder = folder.display().to_string();
+        if self.pair == pair && !self.folder.trim().is_empty() {
+            return;
         }
+        let before = path_of(&self.folder).and_then(|folder| folder.parent().map(Path::to_owned));
+        self.folder = before.unwrap_or_else(documents).join(&pair).display().to_string();
+        self.pair = pair;
     }
 
     /// Fills in a chosen folder.
@@ -69,7 +75,7 @@ impl ExportDialog {
             let options = self.options;
             let export = |folder| RectifiedCommand::Export { folder, options }.into();
             let described = export(PathBuf::new());
-            ui.horizontal(|ui| ending(ui, "Export pair", folder.map(export), described, commands));
+            ui.horizontal(|ui| ending(ui, "Export rectified pair", folder.map(export), described, commands));
         });
         self.just_opened = false;
         self.open &= open;
@@ -103,5 +109,30 @@ impl ExportDialog {
                  have (-1, -1).",
             );
         });
+    }
+}
+
+/// Returns the folder for documents, or else the folder of the user.
+fn documents() -> PathBuf {
+    let home = std::env::home_dir().unwrap_or_default();
+    let documents = home.join("Documents");
+    if documents.is_dir() { documents } else { home }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_pair_has_a_folder_of_its_own_beside_the_folder_used_before() {
+        let mut dialog = ExportDialog::default();
+        dialog.show_with("a-b-rectified".into());
+        assert_eq!(Path::new(&dialog.folder), documents().join("a-b-rectified"));
+        let used = Path::new("used").join("mine");
+        dialog.offer(&used);
+        dialog.show_with("a-b-rectified".into());
+        assert_eq!(Path::new(&dialog.folder), used, "the same pair");
+        dialog.show_with("c-d-rectified".into());
+        assert_eq!(Path::new(&dialog.folder), Path::new("used").join("c-d-rectified"));
     }
 }

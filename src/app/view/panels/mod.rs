@@ -27,10 +27,11 @@ pub mod tabs;
 mod tones;
 mod top_bar;
 
-use egui::{Button, Response, Ui};
+use egui::{Button, Response, RichText, Ui};
 
 use crate::app::model::command::Command;
 use crate::app::view::keyboard::key_text;
+use crate::app::view::theme;
 
 pub use exchange::{FileExport, ReadingDialog};
 pub use export_dialog::ExportDialog;
@@ -52,6 +53,12 @@ pub use top_bar::show as top_bar;
 fn command_button(ui: &mut Ui, command: Command, enabled: bool, commands: &mut Vec<Command>) -> Response {
     let response = ui.add_enabled(enabled, Button::new(command.name()));
     finish_button(ui, response, command, commands)
+}
+
+/// Shows a button in the accent colour.
+fn main_button(ui: &mut Ui, name: &str) -> Response {
+    let palette = theme::palette(ui.visuals());
+    ui.add(Button::new(RichText::new(name).color(palette.on_accent)).fill(palette.accent))
 }
 
 /// Adds the tooltip to a command's button, and pushes the command when it is clicked.

@@ -9,6 +9,7 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::document::{Side, counted};
 use crate::app::model::pair_folder::PairFolder;
+use crate::app::model::truth::NO_TRUTH;
 use crate::app::view::actions::conditions::has_strip;
 
 /// Shows the choice of the pair, and the button of the drawer with all images.
@@ -55,7 +56,11 @@ fn kept_pairs(ui: &mut Ui, model: &Model, folder: &PairFolder, commands: &mut Ve
 pub fn truth_button(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let button = Button::selectable(model.truth().is_some(), Command::ToggleTruth.name());
     let button = ui.add_enabled(model.open.known.is_some(), button.frame_when_inactive(true));
-    finish_button(ui, button, Command::ToggleTruth, commands);
+    if model.open.known.is_some() {
+        finish_button(ui, button, Command::ToggleTruth, commands);
+    } else {
+        button.on_disabled_hover_text(NO_TRUTH);
+    }
 }
 
 fn step(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], forward: bool, commands: &mut Vec<Command>) {

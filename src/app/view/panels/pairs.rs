@@ -3,8 +3,8 @@
 
 use egui::containers::menu::MenuButton;
 use egui::{
-    Align, Button, DragValue, Frame, Label, Layout, RichText, ScrollArea, Sense, Stroke, TextEdit, Ui,
-    WidgetInfo, vec2,
+    Align, Button, DragValue, Frame, Label, Layout, Margin, Rect, RichText, ScrollArea, Sense, Stroke,
+    TextEdit, Ui, WidgetInfo, style::ScrollAnimation, vec2,
 };
 
 use super::dialog::named;
@@ -14,10 +14,9 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::document::{PointRef, Role, Side, pair_name};
 use crate::app::model::focus::Target;
-use crate::app::model::point_table::{Choosing, ChosenEdit, PointColumn, PointOrder, PointsCommand};
+use crate::app::model::point_table::{Choosing, ChosenEdit, PointsCommand};
 use crate::app::model::residuals::check_summary;
 use crate::app::model::suggesting::Repair;
-use crate::app::model::verdict::capitalised;
 use crate::app::view::theme;
 use crate::geometry::Point;
 
@@ -25,10 +24,14 @@ use crate::geometry::Point;
 const HALF_A_DIGIT: f64 = 0.005;
 /// Width of a coordinate, screen points.
 const COORDINATE: f32 = 52.0;
+/// Space between two rows. All rows are equally high, so that a list of whole rows can end at a row.
+const BETWEEN_ROWS: f32 = 2.0;
+/// Indent of an unfolded pair, screen points.
+const INDENT: f32 = 6.0;
 
 /// Shows the list in all available space.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    ui.spacing_mut().item_spacing.y = 2.0;
+    ui.spacing_mut().item_spacing.y = BETWEEN_ROWS;
     ui.horizontal(|ui| {
         let count = model.document.pairs.len();
         let title = if count > 3 { format!("Point pairs ({count})") } else { "Point pairs".to_owned() };
@@ -36,22 +39,44 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let menu = MenuButton::from_button(Button::new("⋯").small());
             let (menu, _) = menu.ui(ui, |ui| list_menu(ui, model, commands));
-            named(menu, "More for the list of pairs").on_hover_text("Copy, paste, sort or clear the pairs.");
+            named(menu, "More for the list of pairs").on_hover_text("Copy, paste or clear the pairs.");
             if model.shown().is_some() && count > 0 {
-                ui.label(RichText::new("distance").size(theme::CAPTION).weak())
-                    .on_hover_text(PointColumn::Distance.tooltip());
+                ui.label(RichText::new("distance").size(theme::CAPTION).weak()).on_hover_text(
+                    "Symmetric distance: mean distance of the two points from each other's epipolar lines. \
+                         Careful clicks stay below about 2 px.",
+                );
             }
         });
     });
     let document = &model.document;
-    ScrollArea::vertical().id_salt("pairs").auto_shrink([false, false]).show(ui, |ui| {
+    let open = match document.chosen.len() {
+        0 => document.selection.map(|at| at.pair),
+        1 => document.chosen.first().copied(),
+        _ => None,
+    };
+    // Scrolls to a pair when it unfolds, and lets a person scroll away again.
+    let id = ui.scope_id().with("selected before");
+    let now = (open, document.half.is_some());
+    let scrolls = ui.data_mut(|data| std::mem::replace(data.get_temp_mut_or_default(id), now)) != now;
+    let pitch = theme::ROW + BETWEEN_ROWS;
+    let whole_rows = ((ui.available_height() + BETWEEN_ROWS) / pitch).floor() * pitch - BETWEEN_ROWS;
+    let list = ScrollArea::vertical().id_salt("pairs").auto_shrink([false, false]);
+    list.max_height(whole_rows.max(theme::ROW)).show(ui, |ui| {
+        ui.set_max_width(ui.available_width() - theme::SCROLL_BAR);
+        ui.spacing_mut().interact_size.y = theme::ROW;
+        ui.spacing_mut().button_padding.y = 1.0;
         let half = document.half.map(|_| document.pairs.len());
         let seen = ui.clip_rect().y_range().expand(2.0 * theme::ROW);
         // A field that is edited or dragged stays alive outside the visible part.
         let is_held = ui.memory(|memory| memory.focused().is_some()) || ui.ctx().dragged_id().is_some();
-        for pair in model.listed_pairs().into_iter().chain(half) {
-            if is_held || seen.contains(ui.cursor().min.y) {
+        for pair in (0..document.pairs.len()).chain(half) {
+            let top = ui.cursor().min.y;
+            if is_held || open == Some(pair) || seen.contains(top) {
                 row(ui, model, pair, commands);
+                if scrolls && open == Some(pair) {
+                    let block = Rect::from_x_y_ranges(ui.max_rect().x_range(), top..=ui.min_rect().max.y);
+                    ui.scroll_to_rect_animation(block, None, ScrollAnimation::none());
+                }
             } else {
                 ui.allocate_exact_size(vec2(ui.available_width(), theme::ROW), Sense::hover());
             }
@@ -81,21 +106,6 @@ fn list_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         [(PointsCommand::Copy, any), (PointsCommand::RequestPaste, open), (PointsCommand::ChooseAll, any)]
     {
         command_button(ui, command.into(), enabled, commands);
-    }
-    ui.separator();
-    let PointOrder { column: by, descending, .. } = model.open.points;
-    for column in PointColumn::ALL {
-        let mark = if by != column {
-            ""
-        } else if descending {
-            "  ▼"
-        } else {
-            "  ▲"
-        };
-        let sort = ui.button(format!("Sort by {}{mark}", column.title().to_lowercase()));
-        if named(sort, &format!("Sort points by {}", column.title())).clicked() {
-            commands.push(PointsCommand::SortBy(column).into());
-        }
     }
     ui.separator();
     command_button(ui, Command::ClearPairs, any || model.document.half.is_some(), commands);
@@ -222,8 +232,9 @@ fn unfolded(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>
     let name = pair_name(pair);
     let row = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
         ui.horizontal_wrapped(|ui| {
-            ui.spacing_mut().item_spacing.x = 4.0;
-            ui.add_space(20.0);
+            ui.spacing_mut().item_spacing.x = 3.0;
+            ui.spacing_mut().button_padding.x = 3.0;
+            ui.add_space(INDENT);
             add(ui);
         });
     };
@@ -249,7 +260,9 @@ fn unfolded(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>
 fn name_field(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     let mut name = model.document.given_name(pair).unwrap_or_default().to_owned();
     let width = (ui.available_width() - 12.0).max(40.0);
-    let field = TextEdit::singleline(&mut name).desired_width(width).hint_text("name").frame(Frame::NONE);
+    let frame = Frame::new().fill(ui.visuals().extreme_bg_color).inner_margin(Margin::symmetric(4, 1));
+    let field =
+        TextEdit::singleline(&mut name).desired_width(width).hint_text("Name of the pair").frame(frame);
     let field = ui.add(field.id_salt(("name of pair", pair)));
     let field = named(field, &format!("Name of pair {}", pair_name(pair)));
     if field.changed() {
@@ -260,33 +273,23 @@ fn name_field(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Comman
     }
 }
 
-/// Shows the switches of the role.
+/// Shows the choice of the role.
 fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     let document = &model.document;
-    let name = pair_name(pair);
-    let role = document.role(pair);
-    let mut included = role != Role::Excluded;
-    let response = ui.checkbox(&mut included, "");
-    response.widget_info(|| {
-        WidgetInfo::selected(egui::Role::CheckBox, true, included, format!("Include pair {name}"))
-    });
-    let response = response.on_hover_text(Command::IncludePair(pair, included).tooltip());
-    if response.changed() {
-        commands.push(Command::IncludePair(pair, included));
-    }
-    for (only, is_chosen) in [(false, role == Role::Used), (true, role == Role::Check)] {
-        let command = Command::CheckOnly(pair, only);
-        let button = Button::selectable(is_chosen, command.name()).small();
-        let response = ui.add_enabled(role != Role::Excluded && (only || document.can_be_used(pair)), button);
-        let label = format!("{} pair {name}", command.name());
-        response
-            .widget_info(|| WidgetInfo::selected(egui::Role::Button, response.enabled(), is_chosen, &label));
-        let response = response.on_disabled_hover_text(if role == Role::Excluded {
-            "The pair is left out. Include it first."
-        } else {
+    let now = document.role(pair);
+    for (role, command) in [
+        (Role::Used, Command::CheckOnly(pair, false)),
+        (Role::Check, Command::CheckOnly(pair, true)),
+        (Role::Excluded, Command::IncludePair(pair, now == Role::Excluded)),
+    ] {
+        let is_free = role != Role::Used || document.can_be_used(pair);
+        let response = ui.add_enabled(is_free, Button::selectable(now == role, command.name()).small());
+        let label = format!("{} pair {}", command.name(), pair_name(pair));
+        response.widget_info(|| WidgetInfo::selected(egui::Role::Button, is_free, now == role, &label));
+        let response = response.on_disabled_hover_text(
             "The published method takes no more pairs. Set another pair to check only, or choose the preset \
-             Robust."
-        });
+             Robust.",
+        );
         finish_button(ui, response, command, commands);
     }
 }
@@ -298,8 +301,7 @@ fn position(ui: &mut Ui, model: &Model, at: PointRef, commands: &mut Vec<Command
     // Coordinates are those of the picture on the screen.
     let Some(frame) = model.open.shown_frame(at.side) else { return };
     let point = model.open.pixel(at.side, point);
-    let label =
-        ui.add_sized(vec2(34.0, theme::ROW), Label::new(RichText::new(capitalised(at.side.name())).weak()));
+    let label = ui.add_sized(vec2(34.0, theme::ROW), Label::new(RichText::new(at.side.title()).weak()));
     ui.spacing_mut().button_padding.x = 4.0;
     ui.spacing_mut().interact_size.x = COORDINATE;
     let mut last = label.rect;
@@ -313,7 +315,7 @@ fn position(ui: &mut Ui, model: &Model, at: PointRef, commands: &mut Vec<Command
             .update_while_editing(false);
         let field = ui.add(field);
         last = field.rect;
-        let name = format!("{} {axis} of pair {}", capitalised(at.side.name()), pair_name(at.pair));
+        let name = format!("{} {axis} of pair {}", at.side.title(), pair_name(at.pair));
         field
             .widget_info(|| WidgetInfo { label: Some(name.clone()), ..WidgetInfo::drag_value(true, before) });
         if field.gained_focus() || field.drag_started() {

@@ -60,8 +60,6 @@ pub struct Touched {
     pub hovered: Option<usize>,
     /// The row that was clicked.
     pub clicked: Option<usize>,
-    /// The row whose switch was changed, and the new state.
-    pub toggled: Option<(usize, bool)>,
 }
 
 /// A table to show.
@@ -86,8 +84,6 @@ pub struct Table<'a> {
     pub about: &'a dyn Fn(usize) -> Option<String>,
     /// Appearance of a row.
     pub look: &'a dyn Fn(usize) -> RowLook,
-    /// State and name of the switch in front of a row, if it has one.
-    pub toggle: &'a dyn Fn(usize) -> Option<(bool, String)>,
 }
 
 /// Order of the rows, kept from frame to frame.
@@ -130,8 +126,7 @@ impl Table<'_> {
             order.len(),
             |ui, visible| {
                 for place in visible {
-                    let (response, toggled) = self.row(ui, order[place], place, &edges, id, &font);
-                    touched.toggled = touched.toggled.or(toggled);
+                    let response = self.row(ui, order[place], place, &edges, id, &font);
                     if response.contains_pointer() {
                         touched.hovered = Some(order[place]);
                     }
@@ -222,7 +217,7 @@ impl Table<'_> {
         edges: &[f32],
         id: Id,
         font: &FontId,
-    ) -> (egui::Response, Option<(usize, bool)>) {
+    ) -> egui::Response {
         let (area, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
         let response = ui.interact(area, id.with(("row", row)), Sense::click());
         let RowLook { chosen, lit } = (self.look)(row);
@@ -274,18 +269,11 @@ impl Table<'_> {
             }
             left = *right;
         }
-        let toggled = (self.toggle)(row).and_then(|(mut on, name)| {
-            let place = Rect::from_center_size(pos2(area.min.x + 12.0, area.center().y), vec2(20.0, ROW));
-            let switch = ui.place(place, egui::Checkbox::without_text(&mut on));
-            switch.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, on, &name));
-            switch.changed().then_some((row, on))
-        });
         let words = words.or_else(|| (self.about)(row).filter(|_| response.hovered()));
-        let response = match words {
+        match words {
             Some(words) => response.on_hover_text(words),
             None => response,
-        };
-        (response, toggled)
+        }
     }
 }
 
@@ -313,7 +301,6 @@ mod tests {
             gauge: &|_, _| None,
             about: &|_| None,
             look: &|_| RowLook::default(),
-            toggle: &|_| None,
             revision: 0,
         };
         assert_eq!(table.order(Sort { column: 0, descending: false }), [2, 3, 0, 1]);

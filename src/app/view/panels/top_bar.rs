@@ -139,9 +139,10 @@ fn export(ui: &mut Ui, any: bool, model: &Model, commands: &mut Vec<Command>) {
                     ui.close();
                 }
             };
-            entry(ui, "Geometry, points or figure…", ExchangeCommand::ShowExport.into(), any);
+            entry(ui, "Export geometry, points or figure…", ExchangeCommand::ShowExport.into(), any);
             let can = has_result && model.activity.writing.is_none();
-            entry(ui, "Rectified pair…", RectifiedCommand::ShowExport.into(), can);
+            let rectified = Command::from(RectifiedCommand::ShowExport);
+            entry(ui, rectified.name(), rectified, can);
             ui.separator();
             copy_fundamental_menu(ui, model, commands);
             let copy = ui.button(Command::CopyView.name());

@@ -1,16 +1,14 @@
 //! An image pane: zooming, panning, clicks and drags.
 
-use std::fmt::Write;
-
 use egui::{CursorIcon, PointerButton, Pos2, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo};
 
+use super::chip::Chip;
 use super::loupe;
 use super::overlays::{Canvas, Labels, OVERLAYS, draw_measurement, pinned_at, pointed_at};
 use super::texture::PictureTexture;
-use super::transform::Transform;
+use super::transform::{Transform, zoom_asked};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
-use crate::app::model::dock::BETWEEN;
 use crate::app::model::document::{PointRef, Side, pair_name};
 use crate::app::model::focus::LineSource;
 use crate::app::model::ids::OverlayId;
@@ -272,7 +270,11 @@ impl ImagePane {
         if let Some(hover) = hover.filter(|hover| model.look.loupe && self.wants_loupe(model, *hover)) {
             self.magnify(&painter, &transform, hover.point, model);
         }
-        self.chip(ui, model);
+        if let Some(image) = &self.image {
+            let scale = Some(image.transform(rect).scale).filter(|_| !image.view.fits());
+            let chip = Chip { side, rect, size: image.shown, is_calibrated: image.lens.is_some(), scale };
+            chip.show(ui, model);
+        }
         hover
     }
 
@@ -308,48 +310,6 @@ impl ImagePane {
             }
         }
         loupe::finish(&painter, &transform);
-    }
-
-    /// Shows the name of the image in its corner, with its zoom and whether its brightness is changed.
-    fn chip(&self, ui: &Ui, model: &Model) {
-        let title = match self.side {
-            Side::Left => "Left",
-            Side::Right => "Right",
-        };
-        let mut text = String::new();
-        if let Some(picture) = model.document.pictures.as_ref().map(|p| &p[self.side.index()]) {
-            let Frame { width, height } = self.image.as_ref().map_or(picture.frame, |image| image.shown);
-            text = format!("{}  {width} × {height}", picture.name);
-            if self.image.as_ref().is_some_and(|image| image.lens.is_some()) {
-                text += "  lens calibrated";
-            }
-            if let Some(image) = self.image.as_ref().filter(|image| !image.view.fits()) {
-                let scale = image.transform(self.rect).scale;
-                let _ = write!(text, "  {:.0} %", scale * 100.0);
-            }
-            if !model.open.tones.of[self.side.index()].is_plain() {
-                text += "  brightness changed";
-            }
-        }
-        let mut job = egui::text::LayoutJob::default();
-        let font = egui::FontId::proportional(theme::CAPTION);
-        let format = |color| egui::TextFormat { font_id: font.clone(), color, ..egui::TextFormat::default() };
-        job.append(title, 0.0, format(theme::SELECTED));
-        job.append(&text, 6.0, format(egui::Color32::from_gray(190)));
-        // Copies of the view carry the word of the verdict.
-        let doubt = model.doubt().filter(|_| self.side == Side::Left);
-        if let Some((word, look)) = doubt {
-            job.append(word, 8.0, format(theme::line_color(look)));
-        }
-        job.wrap = egui::text::TextWrapping::truncate_at_width((self.rect.width() - 32.0).max(8.0));
-        let galley = ui.painter().layout_job(job);
-        let chip =
-            Rect::from_min_size(self.rect.min + egui::vec2(6.0, 6.0), galley.size() + egui::vec2(12.0, 6.0));
-        let painter = ui.painter_at(self.rect);
-        painter.rect_filled(chip, 4.0, theme::LABEL_FILL);
-        painter.galley(chip.min + egui::vec2(6.0, 3.0), galley, theme::SELECTED);
-        let response = ui.interact(chip, ui.scope_id().with("chip"), Sense::hover());
-        response.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, format!("{title} {text}")));
     }
 
     /// Handles clicks, double clicks, and the start and end of drags.
@@ -473,26 +433,4 @@ fn follow(ui: &Ui, drag: &Drag, image: &mut PaneImage, transform: &Transform, co
         }
         Dragged::View(start) => image.view.pan(transform, image.shown, start, delta),
     }
-}
-
-/// Zoom per scrolled point, as an exponent.
-const ZOOM_A_POINT: f32 = 0.005;
-
-/// Returns the centre and the factor of a requested zoom.
-pub fn zoom_asked(ui: &Ui, response: &Response) -> Option<(Pos2, f64)> {
-    let at = response.hover_pos()?;
-    let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
-    let factor = (scroll * ZOOM_A_POINT).exp() * pinch;
-    ((factor - 1.0).abs() > 1e-6).then_some((at, f64::from(factor)))
-}
-
-/// Splits an area for two pictures, side by side or stacked.
-pub fn halves(rect: Rect, stacked: bool) -> [Rect; 2] {
-    let half = BETWEEN / 2.0;
-    if stacked {
-        let (upper, lower) = rect.split_top_bottom_at_fraction(0.5);
-        return [upper.with_max_y(upper.max.y - half), lower.with_min_y(lower.min.y + half)];
-    }
-    let (left, right) = rect.split_left_right_at_fraction(0.5);
-    [left.with_max_x(left.max.x - half), right.with_min_x(right.min.x + half)]
 }

@@ -1,5 +1,6 @@
 //! The images and their overlays.
 
+mod chip;
 mod film;
 mod image_pane;
 mod loupe;
@@ -8,6 +9,7 @@ pub mod scene;
 mod texture;
 mod transform;
 
-pub use image_pane::{ImagePane, PanePlace, halves, zoom_asked};
+pub use chip::label;
+pub use image_pane::{ImagePane, PanePlace};
 pub use texture::PictureTexture;
-pub use transform::Transform;
+pub use transform::{Transform, halves, zoom_asked};

@@ -5,6 +5,7 @@ use egui::{
 };
 use nalgebra::{Vector2, Vector3};
 
+use super::chip::label;
 use super::{ImagePane, zoom_asked};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
@@ -18,6 +19,8 @@ use crate::camera::PointCloud;
 const REACH: f32 = 9.0;
 /// Side of a point as far away as the middle of the view, screen points.
 const POINT: f32 = 3.6;
+/// Difference of the intensities of a point and of the ground below which the point has an edge.
+const LEAST_CONTRAST: f32 = 0.25;
 /// Length of the axes in the corner, screen points.
 const AXIS: f64 = 26.0;
 /// Share of the area that a small picture may take, and the space around it in screen points.
@@ -58,7 +61,8 @@ pub fn show(ui: &mut Ui, panes: &mut [ImagePane; 2], model: &Model, commands: &m
     } else if response.double_clicked() {
         commands.push(Command::LookAtScene(None));
     }
-    let drawing = Drawing { painter: ui.painter_at(rect), rect, orbit, text: ui.visuals().text_color() };
+    let (text, ground) = (ui.visuals().text_color(), theme::palette(ui.visuals()).canvas);
+    let drawing = Drawing { painter: ui.painter_at(rect), rect, orbit, text, ground };
     drawing.points(scene);
     drawing.cameras(scene);
     drawing.axes();
@@ -78,15 +82,8 @@ fn small_pictures(drawing: &Drawing, panes: &mut [ImagePane; 2], model: &Model, 
     for side in [Side::Right, Side::Left] {
         let area = Rect::from_min_max(corner - size, corner);
         let taken = panes[side.index()].draw_small(&drawing.painter, area, side.point(&pair));
-        drawing.label(taken.min + vec2(4.0, 4.0), Align2::LEFT_TOP, title(side), theme::SELECTED);
+        label(&drawing.painter, taken.min, Align2::LEFT_TOP, side.title(), theme::SELECTED);
         corner.x = taken.min.x - MARGIN;
-    }
-}
-
-fn title(side: Side) -> &'static str {
-    match side {
-        Side::Left => "Left",
-        Side::Right => "Right",
     }
 }
 
@@ -95,8 +92,9 @@ struct Drawing {
     painter: Painter,
     rect: Rect,
     orbit: Orbit,
-    /// Colour of lines and texts.
+    /// Colours of lines and texts, and of the ground.
     text: Color32,
+    ground: Color32,
 }
 
 impl Drawing {
@@ -121,12 +119,18 @@ impl Drawing {
             .filter(|(_, at, _)| visible.contains(*at))
             .collect();
         seen.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut mesh = Mesh::default();
+        let ground = self.ground.intensity();
+        let (mut edges, mut mesh) = (Mesh::default(), Mesh::default());
         for (depth, at, [red, green, blue]) in seen {
             let side = (POINT / depth).clamp(2.0, 8.0);
             let square = |side: f32| Rect::from_center_size(at, vec2(side, side));
-            mesh.add_colored_rect(square(side), Color32::from_rgb(red, green, blue));
+            let color = Color32::from_rgb(red, green, blue);
+            mesh.add_colored_rect(square(side), color);
+            if (color.intensity() - ground).abs() < LEAST_CONTRAST {
+                edges.add_colored_rect(square(side + 1.4), self.text.gamma_multiply(0.3));
+            }
         }
+        self.painter.add(edges);
         self.painter.add(mesh);
     }
 
@@ -138,15 +142,16 @@ impl Drawing {
                 self.painter.line_segment([from, to], stroke);
             }
         };
-        let [left, right] = &scene.cloud.cameras;
+        let cameras = self.orbit.cameras(&scene.cloud);
+        let [left, right] = &cameras;
         line(&left[0], &right[0], Stroke::new(1.0, self.text.gamma_multiply(0.6)));
-        for (side, corners) in Side::BOTH.into_iter().zip(&scene.cloud.cameras) {
+        for (side, corners) in Side::BOTH.into_iter().zip(&cameras) {
             let color = theme::CAMERAS[side.index()];
             for [from, to] in PointCloud::EDGES {
                 line(&corners[from], &corners[to], Stroke::new(1.6, color));
             }
             if let Some((at, _)) = project(&corners[0]) {
-                self.label(at + vec2(0.0, 8.0), Align2::CENTER_TOP, title(side), color);
+                label(&self.painter, at + vec2(0.0, 6.0), Align2::CENTER_TOP, side.title(), color);
             }
         }
     }
@@ -187,15 +192,6 @@ impl Drawing {
         if let Some((word, _)) = model.doubt() {
             text = format!("{text}  {word}");
         }
-        self.label(self.rect.min + vec2(12.0, 9.0), Align2::LEFT_TOP, &text, theme::SELECTED);
-    }
-
-    /// Writes a text on a dark ground.
-    fn label(&self, at: Pos2, align: Align2, text: &str, color: Color32) {
-        let galley =
-            self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(theme::CAPTION), color);
-        let area = align.anchor_size(at, galley.size());
-        self.painter.rect_filled(area.expand2(vec2(6.0, 3.0)), 4.0, theme::LABEL_FILL);
-        self.painter.galley(area.min, galley, color);
+        label(&self.painter, self.rect.min + vec2(6.0, 6.0), Align2::LEFT_TOP, &text, theme::SELECTED);
     }
 }

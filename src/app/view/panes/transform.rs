@@ -3,11 +3,12 @@
 //! Image coordinates are those of [`crate::geometry`]: the centre of the top-left pixel is `(0,
 //! 0)`, so the edge of the picture lies half a pixel outside.
 
+use crate::app::model::dock::BETWEEN;
 use crate::app::model::pane_view::{LARGEST_SCALE, PaneView, QuarterTurns};
 use crate::app::model::rectified::{RectifiedView, Viewing};
 use crate::camera::UndistortedView;
 use crate::geometry::{Frame, Point, Vector};
-use egui::{Pos2, Rect, Vec2, vec2};
+use egui::{Pos2, Rect, Response, Ui, Vec2, vec2};
 
 impl PaneView {
     /// Returns the transform for a pane at `rect`.
@@ -175,6 +176,28 @@ impl Transform {
         let (a, b) = (self.pixel_from_screen(area.min), self.pixel_from_screen(area.max));
         [Point::new(a.x.min(b.x), a.y.min(b.y)), Point::new(a.x.max(b.x), a.y.max(b.y))]
     }
+}
+
+/// Zoom per scrolled point, as an exponent.
+const ZOOM_A_POINT: f32 = 0.005;
+
+/// Returns the centre and the factor of a requested zoom.
+pub fn zoom_asked(ui: &Ui, response: &Response) -> Option<(Pos2, f64)> {
+    let at = response.hover_pos()?;
+    let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+    let factor = (scroll * ZOOM_A_POINT).exp() * pinch;
+    ((factor - 1.0).abs() > 1e-6).then_some((at, f64::from(factor)))
+}
+
+/// Splits an area for two pictures, side by side or stacked.
+pub fn halves(rect: Rect, stacked: bool) -> [Rect; 2] {
+    let half = BETWEEN / 2.0;
+    if stacked {
+        let (upper, lower) = rect.split_top_bottom_at_fraction(0.5);
+        return [upper.with_max_y(upper.max.y - half), lower.with_min_y(lower.min.y + half)];
+    }
+    let (left, right) = rect.split_left_right_at_fraction(0.5);
+    [left.with_max_x(left.max.x - half), right.with_min_x(right.min.x + half)]
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use egui::{Align, Button, ComboBox, Label, Layout, RichText, Role, ScrollArea, Ui, WidgetInfo, vec2};
 
 use super::super::dialog::{PathField, dialog, ending, path_of, row_label};
-use super::super::{copy_fundamental_menu, finish_button};
+use super::super::{command_button, copy_fundamental_menu};
 use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::exchange::{
@@ -330,8 +330,8 @@ impl FileExport {
             copy_fundamental_menu(ui, model, commands);
             let right = egui::Layout::right_to_left(egui::Align::Center);
             ui.with_layout(right, |ui| {
-                let rectified = ui.add_enabled(model.shown().is_some(), Button::new("Rectified pair…"));
-                if finish_button(ui, rectified, RectifiedCommand::ShowExport.into(), commands).clicked() {
+                let rectified = RectifiedCommand::ShowExport.into();
+                if command_button(ui, rectified, model.shown().is_some(), commands).clicked() {
                     self.open = false;
                 }
             });

@@ -4,11 +4,12 @@ use egui::{Label, RichText, ScrollArea, Ui};
 
 use super::super::table::{Column, RowLook, Table};
 use super::Tab;
-use super::residuals::{MATCHES, choice, contestants, measured, missing, px, tools};
+use super::residuals::{choice, contestants, measured, missing, px, tools};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::comparison::{Comparison, Contestant, PointSet, Subject};
 use crate::app::model::ids::TabId;
+use crate::app::model::truth::NO_TRUTH;
 use crate::app::view::theme;
 use crate::comparison::Spread;
 use crate::io::TruthOrigin;
@@ -51,6 +52,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 /// Shows the choice of the pairs given to the other methods.
 fn inputs(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Vec<Command>) {
     let now = model.look.compared;
+    let room = ui.available_width();
     ui.weak("Fitted to")
         .on_hover_text("Pairs given to the 7-point and 8-point algorithms, RANSAC and LMedS.");
     for (set, name, tooltip) in [
@@ -59,7 +61,12 @@ fn inputs(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
             "Point pairs",
             "All pairs that are not left out. The 7-point algorithm takes the first seven.",
         ),
-        (PointSet::Matches, "Matches", MATCHES),
+        (
+            PointSet::Matches,
+            "Matches",
+            "The matches that the program found along the epipolar lines of the result, which favours the result. \
+             The 7-point algorithm takes seven at even steps of the list.",
+        ),
         (
             PointSet::TrueMatches,
             "My pairs + true matches",
@@ -69,6 +76,18 @@ fn inputs(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
     ] {
         let then = Subject { fitted: set, ..now };
         choice(ui, (name, tooltip), comparison.fitted == set, missing(model, set), then, commands);
+    }
+    if comparison.fitted == PointSet::Matches {
+        let text = "partly circular: these are the result's own matches";
+        ui.label(
+            RichText::new(if room < ROOM_FOR_ALL { "partly circular" } else { text })
+                .size(theme::CAPTION)
+                .weak(),
+        )
+        .on_hover_text(
+            "The other methods get the matches of the result. So they agree with it more than methods with \
+                 matches of their own would.",
+        );
     }
 }
 
@@ -172,11 +191,22 @@ fn summary(
         gauge: &|_, _| None,
         about: &|row| {
             let contestant = contestants[row];
-            let is_cut = is_narrow && comparison.of(contestant).fit.is_ok();
-            is_cut.then(|| format!("{}: {}.", contestant.name(), from(model, comparison, contestant)))
+            let is_fitted = comparison.of(contestant).fit.is_ok();
+            let note = match contestant {
+                Contestant::SevenPoint if is_fitted => {
+                    "Of several solutions, the nearest to the measured points counts."
+                }
+                Contestant::Truth if model.open.known.is_none() => return Some(NO_TRUTH.to_owned()),
+                Contestant::Truth if !is_fitted => {
+                    return Some("Press Ground truth (G) to use it.".to_owned());
+                }
+                _ if is_narrow && is_fitted => "",
+                _ => return None,
+            };
+            let from = from(model, comparison, contestant);
+            Some(format!("{}: {from}. {note}", contestant.name()).trim_end().to_owned())
         },
         look: &|row| RowLook { chosen: chosen == Some(contestants[row]), lit: false },
-        toggle: &|_| None,
     }
     .show(ui);
     if let Some(row) = touched.clicked {
@@ -194,14 +224,19 @@ fn from(model: &Model, comparison: &Comparison, contestant: Contestant) -> Strin
         Ok(fit) => fit,
         Err(why) => return why.clone(),
     };
+    let set = if comparison.fitted == PointSet::Matches { "matches" } else { "pairs" };
     match contestant {
         Contestant::Result if fit.pairs == 0 => "the images alone".to_owned(),
         Contestant::Result => format!("{} pairs and the images", fit.pairs),
-        Contestant::SevenPoint if fit.solutions > 1 => {
-            format!("7 pairs, nearest of {} solutions", fit.solutions)
+        Contestant::SevenPoint => {
+            let which = match comparison.fitted {
+                PointSet::Pairs => "first 7 pairs",
+                PointSet::Matches => "7 spread matches",
+                PointSet::TrueMatches => "7 pairs",
+            };
+            format!("{which}, {} solution{}", fit.solutions, if fit.solutions == 1 { "" } else { "s" })
         }
-        Contestant::SevenPoint => "7 pairs, the only solution".to_owned(),
-        Contestant::EightPoint => format!("{} pairs", fit.pairs),
+        Contestant::EightPoint => format!("{} {set}", fit.pairs),
         Contestant::Ransac | Contestant::LeastMedian => format!("{} inliers", fit.pairs),
         Contestant::Imported => {
             model.document.imported.as_ref().map_or(String::new(), |imported| imported.file.clone())

@@ -10,7 +10,7 @@ mod residuals;
 
 use egui::{Align, Button, Label, Layout, RichText, Ui};
 
-use super::{busy, command_button, finish_button};
+use super::{busy, finish_button, main_button};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::ids::TabId;
@@ -31,9 +31,13 @@ pub struct Tab {
 /// The tabs from left to right.
 static TABS: [Tab; TabId::ALL.len()] = [profiles::TAB, method::TAB, residuals::TAB, compare::TAB];
 
+/// Room beside the headings from which the tools are in the same line, screen points.
+const ROOM_FOR_TOOLS: f32 = 110.0;
+
 /// Shows the headings and the chosen tab.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    ui.horizontal(|ui| {
+    let tab = chosen(model);
+    let has_room = ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
         ui.spacing_mut().button_padding.x = 7.0;
         for tab in &TABS {
@@ -41,16 +45,30 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             let response = ui.add(title);
             finish_button(ui, response, Command::ShowTab(tab.id), commands);
         }
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            ui.spacing_mut().item_spacing.x = theme::GAP / 2.0;
-            if let Some(tab) = chosen(model) {
-                (tab.tools)(ui, model, commands);
-            }
-        });
+        let has_room = ui.available_width() >= ROOM_FOR_TOOLS;
+        if let Some(tab) = tab.filter(|_| has_room) {
+            tools(ui, tab, model, commands);
+        }
+        has_room
     });
-    if let Some(tab) = chosen(model) {
-        ui.push_id(tab.id.title(), |ui| (tab.show)(ui, model, commands));
+    let Some(tab) = tab else { return };
+    let has_tools = match tab.id {
+        TabId::Profiles => !model.open.focus.pins().is_empty(),
+        TabId::Method => model.open.computation.is_behind(),
+        TabId::Residuals | TabId::Compare => true,
+    };
+    if has_tools && !has_room.inner {
+        ui.horizontal(|ui| tools(ui, tab, model, commands));
     }
+    ui.push_id(tab.id.title(), |ui| (tab.show)(ui, model, commands));
+}
+
+/// Shows the tools of a tab from right to left.
+fn tools(ui: &mut Ui, tab: &Tab, model: &Model, commands: &mut Vec<Command>) {
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        ui.spacing_mut().item_spacing.x = theme::GAP / 2.0;
+        (tab.tools)(ui, model, commands);
+    });
 }
 
 fn chosen(model: &Model) -> Option<&'static Tab> {

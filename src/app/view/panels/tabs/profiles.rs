@@ -41,9 +41,12 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             "This line does not cross the left image. Pin another pair to compare its intensities."
         } else if model.inspected().is_some() {
             "The two lines are being compared."
+        } else if model.open.computation.is_running() {
+            "Intensities along the epipolar lines of p appear here with the first result."
+        } else if model.recordings().is_some() {
+            "The motion along the epipolar lines of p appears here once there are enough point pairs."
         } else {
-            "Intensities along the epipolar lines of p (for sequences, their motion barcodes) appear here \
-             once there are enough point pairs."
+            "Intensities along the epipolar lines of p appear here once there are enough point pairs."
         };
         empty(ui, text);
         return;
@@ -127,6 +130,9 @@ const ROOM_FOR_WORDS: f32 = 170.0;
 /// Width below which the plots are one below the other, screen points.
 const LEAST_WIDTH: f32 = 420.0;
 
+/// Half of the width of the longest label of an axis, screen points.
+const HALF_LABEL: f32 = 24.0;
+
 /// Shows the four plots. Returns the sample under the cursor.
 fn all_plots(ui: &mut Ui, model: &Model, inspection: &Inspection, area: Rect, grid: PlotGrid) -> Option<i32> {
     let marked = marked(model);
@@ -148,7 +154,7 @@ fn all_plots(ui: &mut Ui, model: &Model, inspection: &Inspection, area: Rect, gr
             }
             if number == 3 {
                 let (bar, _) = ui.allocate_exact_size(vec2(56.0, 9.0), Sense::hover());
-                heat::bar(ui, bar);
+                heat::bar(ui.painter(), bar);
                 ui.label(small("unlike to alike"))
                     .on_hover_text("Cost of matching two samples, high to low.");
             }
@@ -209,6 +215,8 @@ impl Titled<'_> {
         let step = inspection.step;
         let samples = inspection.samples();
         let texture = band_texture(ui, inspection);
+        // A label so near the right edge would be cut.
+        let half_label = f64::from(HALF_LABEL / ui.available_width().max(HALF_LABEL));
         let response = Plot::new(("profile", self.title))
             .link_axis(Id::unique("profile plots"), [true, false])
             .show_axes([self.has_scale, true])
@@ -226,7 +234,10 @@ impl Titled<'_> {
             .allow_boxed_zoom(false)
             .custom_x_axes(vec![
                 AxisHints::new_x()
-                    .formatter(|mark, _| format!("{:.0} px", mark.value))
+                    .formatter(move |mark, seen| {
+                        let is_cut = seen.end() - mark.value < half_label * (seen.end() - seen.start());
+                        if is_cut { String::new() } else { format!("{:.0} px", mark.value) }
+                    })
                     // Labels nearer to each other than this fade away.
                     .label_spacing(Rangef::new(20.0, 36.0)),
             ])

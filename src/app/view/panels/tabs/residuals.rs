@@ -12,7 +12,7 @@ use crate::app::model::document::{PointRef, Role, Side, pair_name};
 use crate::app::model::focus::{LineSource, Target};
 use crate::app::model::ids::{OverlayId, TabId};
 use crate::app::model::verdict::Gauge;
-use crate::app::view::panels::{command_button, truth_button};
+use crate::app::view::panels::truth_button;
 use crate::app::view::theme;
 
 /// Registered in [`super::TABS`].
@@ -36,10 +36,6 @@ pub fn measured<'a>(ui: &mut Ui, model: &'a Model, commands: &mut Vec<Command>) 
             "Distances from the epipolar lines appear here. Click point pairs, or find F without clicks."
         };
         empty(ui, text);
-        if model.can_find_without_clicks() {
-            ui.add_space(4.0);
-            command_button(ui, Command::FindWithoutClicks, true, commands);
-        }
         return None;
     }
     ui.horizontal_wrapped(|ui| {
@@ -98,7 +94,7 @@ pub fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 }
 
 /// Tooltip of the matches of the result.
-pub const MATCHES: &str = "The matches that the program found in the images. It looked for them along the epipolar \
+const MATCHES: &str = "The matches that the program found in the images. It looked for them along the epipolar \
                            lines of the result, which favours the result.";
 
 fn has_matches(model: &Model) -> bool {
@@ -179,7 +175,8 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
     };
     let name = |row: usize| if are_pairs { pair_name(row) } else { (row + 1).to_string() };
     let document = &model.document;
-    let contestants = contestants(model);
+    let mut contestants = contestants(model);
+    contestants.retain(|c| *c != Contestant::Truth || model.truth().is_some());
     let columns = point_columns(&contestants);
     let distances = |column: usize| &comparison.of(contestants[column - 1]).distances;
     let touched = Table {
@@ -216,17 +213,12 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
             chosen: are_pairs && document.selection.is_some_and(|at| at.pair == row),
             lit: model.open.focus.hovered().is_some_and(|hovered| target(row) == Some(hovered)),
         },
-        toggle: &|row| {
-            are_pairs.then(|| (document.role(row) != Role::Excluded, format!("Count pair {}", name(row))))
-        },
     }
     .show(ui);
     if let Some(target) = touched.hovered.and_then(target) {
         commands.push(Command::PointAt(target));
     }
-    if let Some((row, included)) = touched.toggled {
-        commands.push(Command::IncludePair(row, included));
-    } else if let Some(row) = touched.clicked {
+    if let Some(row) = touched.clicked {
         if are_pairs {
             commands.push(Command::Select(Some(PointRef { pair: row, side: Side::Left })));
         } else if let Some(pair) = comparison.points.get(row) {

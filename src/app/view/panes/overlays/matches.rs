@@ -8,6 +8,8 @@ use crate::app::view::theme;
 
 pub fn draw(canvas: &Canvas) {
     let Some((shown, opacity)) = canvas.shown() else { return };
+    // The matches belong to the result, also while the lines are those of another geometry.
+    let opacity = if shown.is_result() { opacity } else { opacity.min(theme::STALE_OPACITY) };
     let visible = canvas.painter.clip_rect();
     for (number, matched) in shown.estimate.matches().iter().enumerate() {
         let at = canvas.place(&matched.pair);

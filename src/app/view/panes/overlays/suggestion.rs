@@ -1,9 +1,10 @@
-//! Overlay of suggested matches of a first click.
+//! Overlay of suggested matches of a first click: a clear one, or several places that look alike.
 
 use egui::Stroke;
 
 use super::Canvas;
 use crate::app::view::theme;
+use crate::suggest::Clarity;
 
 /// Number of rivals drawn beside the best match.
 const RIVALS: usize = 4;
@@ -16,8 +17,13 @@ pub fn draw(canvas: &Canvas) {
         return;
     }
     let Some(Ok(found)) = model.open.suggestion.as_ref() else { return };
+    // Places that hardly look like the click would only mislead.
+    let offer = match found.verdict {
+        Clarity::Clear => "Enter to accept",
+        Clarity::Ambiguous => "one of several alike",
+        Clarity::Weak | Clarity::NoReturn => return,
+    };
     let color = theme::pair_color(model.document.pairs.len());
-    let clear = found.clear().is_some();
     let places = found
         .candidates
         .iter()
@@ -31,8 +37,7 @@ pub fn draw(canvas: &Canvas) {
         }
         if rank == 0 {
             canvas.painter.circle_filled(*at, 2.0, color);
-            let text = if clear { "Enter to accept" } else { "unclear" };
-            canvas.label(*at, &format!("{text} ({correlation:.2})"), color);
+            canvas.label(*at, &format!("{offer}, similarity {correlation:.2} of 1"), color);
         } else if places[..rank].iter().all(|(_, better)| better.distance(*at) > LABEL_ROOM) {
             canvas.label(*at, &format!("{correlation:.2}"), theme::SUGGESTED.gamma_multiply(0.8));
         }

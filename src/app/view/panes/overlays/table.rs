@@ -149,8 +149,9 @@ pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
     },
     Overlay {
         id: OverlayId::Suggestion,
-        tooltip: "After the first click of a pair: the most similar places in the other image, with their patch \
-                  correlations. Enter accepts a clear match.",
+        tooltip: "After the first click of a pair: the most similar places in the other image. The number is the \
+                  correlation of their surroundings with those of the click, 1 for equal ones. Enter accepts a \
+                  clear match.",
         color: theme::SUGGESTED,
         magnified: true,
         draw: suggestion::draw,

@@ -67,7 +67,6 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             chosen: false,
             lit: target(row).is_some() && target(row) == model.open.focus.hovered(),
         },
-        toggle: &|_| None,
     }
     .show(ui);
     if let Some(target) = touched.hovered.and_then(target) {

@@ -19,22 +19,20 @@ const COLUMNS: [Column; 7] = [
     Column::figures(
         "Rank",
         74.0,
-        "Rank before refinement, best first. The result is the refined best hypothesis. The rival is the \
-         best clearly different geometry; the margin of the result is the lead of hypothesis 1 over the \
-         rival. Hypotheses marked ≈ agree with the result: at least half of the matches before \
-         refinement lie within 0.5 % of the image size of their lines. Point at a row for details.",
+        "Rank before refinement, best first. The rival is the best clearly different geometry. Hypotheses \
+         marked ≈ agree with the result. Point at a row for details.",
     ),
     Column::figures(
         "Support",
         74.0,
-        "Support by matching image corners; higher is better. Only differences between rows matter. Empty \
-         where patches were not compared.",
+        "Image corners that find a match along their epipolar line, weighted by similarity. Higher is better; \
+         compare rows.",
     ),
     Column::figures(
-        "Line score",
+        "Line cost",
         84.0,
-        "Cost of matching corresponding lines over both images; lower is better. The preset Robust gives \
-         the cost relative to mismatched lines, As published in squared grey levels per sample.",
+        "How unlike corresponding lines are, over both images. Lower is better. The preset Robust gives the \
+         cost relative to mismatched lines, As published in grey² per sample.",
     ),
     Column::figures(
         "Round trip",
@@ -113,12 +111,11 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
             let (scales, value) = (scales.as_ref()?, figure.of(listed.hypothesis(row)));
             if number(row).is_some() { scales.gauge(figure, value) } else { scales.of_result(figure, value) }
         },
-        about: &|row| Some(standing(row)?.in_words(listed.result?, number(row)?, line_score)),
+        about: &|row| Some(standing(row)?.in_words(listed.result?, number(row)?)),
         look: &|row| RowLook {
             chosen: chosen == number(row),
             lit: number(row).is_some() && lit == number(row),
         },
-        toggle: &|_| None,
     }
     .show(ui);
     if let Some(number) = touched.hovered.and_then(number) {

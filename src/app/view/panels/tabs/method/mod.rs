@@ -14,7 +14,7 @@ use egui::{
     WidgetInfo, pos2, vec2,
 };
 
-use super::{Tab, busy, command_button, finish_button, pale_earlier, say_earlier};
+use super::{Tab, busy, finish_button, pale_earlier, say_earlier};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::document::Side;
@@ -77,10 +77,7 @@ impl MethodStep {
     }
 }
 
-fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    if model.shows_another() {
-        command_button(ui, Command::ChooseHypothesis(None), true, commands);
-    }
+fn tools(ui: &mut Ui, model: &Model, _: &mut Vec<Command>) {
     say_earlier(ui, model.open.computation.is_behind());
 }
 
@@ -126,6 +123,7 @@ fn epipoles(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 fn explained(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Command>) {
     ScrollArea::vertical().id_salt("words").auto_shrink([false, false]).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 4.0;
+        ui.set_max_width(ui.available_width() - theme::SCROLL_BAR);
         ui.horizontal(|ui| {
             for (forward, sign) in [(false, "◀"), (true, "▶")] {
                 if let Some(other) = step.neighbour(forward) {
@@ -136,7 +134,16 @@ fn explained(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Co
                 }
             }
         });
-        ui.add(Label::new(step.explanation()).wrap());
+        let mut text = step.explanation().to_owned();
+        if model.document.is_unclicked() {
+            // Two matches stand in for the clicks.
+            for (click, found) in [("p", "match 1"), ("q", "match 2")] {
+                for end in [" ", "."] {
+                    text = text.replace(&format!(" {click}{end}"), &format!(" {found}{end}"));
+                }
+            }
+        }
+        ui.add(Label::new(text).wrap());
         for stage in step.stages() {
             if let Some(text) = result_text(*stage, &model.document, &model.open.computation) {
                 ui.add(Label::new(RichText::new(text).weak()).wrap());

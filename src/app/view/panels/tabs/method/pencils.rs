@@ -26,7 +26,7 @@ fn legend(ui: &mut Ui) {
     };
     ui.label(caption("unlike"));
     let (bar, _) = ui.allocate_exact_size(vec2(56.0, 9.0), egui::Sense::hover());
-    heat::bar(ui, bar);
+    heat::bar(ui.painter(), bar);
     ui.label(caption("alike")).on_hover_text("Matching cost of the two lines, from high to low.");
     mark(ui, egui::Color32::WHITE);
     ui.label(caption("mutual best"))

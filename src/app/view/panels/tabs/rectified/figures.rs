@@ -9,7 +9,7 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::rectified::{Blink, DrawnPair, Guides, Rectified, RectifiedCommand, RectifiedLayout};
 use crate::app::view::theme;
-use crate::rectify::{Distortion, Measures, RectifyMethod, RectifyWarning};
+use crate::rectify::{Distortion, Measures, Rectification, RectifyMethod, RectifyWarning};
 
 /// Step of disparity ranges, px, as block matchers require.
 const RANGE_STEP: f64 = 16.0;
@@ -64,7 +64,7 @@ fn warnings(ui: &mut Ui, model: &Model, rectified: &Rectified, drawn: &DrawnPair
             RectifyWarning::Misfit { rows } if is_of_shown => model.misfit_in_words(*rows),
             _ => None,
         };
-        let text = of_shown.unwrap_or_else(|| warning.to_string());
+        let text = of_shown.unwrap_or_else(|| sentence(&warning.to_string()));
         ui.label(RichText::new(text).color(theme::palette(ui.visuals()).caution));
     }
 }
@@ -72,23 +72,21 @@ fn warnings(ui: &mut Ui, model: &Model, rectified: &Rectified, drawn: &DrawnPair
 /// Shows the method and the reason for it.
 fn method(ui: &mut Ui, drawn: &DrawnPair) {
     let full = &drawn.full;
-    ui.weak(format!("{}, because {}.", sentence(full.method.name()), full.reason));
+    ui.weak(sentence(&format!("{}, because {}.", full.method.name(), full.reason)));
 }
 
 fn measures(ui: &mut Ui, rectified: &Rectified, drawn: &DrawnPair) {
     let full = &drawn.full;
-    let fits = !full.warnings.iter().any(|warning| matches!(warning, RectifyWarning::Misfit { .. }));
-    rows(ui, &full.measures, rectified.measured, fits);
+    rows(ui, &full.measures, rectified.measured, fits(full));
     shapes(ui, &full.measures.distortion);
     if let Some((map, _)) = &drawn.disparity {
-        let [least, most] = map.range;
-        let [least, most] = [least, most].map(|v| format!("{v:.0}").replace('-', "−"));
-        ui.label(format!("Disparity preview: {least} to {most} px, {:.0} % matched", map.matched() * 100.0))
-            .on_hover_text(
-                "Result of a coarse matching of the rows: the range of nearly all disparities, and the \
-                 share of the left picture that has a match. Above 70 % is good. Below 40 %, the rows \
-                 hardly correspond, or the pictures overlap little.",
-            );
+        let [low, high] = map.range.map(pixels);
+        let matched = map.matched() * 100.0;
+        ui.label(format!("Disparity preview: {low} to {high} px, {matched:.0} % matched")).on_hover_text(
+            "Result of a coarse matching of the rows: the range of nearly all disparities, and the share of the \
+             left picture that has a match. Surfaces without texture have none. Below 40 %, the rows hardly \
+             correspond, or the pictures overlap little.",
+        );
     }
     let size = full.size;
     ui.weak(format!("{} × {} px", size.width, size.height))
@@ -190,10 +188,25 @@ fn rows(ui: &mut Ui, measures: &Measures, measured: &str, fits: bool) {
     ui.label(text).on_hover_text(tooltip);
 }
 
+/// Returns whether the geometry fits the matches, so that their disparities mean something.
+pub fn fits(full: &Rectification) -> bool {
+    !full.warnings.iter().any(|warning| matches!(warning, RectifyWarning::Misfit { .. }))
+}
+
+/// Returns the suggested search range around the disparities of matches.
+pub fn search_range([low, high]: [f64; 2]) -> [f64; 2] {
+    let steps = [((low - RANGE_MARGIN) / RANGE_STEP).floor(), ((high + RANGE_MARGIN) / RANGE_STEP).ceil()];
+    steps.map(|step| step * RANGE_STEP)
+}
+
+/// Formats whole pixels.
+pub fn pixels(value: f64) -> String {
+    // A minus sign as wide as the plus sign, and no negative zero.
+    format!("{:.0}", value.round() + 0.0).replace('-', "−")
+}
+
 /// Describes the range of disparities and the range to search.
 fn disparity_hint([low, high]: [f64; 2]) -> (String, &'static str) {
-    let from = ((low - RANGE_MARGIN) / RANGE_STEP).floor() * RANGE_STEP;
-    let to = ((high + RANGE_MARGIN) / RANGE_STEP).ceil() * RANGE_STEP;
     let sign = if high <= 0.0 {
         "Swap the pictures for programs that expect positive disparities. "
     } else if low + high >= 0.0 {
@@ -201,15 +214,10 @@ fn disparity_hint([low, high]: [f64; 2]) -> (String, &'static str) {
     } else {
         "Most are negative: swap the pictures for programs that expect positive disparities. "
     };
-    // A minus sign as wide as the plus sign, and no negative zero.
-    let number = |v: f64| format!("{:.0}", v.round() + 0.0).replace('-', "−");
-    let text = format!(
-        "Disparities {} to {} px. {sign}Suggested search range: {} to {}.",
-        number(low),
-        number(high),
-        number(from),
-        number(to)
-    );
+    let [from, to] = search_range([low, high]).map(pixels);
+    let [low, high] = [low, high].map(pixels);
+    let text =
+        format!("Disparities of matches {low} to {high} px. {sign}Suggested search range: {from} to {to}.");
     (
         text,
         "Smallest and largest disparity (left x − right x) of these matches. Other points may lie beyond, \
@@ -271,7 +279,7 @@ mod tests {
     #[test]
     fn the_hint_gives_a_search_range_and_asks_for_a_swap_if_negative() {
         let (text, _) = disparity_hint([-12.0, 87.0]);
-        assert_eq!(text, "Disparities −12 to 87 px. Suggested search range: −16 to 96.");
+        assert_eq!(text, "Disparities of matches −12 to 87 px. Suggested search range: −16 to 96.");
         let (text, _) = disparity_hint([-90.4, -14.2]);
         assert!(text.contains("Swap the pictures") && text.ends_with("range: −96 to 0."), "{text}");
     }

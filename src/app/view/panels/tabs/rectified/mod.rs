@@ -7,8 +7,7 @@ mod sheet;
 
 use egui::{Align, Label, Layout, RichText, ScrollArea, Ui};
 
-use super::super::card::main_button;
-use super::{busy, empty, finish_button};
+use super::{busy, empty, finish_button, main_button};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::rectified::RectifiedCommand;
@@ -41,8 +40,9 @@ const ROOM_FOR_ONE_ROW: f32 = 480.0;
 fn saving(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let can_export = model.shown().is_some() && model.activity.writing.is_none();
     ui.add_enabled_ui(can_export, |ui| {
-        let save = main_button(ui, "Export rectified pair…");
-        finish_button(ui, save, RectifiedCommand::ShowExport.into(), commands);
+        let export = Command::from(RectifiedCommand::ShowExport);
+        let button = main_button(ui, export.name());
+        finish_button(ui, button, export, commands);
     });
     if model.activity.rectifying {
         busy::show(ui);
@@ -88,8 +88,9 @@ fn failure(ui: &mut Ui, model: &Model, error: &RectifyError, commands: &mut Vec<
     ui.horizontal(|ui| figures::method_chooser(ui, model, commands));
 }
 
-/// Capitalises the first letter.
+/// Capitalises the first letter, and names the images as the window does.
 fn sentence(text: &str) -> String {
+    let text = text.replace("image 1", "the left image").replace("image 2", "the right image");
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }

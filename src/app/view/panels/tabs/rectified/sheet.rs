@@ -2,19 +2,22 @@
 
 use std::fmt::Write;
 
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, vec2};
+use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, vec2};
 
+use super::figures::{fits, pixels, search_range};
 use crate::app::model::Model;
 use crate::app::model::document::{Role, Side};
 use crate::app::model::focus::Target;
 use crate::app::model::rectified::{DrawnPair, RectifiedLayout, RectifiedSheet};
-use crate::app::view::panes::Transform;
 use crate::app::view::panes::overlays::{cross, true_matches_shown};
-use crate::app::view::theme;
+use crate::app::view::panes::{Transform, label};
+use crate::app::view::{heat, theme};
 use crate::geometry::{Point, PointPair};
 
 /// Half-width of the mark of a point pair, screen points.
 const MARK: f32 = 4.0;
+/// Size of the colour scale, screen points.
+const SCALE: egui::Vec2 = vec2(180.0, 10.0);
 
 /// Row of the cursor, in whatever part of the window it is.
 pub struct SheetRow {
@@ -81,10 +84,14 @@ impl SheetCanvas<'_> {
             self.row(row);
         }
         self.title();
+        self.scale();
     }
 
     /// Draws horizontal lines at the same rows in both pictures.
     fn guides(&self) {
+        if self.sheet == RectifiedSheet::Disparity {
+            return;
+        }
         let reduction = self.drawn.reduction();
         let Some(spacing) = self.model.look.rectified.guides.spacing(self.transform().scale * reduction)
         else {
@@ -121,7 +128,7 @@ impl SheetCanvas<'_> {
             } else {
                 (visible.left_bottom() + vec2(6.0, -6.0), Align2::LEFT_BOTTOM)
             };
-            self.label(corner, align, &row.text, theme::HOVER);
+            label(self.painter, corner, align, &row.text, theme::HOVER);
         } else {
             // Marks the same column, for reading the disparity.
             for (width, color) in [(3.4, theme::HALO), (1.4, theme::HOVER)] {
@@ -185,13 +192,37 @@ impl SheetCanvas<'_> {
             (RectifiedLayout::SideBySide, _) => "Right, rectified",
         };
         let corner = self.painter.clip_rect().left_top() + vec2(6.0, 6.0);
-        self.label(corner, Align2::LEFT_TOP, text, theme::SELECTED);
+        label(self.painter, corner, Align2::LEFT_TOP, text, theme::SELECTED);
     }
 
-    fn label(&self, corner: Pos2, align: Align2, text: &str, color: Color32) {
-        let galley = self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(13.0), color);
-        let area: Rect = align.anchor_size(corner, galley.size() + vec2(10.0, 4.0));
+    /// Draws the colour scale of the disparities at the upper right, with the suggested search range.
+    fn scale(&self) {
+        let map = self.drawn.disparity.as_ref().filter(|_| self.sheet == RectifiedSheet::Disparity);
+        let Some((map, _)) = map else { return };
+        let corner = self.painter.clip_rect().right_top() + vec2(-6.0, 6.0);
+        let area = Rect::from_min_size(corner - vec2(SCALE.x + 12.0, 0.0), SCALE + vec2(12.0, 26.0));
         self.painter.rect_filled(area, 4.0, theme::LABEL_FILL);
-        self.painter.add(Shape::galley(area.min + vec2(5.0, 2.0), galley, color));
+        let bar = Rect::from_min_size(area.min + vec2(6.0, 6.0), SCALE);
+        heat::bar(self.painter, bar);
+        let [low, high] = map.range.map(pixels);
+        for (at, align, text) in [
+            (bar.left_bottom(), Align2::LEFT_TOP, low),
+            (bar.right_bottom(), Align2::RIGHT_TOP, format!("{high} px")),
+        ] {
+            let font = FontId::proportional(theme::CAPTION);
+            self.painter.text(at + vec2(0.0, 3.0), align, text, font, theme::SELECTED);
+        }
+        let full = &self.drawn.full;
+        if let Some(rows) = full.measures.rows.filter(|_| fits(full)) {
+            let [from, to] = search_range(rows.disparity).map(pixels);
+            let text = format!("Suggested search range {from} to {to} px");
+            label(
+                self.painter,
+                area.right_bottom() + vec2(0.0, 4.0),
+                Align2::RIGHT_TOP,
+                &text,
+                theme::SELECTED,
+            );
+        }
     }
 }

@@ -1,0 +1,68 @@
+//! Texts over pictures: the name of an image in the corner of its pane, and others on the same ground.
+
+use std::fmt::Write;
+
+use egui::text::{LayoutJob, TextFormat, TextWrapping};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Ui, WidgetInfo, vec2};
+
+use crate::app::model::Model;
+use crate::app::model::document::Side;
+use crate::app::view::theme;
+use crate::geometry::Frame;
+
+/// Writes a text on a dark ground.
+pub fn label(painter: &Painter, at: Pos2, align: Align2, text: &str, color: Color32) {
+    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(theme::CAPTION), color);
+    let area = align.anchor_size(at, galley.size() + vec2(12.0, 6.0));
+    painter.rect_filled(area, 4.0, theme::LABEL_FILL);
+    painter.galley(area.min + vec2(6.0, 3.0), galley, color);
+}
+
+/// An image and its view.
+pub struct Chip {
+    pub side: Side,
+    /// Area of the pane.
+    pub rect: Rect,
+    /// Size of the picture on the screen, px.
+    pub size: Frame,
+    pub is_calibrated: bool,
+    /// Screen points per pixel; `None` if the whole image is visible.
+    pub scale: Option<f64>,
+}
+
+impl Chip {
+    /// Shows the name and the size of the image, its zoom, and whether its brightness is changed.
+    pub fn show(&self, ui: &Ui, model: &Model) {
+        let title = self.side.title();
+        let mut text = String::new();
+        if let Some(picture) = model.document.pictures.as_ref().map(|p| &p[self.side.index()]) {
+            text = format!("{}  {} × {}", picture.name, self.size.width, self.size.height);
+            if self.is_calibrated {
+                text += "  lens calibrated";
+            }
+            if let Some(scale) = self.scale {
+                let _ = write!(text, "  {:.0} %", scale * 100.0);
+            }
+            if !model.open.tones.of[self.side.index()].is_plain() {
+                text += "  brightness changed";
+            }
+        }
+        let mut job = LayoutJob::default();
+        let font = FontId::proportional(theme::CAPTION);
+        let format = |color| TextFormat { font_id: font.clone(), color, ..TextFormat::default() };
+        job.append(title, 0.0, format(theme::SELECTED));
+        job.append(&text, 6.0, format(Color32::from_gray(190)));
+        // Copies of the view carry the word of the verdict.
+        if let Some((word, look)) = model.doubt().filter(|_| self.side == Side::Left) {
+            job.append(word, 8.0, format(theme::line_color(look)));
+        }
+        job.wrap = TextWrapping::truncate_at_width((self.rect.width() - 32.0).max(8.0));
+        let galley = ui.painter().layout_job(job);
+        let chip = Rect::from_min_size(self.rect.min + vec2(6.0, 6.0), galley.size() + vec2(12.0, 6.0));
+        let painter = ui.painter_at(self.rect);
+        painter.rect_filled(chip, 4.0, theme::LABEL_FILL);
+        painter.galley(chip.min + vec2(6.0, 3.0), galley, theme::SELECTED);
+        let response = ui.interact(chip, ui.scope_id().with("chip"), Sense::hover());
+        response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{title} {text}")));
+    }
+}
