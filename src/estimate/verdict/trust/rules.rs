@@ -253,9 +253,8 @@ mod tests {
         assert_eq!(reasons(100, 400, 0, 350), []);
         assert_eq!(reasons(100, 400, 0, 380), told(100, 400, 0));
         // Each two of them have an epipole, so chance explains few with others off their lines.
-        assert_eq!(reasons(0, 14, 0, 7), []);
-        assert_eq!(reasons(0, 13, 0, 6), []);
-        assert_eq!(reasons(0, 10, 0, 4), told(0, 10, 0));
+        assert_eq!(reasons(0, 14, 0, 5), []);
+        assert_eq!(reasons(0, 9, 0, 3), told(0, 9, 0));
         assert_eq!(Trust::judge(&Evidence { witnesses: None, ..GOOD }).reasons, []);
     }
 
