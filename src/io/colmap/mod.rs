@@ -71,7 +71,7 @@ impl GeometryFile {
         database: &Path,
         output: &OutputFile,
     ) -> Result<ColmapPair, ColmapError> {
-        let refused = |problem| ReadError::content(database, problem);
+        let refused = refused(database);
         let (copy, images, pairs) = self.opened(names, database, output)?;
         let geometry = self.colmap_geometry().map_err(refused)?;
         let added = add(&copy, &images, &pairs, &geometry).map_err(refused)?;
@@ -87,7 +87,7 @@ impl GeometryFile {
         database: &Path,
         output: &OutputFile,
     ) -> Result<ColmapPair, ColmapError> {
-        let refused = |problem| ReadError::content(database, problem);
+        let refused = refused(database);
         let (copy, images, pairs) = self.opened(names, database, output)?;
         let (_, found) = numbered(&copy, &images, &pairs, false).map_err(refused)?;
         if found.is_empty() {
@@ -122,7 +122,7 @@ impl GeometryFile {
     ) -> Result<(Database, [Image; 2], Vec<Pair>), ColmapError> {
         let copy = Database::copied(database, output)?;
         let found = self.images_in(&copy, names).and_then(|images| Ok((images, self.colmap_pairs()?)));
-        let (images, pairs) = found.map_err(|problem| ReadError::content(database, problem))?;
+        let (images, pairs) = found.map_err(refused(database))?;
         Ok((copy, images, pairs))
     }
 
@@ -199,6 +199,11 @@ impl GeometryFile {
             is_plane: self.homography21.is_some(),
         })
     }
+}
+
+/// Returns how a problem becomes an error that names the database.
+fn refused(database: &Path) -> impl Fn(String) -> ReadError + Copy {
+    move |problem| ReadError::content(database, problem)
 }
 
 /// Geometry of a pair in pixels of COLMAP.

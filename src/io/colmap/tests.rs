@@ -150,6 +150,51 @@ fn a_pose_is_written_as_a_quaternion_and_turned_with_the_images() {
     }
 }
 
+/// Old versions of COLMAP keep verified matches in `inlier_matches`, without matrices.
+#[test]
+fn an_old_database_keeps_its_table_of_verified_matches() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = database(folder.path(), false);
+    let file = example();
+    // The first keypoint of the left image is on the scene, and so is a keypoint of the right one: their
+    // verified match agrees with the geometry. The other verified match does not.
+    let pair = file.found[7];
+    let floats = |numbers: &[f64]| -> Vec<u8> {
+        numbers.iter().flat_map(|v| (*v as f32 + 0.5).to_le_bytes()).collect()
+    };
+    let left = floats(&[pair.point1.x, pair.point1.y, 20.0, 20.0]);
+    let right = floats(&[pair.point2.x, pair.point2.y, 500.0, 500.0]);
+    let old: Vec<u8> = [0u32, 0, 1, 1].iter().flat_map(|k| k.to_le_bytes()).collect();
+    let connection = Connection::open(&source).unwrap();
+    connection
+        .execute_batch(
+            "DROP TABLE two_view_geometries;
+             CREATE TABLE inlier_matches (pair_id INTEGER PRIMARY KEY, rows INTEGER, cols INTEGER, data BLOB, \
+             config INTEGER);
+             DELETE FROM keypoints;",
+        )
+        .unwrap();
+    connection.execute("INSERT INTO keypoints VALUES (2, 2, 2, ?1)", [left]).unwrap();
+    connection.execute("INSERT INTO keypoints VALUES (5, 2, 2, ?1)", [right]).unwrap();
+    connection.execute("INSERT INTO inlier_matches VALUES (?1, 2, 2, ?2, 2)", (self::pair(), old)).unwrap();
+    drop(connection);
+    let copy = folder.path().join("new.db");
+    let output = OutputFile::prepare(&copy).unwrap();
+    // Without the match at the keypoints, so that only the old row has it.
+    let without: Vec<PointPair> = file.found.iter().copied().filter(|other| *other != pair).collect();
+    let file = GeometryFile { found: without, ..file };
+    let added = file.add_to_colmap(Some(["left.jpg", "a/right.jpg"]), &source, &output).unwrap();
+    assert_eq!(added.verified, 19);
+    let verified = numbers(&copy, "SELECT data FROM inlier_matches", u32::from_le_bytes);
+    assert_eq!(verified.len(), 2 * (19 + 1));
+    assert_eq!(verified[2 * 19..], [0, 0], "the old match that agrees stays, and the other one goes");
+    let connection = Connection::open(&copy).unwrap();
+    let count = |sql: &str| connection.query_row(sql, [], |row| row.get::<_, i64>(0)).unwrap();
+    assert_eq!(count("SELECT config FROM inlier_matches"), 3);
+    let tables = "SELECT COUNT(*) FROM sqlite_master WHERE name = 'two_view_geometries'";
+    assert_eq!(count(tables), 0, "no table is added");
+}
+
 #[test]
 fn what_cannot_be_added_is_refused_in_a_sentence() {
     let folder = tempfile::tempdir().unwrap();
