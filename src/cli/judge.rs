@@ -15,9 +15,9 @@ use super::calibration::{CalibrationArguments, undistort_matches, undistorted};
 use super::estimate::watched;
 use super::output::Output;
 use crate::camera::{PoseDifference, RelativePose, ViewPair, fit_pose};
-use crate::estimate::{Match, Monitor, Parameters, Verdict, estimate, estimate_fundamental};
+use crate::estimate::{Match, Monitor, Parameters, Uncertainty, Verdict, estimate, estimate_fundamental};
 use crate::foreign::{reason, shown_path};
-use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
+use crate::geometry::{Camera, Frame, FundamentalMatrix, Matrix9, PointPair};
 use crate::image::Picture;
 use crate::io::{CalibratedCamera, GeometryFile, read_camera, read_matches, refuse_clashes};
 use crate::judge::{
@@ -94,6 +94,7 @@ struct Shown {
     /// Whether the matches may contradict a geometry. Matches that a person gives may.
     is_trusted: bool,
     verdict: Option<Verdict>,
+    covariance: Option<Matrix9>,
 }
 
 /// Judges, writes the files and prints a sentence.
@@ -105,7 +106,10 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     arguments.log.as_deref().map(check_log).transpose()?;
     let calibrated = arguments.calibration.read()?;
     let needs_file = !arguments.rectified && calibrated.is_none();
-    let mut given = if needs_file { Some(arguments.given()?) } else { None };
+    let (mut given, own_covariance) = match needs_file.then(|| arguments.given()).transpose()? {
+        Some((given, covariance)) => (Some(given), covariance),
+        None => (None, None),
+    };
     let mut matches = arguments.matches.as_deref().map(read_matches).transpose()?;
     let (mut pictures, _) = arguments.images.load()?;
     let mut stereo = None;
@@ -143,14 +147,17 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
         }
         return if found.is_aligned { Ok(()) } else { Err(CliError::NotRectified) };
     };
-    let Shown { fundamental, matches, is_trusted, .. } = &shown;
-    let reference = Reference { fundamental: *fundamental, matches, frames, is_trusted: *is_trusted };
+    let Shown { fundamental, matches, is_trusted, covariance, .. } = &shown;
+    let (fundamental, is_trusted) = (*fundamental, *is_trusted);
+    // Both geometries may be uncertain; without a covariance, the judged one counts as exact.
+    let covariance = covariance.map(|covariance| covariance + own_covariance.unwrap_or_else(Matrix9::zeros));
+    let reference = Reference { fundamental, matches, frames, is_trusted, covariance };
     let found: Judgement = judge(&given, &reference, arguments.limit.unwrap_or(LIMIT)).ok_or_else(too_few)?;
     let mut words = judgement_in_words(&found);
     let difference = stereo.and_then(|(pose, views)| {
-        let fit = fit_pose(fundamental, &views.calibrations(), matches, frames[0])?;
+        let fit = fit_pose(&fundamental, &views.calibrations(), matches, frames[0])?;
         // Without parallax the matches determine no pose.
-        fit.difference(&pose).filter(|_| *is_trusted)
+        fit.difference(&pose).filter(|_| is_trusted)
     });
     if let Some(difference) = &difference {
         words = format!("{words}\n{}", pose_difference_in_words(difference));
@@ -170,8 +177,8 @@ impl JudgeArguments {
         files.map(PathBuf::as_path).chain(self.calibration.files())
     }
 
-    /// Reads the geometry.
-    fn given(&self) -> Result<GivenGeometry, CliError> {
+    /// Reads the geometry, and its covariance if the file has one.
+    fn given(&self) -> Result<(GivenGeometry, Option<Matrix9>), CliError> {
         let file = match (self.cameras.as_deref(), &self.fundamental) {
             (Some([left, right]), _) => GeometryFile {
                 cameras: Some([read_camera(left)?, read_camera(right)?]),
@@ -187,7 +194,8 @@ impl JudgeArguments {
         }
         let missing =
             || CliError::Arguments("the two cameras have the same centre, so there is no F".to_owned());
-        Ok(GivenGeometry { fundamental: file.geometry().ok_or_else(missing)?, cameras: file.cameras })
+        let fundamental = file.geometry().ok_or_else(missing)?;
+        Ok((GivenGeometry { fundamental, cameras: file.cameras }, file.covariance))
     }
 }
 
@@ -202,6 +210,7 @@ fn of_images(pictures: &[Picture; 2], arguments: &JudgeArguments) -> Result<Show
         matches: found.matches().iter().map(|found| found.pair).collect(),
         is_trusted: found.may_contradict(),
         verdict: found.assessment.trust.as_ref().map(|trust| trust.verdict),
+        covariance: found.uncertainty().map(Uncertainty::covariance),
     })
 }
 
@@ -211,7 +220,8 @@ fn of_matches(matches: &[Match], frames: [Frame; 2], seed: u64) -> Result<Shown,
         .map_err(|error| CliError::Arguments(format!("the matches cannot be used: {error}")))?;
     let right = matches.iter().zip(&fit.inlier_probabilities).filter(|(_, right)| **right > 0.5);
     let matches = right.map(|(found, _)| found.pair).collect();
-    Ok(Shown { fundamental: fit.fundamental, matches, is_trusted: true, verdict: None })
+    let covariance = fit.uncertainty.as_ref().map(Uncertainty::covariance);
+    Ok(Shown { fundamental: fit.fundamental, matches, is_trusted: true, verdict: None, covariance })
 }
 
 /// Returns the geometry of a calibration in the views without distortion.

@@ -173,6 +173,14 @@ pub enum Change {
         /// Factor by which the focal length of the geometry is too large.
         factor: f64,
     },
+    /// Pixels counted from another place in one image, or the other way in both: the centre of the top-left
+    /// pixel is (0, 0) or (0.5, 0.5).
+    HalfPixel {
+        /// The images.
+        images: Affected,
+        /// Coordinates of the geometry less those of the images, px: 0.5 or −0.5.
+        offset: f64,
+    },
     /// Moved coordinates: cropped images, or a wrong principal point.
     Moved {
         /// The images.
@@ -195,7 +203,7 @@ impl Change {
     pub(super) fn parameters(&self) -> usize {
         match self {
             Self::Convention { reading } if (reading.scale - 1.0).abs() < f64::EPSILON => 0,
-            Self::Cameras { .. } | Self::Mirrored { .. } => 0,
+            Self::Cameras { .. } | Self::Mirrored { .. } | Self::HalfPixel { .. } => 0,
             Self::Convention { .. }
             | Self::Resized { .. }
             | Self::FocalLength { .. }
@@ -222,14 +230,18 @@ impl Change {
                     Matrix3::new(factor, 0.0, offset(middle.x), 0.0, factor, offset(middle.y), 0.0, 0.0, 1.0)
                 }),
             ),
-            Self::Moved { images, x, y } => {
-                (images, Box::new(move |_| Matrix3::new(1.0, 0.0, x, 0.0, 1.0, y, 0.0, 0.0, 1.0)))
-            }
+            Self::Moved { images, x, y } => (images, Box::new(move |_| moved(x, y))),
+            Self::HalfPixel { images, offset } => (images, Box::new(move |_| moved(offset, offset))),
         };
         // The map takes pixels of the images to those of the geometry.
         let of = |image: usize| if images.has(image) { map(frames[image]) } else { Matrix3::identity() };
         FundamentalMatrix::from_rank_two(of(1).transpose() * given.matrix() * of(0))
     }
+}
+
+/// Returns the map that adds an offset.
+fn moved(x: f64, y: f64) -> Matrix3<f64> {
+    Matrix3::new(1.0, 0.0, x, 0.0, 1.0, y, 0.0, 0.0, 1.0)
 }
 
 /// Returns a pair without lens distortion.

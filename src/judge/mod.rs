@@ -14,13 +14,15 @@ mod cameras;
 mod change;
 mod rows;
 mod search;
+mod significance;
 
 pub use change::{Affected, CameraChange, Change, Mirror};
 pub use rows::{ROW_LIMIT, RowJudgement, judge_rows};
+pub use significance::Significance;
 
 use serde::Serialize;
 
-use crate::geometry::{Camera, Frame, FundamentalMatrix, Line, Point, PointPair, median};
+use crate::geometry::{Camera, Frame, FundamentalMatrix, Line, Matrix9, Point, PointPair, median};
 
 /// Geometry to be judged.
 #[derive(Debug, Clone, Copy)]
@@ -42,6 +44,9 @@ pub struct Reference<'a> {
     pub frames: [Frame; 2],
     /// False if the matches are too few or too doubtful to contradict a geometry.
     pub is_trusted: bool,
+    /// Covariance of the nine entries of the matrix with norm 1, row by row, if it is known. The covariance of
+    /// the judged geometry, if there is one, is added.
+    pub covariance: Option<Matrix9>,
 }
 
 /// Result of a judgement.
@@ -93,8 +98,13 @@ pub struct Judgement {
     pub limit: f64,
     /// Number of matches.
     pub matches: usize,
-    /// The simplest change after which the geometry fits; `None` if it fits, or if no change helps.
+    /// The simplest change after which the geometry fits; `None` if no change helps. For a geometry that
+    /// fits, half a pixel that explains a significant difference.
     pub change: Option<FittingChange>,
+    /// Whether the geometry differs from the reference by more than the matches leave open. `None` without
+    /// a covariance, and if the reference is in doubt.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub significance: Option<Significance>,
 }
 
 /// Fewest matches that a judgement takes: twice the seven numbers of a fundamental matrix.
@@ -118,7 +128,17 @@ pub fn judge(given: &GivenGeometry, reference: &Reference, limit: f64) -> Option
     let reference = Reference { matches: &matches, ..*reference };
     let lines_apart = reference.lines_apart(&given.fundamental);
     let fits = reference.distance(&given.fundamental) <= limit;
-    let change = if fits { None } else { search::simplest(given, &reference, limit) };
+    let covariance = reference.covariance.filter(|_| reference.is_trusted);
+    let significance = covariance.as_ref().and_then(|covariance| {
+        let (f, own) = (&given.fundamental, &reference.fundamental);
+        significance::significance(f, own, covariance, reference.frames)
+    });
+    let is_significant = significance.is_some_and(|found| found.is_significant);
+    let change = match covariance {
+        _ if !fits => search::simplest(given, &reference, limit),
+        Some(covariance) if is_significant => search::half_pixel(&given.fundamental, &reference, &covariance),
+        _ => None,
+    };
     let finding = match (fits, reference.is_trusted) {
         (true, _) => Finding::Fits,
         (false, true) => Finding::DoesNotFit,
@@ -132,6 +152,7 @@ pub fn judge(given: &GivenGeometry, reference: &Reference, limit: f64) -> Option
         limit,
         matches: matches.len(),
         change,
+        significance,
     })
 }
 

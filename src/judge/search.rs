@@ -2,9 +2,12 @@
 
 use super::cameras::DecomposedCamera;
 use super::change::{Affected, CameraChange, Change, Mirror, undistorted};
+use super::significance::significance;
 use super::{FittingChange, GivenGeometry, Reference, residuals};
 use crate::convention::Reading;
-use crate::geometry::{Camera, FundamentalMatrix, PointPair, grid_minimum, symmetric_epipolar_distance};
+use crate::geometry::{
+    Camera, FundamentalMatrix, Matrix9, PointPair, grid_minimum, symmetric_epipolar_distance,
+};
 
 /// Each fitted number of a change must lower the distance by this share to be worth it: a wrong kind
 /// of change with one more number often fits a little better.
@@ -64,6 +67,7 @@ fn discrete(given: &GivenGeometry, reference: &Reference) -> Vec<FittingChange> 
     for images in Affected::ALL {
         of_pixels.extend(Mirror::ALL.map(|mirror| Change::Mirrored { images, mirror }));
     }
+    of_pixels.extend(half_pixels());
     let of_pixels = of_pixels
         .into_iter()
         .filter_map(|change| Some((change, change.apply(fundamental, reference.frames)?)));
@@ -73,6 +77,34 @@ fn discrete(given: &GivenGeometry, reference: &Reference) -> Vec<FittingChange> 
         fundamental: Some(changed),
     };
     of_cameras.chain(of_pixels).map(measured).collect()
+}
+
+/// Returns the ways to count pixels from another place that no reading of both images stands for.
+fn half_pixels() -> impl Iterator<Item = Change> {
+    let one = [Affected::Image1, Affected::Image2]
+        .into_iter()
+        .flat_map(|images| [0.5, -0.5].map(|offset| Change::HalfPixel { images, offset }));
+    one.chain([Change::HalfPixel { images: Affected::Both, offset: -0.5 }])
+}
+
+/// Returns half a pixel that brings a geometry within the covariance of the reference. Half a pixel moves
+/// lines by less than the usual limit, so only the covariance shows it.
+pub(super) fn half_pixel(
+    given: &FundamentalMatrix,
+    reference: &Reference,
+    covariance: &Matrix9,
+) -> Option<FittingChange> {
+    let reading = Reading { transposed: false, axes_exchanged: false, origin: 0.5, scale: 1.0 };
+    let measured = |change: Change| {
+        let changed = change.apply(given, reference.frames)?;
+        let left = significance(&changed, &reference.fundamental, covariance, reference.frames)?;
+        let median = reference.distance(&changed);
+        (!left.is_significant)
+            .then_some((left.chi_square, FittingChange { change, median, fundamental: Some(changed) }))
+    };
+    let changes = [Change::Convention { reading }].into_iter().chain(half_pixels());
+    let best = changes.filter_map(measured).min_by(|a, b| a.0.total_cmp(&b.0));
+    best.map(|(_, found)| found)
 }
 
 /// Returns the changes with one or two fitted numbers.

@@ -7,6 +7,7 @@ use rand_pcg::Pcg64Mcg;
 use super::cameras::DecomposedCamera;
 use super::*;
 use crate::convention::Reading;
+use crate::geometry::{GroupedObservation, Observation, fit_fundamental, grouped_covariance};
 
 const FRAMES: [Frame; 2] = [Frame { width: 768, height: 576 }; 2];
 /// Scenes for each mistake.
@@ -62,7 +63,8 @@ impl Scene {
 
     fn judged(&self, given: &GivenGeometry, matches: &[PointPair]) -> Judgement {
         let fundamental = self.truth().fundamental;
-        let reference = Reference { fundamental, matches, frames: FRAMES, is_trusted: true };
+        let (is_trusted, covariance) = (true, None);
+        let reference = Reference { fundamental, matches, frames: FRAMES, is_trusted, covariance };
         judge(given, &reference, LIMIT).unwrap()
     }
 }
@@ -295,6 +297,7 @@ fn distortion_that_is_left_out_is_named_with_its_size() {
                 matches: &bent,
                 frames: FRAMES,
                 is_trusted: true,
+                covariance: None,
             };
             let judged = judge(&scene.truth(), &reference, LIMIT).unwrap();
             if judged.finding == Finding::Fits {
@@ -315,11 +318,67 @@ fn distortion_that_is_left_out_is_named_with_its_size() {
 fn an_untrusted_reference_confirms_but_does_not_contradict() {
     let scene = Scene::new(3);
     let fundamental = scene.truth().fundamental;
-    let reference = Reference { fundamental, matches: &scene.matches, frames: FRAMES, is_trusted: false };
+    let (matches, covariance) = (&scene.matches[..], None);
+    let reference = Reference { fundamental, matches, frames: FRAMES, is_trusted: false, covariance };
     let judged = judge(&scene.truth(), &reference, LIMIT).unwrap();
     assert_eq!(judged.finding, Finding::Fits);
     let transposed = GivenGeometry { fundamental: fundamental.swapped(), cameras: None };
     assert_eq!(judge(&transposed, &reference, LIMIT).unwrap().finding, Finding::Undecided);
     let few = Reference { matches: &scene.matches[..FEWEST_MATCHES - 1], ..reference };
     assert!(judge(&transposed, &few, LIMIT).is_none());
+}
+
+/// Half a pixel moves lines by less than the limit; the covariance of precise matches shows it.
+#[test]
+fn half_a_pixel_is_significant_and_named() {
+    let (mut named, mut significant) = (0, 0);
+    for seed in 0..SCENES {
+        let scene = Scene::new(seed);
+        // The noise of the matches is uniform, ±0.3 px in each coordinate.
+        let sigma = 0.3 / 3f64.sqrt();
+        let truth = scene.truth();
+        let observed: Vec<Observation> =
+            scene.matches.iter().map(|pair| Observation { pair: *pair, sigma }).collect();
+        let fundamental = fit_fundamental(&truth.fundamental, &observed, 10.0).unwrap().fundamental;
+        let grouped: Vec<GroupedObservation> = observed
+            .iter()
+            .enumerate()
+            .map(|(group, o)| GroupedObservation {
+                observation: Observation { sigma: 10.0 * sigma, ..*o },
+                deviation: sigma,
+                group,
+            })
+            .collect();
+        let covariance = Some(grouped_covariance(&fundamental, &grouped).unwrap());
+        let matches = &scene.matches[..];
+        let reference = Reference { fundamental, matches, frames: FRAMES, is_trusted: true, covariance };
+        let judged = judge(&truth, &reference, LIMIT).unwrap();
+        assert!(!judged.significance.unwrap().is_significant && judged.change.is_none(), "scene {seed}");
+        let doubtful = Reference { is_trusted: false, ..reference };
+        assert!(judge(&truth, &doubtful, LIMIT).unwrap().significance.is_none());
+        for images in Affected::ALL {
+            let half = affine(1.0, 0.5, 0.5);
+            let of = |image| match images {
+                Affected::Image1 if image == 1 => Matrix3::identity(),
+                Affected::Image2 if image == 0 => Matrix3::identity(),
+                _ => half,
+            };
+            let judged = judge(&mapped(&truth.fundamental, [of(0), of(1)]), &reference, LIMIT).unwrap();
+            assert_eq!(judged.finding, Finding::Fits);
+            if !judged.significance.unwrap().is_significant {
+                continue;
+            }
+            significant += 1;
+            let change = judged.change.map(|found| found.change);
+            named += usize::from(match change {
+                Some(Change::HalfPixel { images: found, offset }) => found == images && offset > 0.0,
+                Some(Change::Convention { reading }) => {
+                    images == Affected::Both && (reading.origin - 0.5).abs() < 1e-9
+                }
+                _ => false,
+            });
+        }
+    }
+    // Half a pixel in one image and the opposite in the other one may move lines alike.
+    assert!(significant > 12 && 4 * named > 3 * significant, "{named} of {significant}");
 }

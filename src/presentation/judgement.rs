@@ -1,6 +1,8 @@
 //! Words for judgements of geometries from elsewhere.
 
-use crate::judge::{Affected, CameraChange, Change, Finding, Judgement, Mirror, RowJudgement};
+use crate::judge::{
+    Affected, CameraChange, Change, Finding, FittingChange, Judgement, Mirror, RowJudgement, Significance,
+};
 
 /// Describes a judgement: what the images show, and what would mend the geometry.
 pub fn judgement_in_words(judgement: &Judgement) -> String {
@@ -9,7 +11,10 @@ pub fn judgement_in_words(judgement: &Judgement) -> String {
     match judgement.finding {
         Finding::Fits => format!(
             "The geometry fits. Half of its lines are within {apart} px of those that the images show, at \
-             {matches} matches."
+             {matches} matches.{}",
+            judgement
+                .significance
+                .map_or_else(String::new, |found| difference_in_words(&found, change.as_ref()))
         ),
         Finding::Undecided => format!(
             "The geometry cannot be judged. Half of its lines are more than {apart} px from those of the best \
@@ -28,6 +33,19 @@ pub fn judgement_in_words(judgement: &Judgement) -> String {
             format!("The geometry does not fit. {wrong}, at {matches} matches. {mended}")
         }
     }
+}
+
+/// Describes whether the matches explain the difference of a geometry that fits.
+fn difference_in_words(found: &Significance, change: Option<&FittingChange>) -> String {
+    let Significance { chi_square, limit, is_significant } = found;
+    let figures = format!("χ² {chi_square:.0}, by chance up to {limit:.0}");
+    if !is_significant {
+        return format!(" The matches are not precise enough to tell the two apart ({figures}).");
+    }
+    let cause = change.map_or_else(String::new, |found| {
+        format!(" Half a pixel explains it: {}.", change_in_words(&found.change))
+    });
+    format!(" Yet the two differ by more than the matches leave open ({figures}).{cause}")
 }
 
 /// Describes a change as a condition: what holds if the geometry is right after it.
@@ -73,6 +91,14 @@ pub fn change_in_words(change: &Change) -> String {
         }
         Change::FocalLength { images, factor } => {
             format!("the focal length of {} is divided by {factor:.3}", of_images(images))
+        }
+        Change::HalfPixel { images, offset } => {
+            let of = of_images(images);
+            if offset > 0.0 {
+                format!("the geometry counts the centre of the top-left pixel of {of} as (0.5, 0.5)")
+            } else {
+                format!("the geometry subtracts half a pixel too much from the coordinates of {of}")
+            }
         }
         Change::Moved { images, x, y } => format!(
             "({x:.1}, {y:.1}) px is added to the coordinates of {}: cropped images, or a wrong principal point",

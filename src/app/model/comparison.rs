@@ -240,6 +240,7 @@ impl ComparisonQuestion {
             matches: &self.matches,
             frames: self.frames,
             is_trusted: self.is_trusted,
+            covariance: None,
         };
         judge(&given, &reference, LIMIT).map(|judgement| (imported, judgement))
     }
