@@ -1,6 +1,7 @@
 //! Scene points and cameras of a calibrated pair.
 
 use nalgebra::Vector3;
+use serde::Serialize;
 
 use super::pose::RelativePose;
 use super::view_pair::ViewPair;
@@ -10,20 +11,49 @@ use crate::geometry::{Point, PointPair};
 const PYRAMID: f64 = 0.2;
 const CORNERS: usize = 5;
 
-/// Scene points of matches, with both cameras. Axes of camera 1; the unit is the distance of the
-/// cameras.
+/// Unit of a length.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LengthUnit {
+    /// Distance between the two cameras.
+    Baseline,
+    /// Unit of a calibration that does not tell it: that of the board in most cases.
+    Calibration,
+    /// Metre.
+    Metre,
+    /// Millimetre.
+    Millimetre,
+}
+
+/// Distance between two cameras.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Baseline {
+    /// Length.
+    pub length: f64,
+    /// Unit of the length.
+    pub unit: LengthUnit,
+}
+
+impl Baseline {
+    /// A baseline of unknown length.
+    pub const UNKNOWN: Self = Self { length: 1.0, unit: LengthUnit::Baseline };
+}
+
+/// Scene points of matches, with both cameras. Axes of camera 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointCloud {
     /// Scene points in front of both cameras.
     pub points: Vec<CloudPoint>,
     /// Corners of the pyramid of each camera: its centre, then the corners of its picture.
     pub cameras: [[Vector3<f64>; CORNERS]; 2],
+    /// Distance of the cameras, in the unit of all positions.
+    pub baseline: Baseline,
 }
 
 /// A triangulated match.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CloudPoint {
-    /// Position, in units of the baseline.
+    /// Position in the unit of [`PointCloud::baseline`].
     pub place: Vector3<f64>,
     /// Red, green and blue.
     pub color: [u8; 3],
@@ -38,7 +68,7 @@ impl PointCloud {
     pub const EDGES: [[usize; 2]; 8] = [[0, 1], [0, 2], [0, 3], [0, 4], [1, 2], [2, 3], [3, 4], [4, 1]];
 
     /// Triangulates the matches of two views without distortion. `color` returns the colour of a point
-    /// of view 1. Points that are not in front of both cameras are left out.
+    /// of view 1. Points that are not in front of both cameras are left out. The unit is the baseline.
     pub fn new(
         pose: &RelativePose,
         views: &ViewPair,
@@ -50,7 +80,21 @@ impl PointCloud {
         let points = points.filter_map(|(number, (place, pair))| {
             Some(CloudPoint { place: place?, color: color(pair.point1), number })
         });
-        Self { points: points.collect(), cameras: [0, 1].map(|k| pyramid(pose, views, k)) }
+        let cameras = [0, 1].map(|k| pyramid(pose, views, k));
+        Self { points: points.collect(), cameras, baseline: Baseline::UNKNOWN }
+    }
+
+    /// Returns the cloud with another length of the baseline.
+    #[must_use]
+    pub fn with_baseline(mut self, baseline: Baseline) -> Self {
+        let factor = baseline.length / self.baseline.length;
+        for point in &mut self.points {
+            point.place *= factor;
+        }
+        for corner in self.cameras.as_flattened_mut() {
+            *corner *= factor;
+        }
+        Self { baseline, ..self }
     }
 
     /// Returns the angle between the rays of the two cameras to a place, radians.

@@ -19,7 +19,7 @@ mod tests;
 mod undistorted_view;
 mod view_pair;
 
-pub use cloud::{CloudPoint, PointCloud};
+pub use cloud::{Baseline, CloudPoint, LengthUnit, PointCloud};
 pub use lens::{Lens, Projection, Radial};
 pub use model::CameraModel;
 #[cfg(feature = "files")]

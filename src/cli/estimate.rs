@@ -18,7 +18,7 @@ use crate::estimate::{
 };
 use crate::geometry::PointPair;
 use crate::image::Picture;
-use crate::io::read_matches;
+use crate::io::{CalibratedCamera, read_matches};
 
 /// Estimate the fundamental matrix of two images from point pairs, or from none
 #[derive(Debug, Args)]
@@ -78,6 +78,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     let calibrated = arguments.calibration.read()?;
     let mut given = arguments.matches.as_deref().map(read_matches).transpose()?;
     let mut input = input(arguments, parameters.pairs_needed(), parameters.method)?;
+    let baseline = calibrated.as_ref().and_then(|calibrated| CalibratedCamera::baseline(&calibrated.cameras));
     let views = calibrated.map(|calibrated| calibrated.views(&input.pictures)).transpose()?;
     if let Some(views) = &views {
         input.pairs = undistorted_pairs(&input.pairs, views)?;
@@ -97,7 +98,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     };
     let found = on_threads(arguments.threads, || watched(compute))??;
     let given: Vec<PointPair> = given.iter().flatten().map(|found| found.pair).collect();
-    let beside = Beside { views: views.as_ref(), given: &given, ..Beside::default() };
+    let beside = Beside { views: views.as_ref(), baseline, given: &given, ..Beside::default() };
     output.write(&found, &input.pairs, &input.pictures, &parameters, beside)
 }
 

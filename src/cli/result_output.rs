@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::CliError;
 use super::geometry_file::{GeometryOutput, image_notes};
 use super::output::Output;
-use crate::camera::{PointCloud, PoseFit, ViewPair, fit_pose};
+use crate::camera::{Baseline, PointCloud, PoseFit, ViewPair, fit_pose};
 use crate::estimate::{Estimate, Parameters, Uncertainty};
 use crate::geometry::{Camera, PointPair, median, sampson_distance};
 use crate::image::Picture;
@@ -47,6 +47,8 @@ pub(super) struct Beside<'a> {
     pub(super) offset: Option<i32>,
     /// Views of calibrated cameras.
     pub(super) views: Option<&'a ViewPair>,
+    /// Distance of the cameras, if the calibration tells it.
+    pub(super) baseline: Option<Baseline>,
     /// Matches from elsewhere.
     pub(super) given: &'a [PointPair],
 }
@@ -77,17 +79,24 @@ impl ResultOutput {
         parameters: &Parameters,
         beside: Beside,
     ) -> Result<(), CliError> {
-        let Beside { offset, views, given } = beside;
+        let Beside { offset, views, baseline, given } = beside;
         let pose = views.and_then(|views| pose(found, views));
         if let Some(export) = self.export {
             let cameras = views.zip(pose.as_ref()).and_then(|(views, fit)| cameras(views, fit));
             let is_undistorted = views.is_some_and(ViewPair::is_undistorted);
+            let cloud = views.zip(pose.as_ref()).map(|(views, fit)| {
+                let cloud = cloud(found, views, fit, &pictures[0]);
+                match baseline {
+                    Some(baseline) => cloud.with_baseline(baseline),
+                    None => cloud,
+                }
+            });
             export.write(&GeometryFile {
                 cameras,
                 is_undistorted,
                 covariance: found.uncertainty().map(Uncertainty::covariance),
                 calibrated: views.map(|_| CalibratedNote::new(pose.as_ref())),
-                cloud: views.zip(pose.as_ref()).map(|(views, fit)| cloud(found, views, fit, &pictures[0])),
+                cloud,
                 ..geometry_file(found, pairs, pictures)
             })?;
         }
@@ -99,7 +108,7 @@ impl ResultOutput {
             words += &given_in_words(found, given);
         }
         if let Some(views) = views {
-            result = result.calibrated(views, pose.as_ref());
+            result = result.calibrated(views, pose.as_ref(), baseline);
             words += &pose
                 .as_ref()
                 .map_or_else(|| "Relative pose: too few matches for one\n".to_owned(), pose_in_words);

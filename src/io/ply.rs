@@ -5,7 +5,7 @@
 
 use std::fmt::Write;
 
-use crate::camera::PointCloud;
+use crate::camera::{Baseline, LengthUnit, PointCloud};
 
 /// Colours of the left and the right camera.
 const COLOURS: [[u8; 3]; 2] = [[230, 60, 40], [40, 110, 230]];
@@ -15,10 +15,11 @@ pub fn cloud_as_ply(cloud: &PointCloud) -> String {
     const CORNERS: usize = PointCloud::CORNERS;
     let mut text = format!(
         "ply\nformat ascii 1.0\ncomment {} scene points, then both cameras as pyramids of {CORNERS} vertices, written \
-         by epiline {}.\ncomment Axes of camera 1: x right, y down, z forwards. The unit is the distance between the \
-         cameras.\nelement vertex {}\n",
+         by epiline {}.\ncomment Axes of camera 1: x right, y down, z forwards. {}\nelement vertex \
+         {}\n",
         cloud.points.len(),
         env!("CARGO_PKG_VERSION"),
+        unit_in_words(&cloud.baseline),
         cloud.points.len() + 2 * CORNERS
     );
     for name in ["float x", "float y", "float z", "uchar red", "uchar green", "uchar blue"] {
@@ -43,6 +44,17 @@ pub fn cloud_as_ply(cloud: &PointCloud) -> String {
     text
 }
 
+/// Describes the unit of a cloud.
+fn unit_in_words(baseline: &Baseline) -> String {
+    let unit = match baseline.unit {
+        LengthUnit::Baseline => return "The unit is the distance between the cameras.".to_owned(),
+        LengthUnit::Calibration => "that of the calibration",
+        LengthUnit::Metre => "the metre",
+        LengthUnit::Millimetre => "the millimetre",
+    };
+    format!("The unit is {unit}; the cameras are {} apart.", baseline.length)
+}
+
 #[cfg(test)]
 mod tests {
     use nalgebra::{Rotation3, Vector3};
@@ -59,12 +71,20 @@ mod tests {
             RelativePose { rotation: Rotation3::identity(), translation: Vector3::new(-1.0, 0.0, 0.0) };
         // A point 10 units ahead has a disparity of 10 px; the other one would be behind the cameras.
         let matches = [PointPair::new(42.0, 24.0, 32.0, 24.0), PointPair::new(32.0, 24.0, 42.0, 24.0)];
-        let text = cloud_as_ply(&PointCloud::new(&pose, &views, &matches, |_| [1, 2, 3]));
+        let cloud = PointCloud::new(&pose, &views, &matches, |_| [1, 2, 3]);
+        let text = cloud_as_ply(&cloud);
         let (header, body) = text.split_once("end_header\n").unwrap();
         assert!(header.starts_with("ply\nformat ascii 1.0\n"), "{header}");
         assert!(header.contains("element vertex 11\n") && header.contains("element edge 16\n"), "{header}");
         let rows: Vec<&str> = body.lines().collect();
         assert_eq!((rows.len(), rows[0], rows[1]), (27, "1 0 10 1 2 3", "0 0 0 230 60 40"));
         assert_eq!((rows[6], rows[11], rows[26]), ("1 0 0 40 110 230", "1 2", "10 7"));
+        assert!(header.contains("The unit is the distance between the cameras.\n"), "{header}");
+        let known = Baseline { length: 120.5, unit: LengthUnit::Millimetre };
+        let text = cloud_as_ply(&cloud.with_baseline(known));
+        let (header, body) = text.split_once("end_header\n").unwrap();
+        assert!(header.contains("The unit is the millimetre; the cameras are 120.5 apart.\n"), "{header}");
+        let rows: Vec<&str> = body.lines().collect();
+        assert_eq!((rows[0], rows[6]), ("120.5 0 1205 1 2 3", "120.5 0 0 40 110 230"));
     }
 }

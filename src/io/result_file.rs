@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, SMatrix};
 use serde::Serialize;
 
 use super::geometry_file::{Format, ImageNote, PairLabel};
-use crate::camera::{PoseFit, UndistortedView, ViewPair};
+use crate::camera::{Baseline, PoseFit, UndistortedView, ViewPair};
 use crate::estimate::{
     BarcodeFigures, Determined, EpipoleBearing, EpipoleCertainty, Estimate, Method, Parameters, PatchSupport,
     PlaneHomography, Preset, Reason, SearchCounts, StageTiming, Verdict, Warning,
@@ -114,6 +114,9 @@ struct CalibratedFile<'a> {
     curve_distances: Vec<Option<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pose: Option<PoseFile>,
+    /// Distance of the cameras, if the calibration tells it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    baseline: Option<Baseline>,
 }
 
 /// Relative pose, `x2 = R x1 + t` with the length of `t` 1.
@@ -265,9 +268,15 @@ impl<'a> ResultFile<'a> {
         self
     }
 
-    /// Adds the views without distortion that the result belongs to, and the pose.
+    /// Adds the views without distortion that the result belongs to, the pose, and the known distance of
+    /// the cameras.
     #[must_use]
-    pub fn calibrated(mut self, views: &'a ViewPair, pose: Option<&PoseFit>) -> Self {
+    pub fn calibrated(
+        mut self,
+        views: &'a ViewPair,
+        pose: Option<&PoseFit>,
+        baseline: Option<Baseline>,
+    ) -> Self {
         let pairs: Vec<PointPair> = self.matches.iter().map(|found| from_numbers(&found.pair)).collect();
         let original = |pair: &PointPair| views.original_from_undistorted(pair).map(|pair| numbers(&pair));
         self.calibrated = Some(CalibratedFile {
@@ -279,6 +288,7 @@ impl<'a> ResultFile<'a> {
                 .collect(),
             views: &views.views,
             pose: pose.map(PoseFile::new),
+            baseline,
         });
         self
     }

@@ -172,6 +172,7 @@ impl Orbit {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::Baseline;
 
     fn cloud() -> PointCloud {
         let places = (0..50).map(|k| {
@@ -180,7 +181,8 @@ mod tests {
         });
         let points = places.enumerate().map(|(number, place)| CloudPoint { place, color: [9; 3], number });
         let pyramid = |x: f64| [0.0, 0.1, 0.2, 0.3, 0.4].map(|z| Vector3::new(x, z * 0.1, z));
-        PointCloud { points: points.collect(), cameras: [pyramid(0.0), pyramid(1.0)] }
+        let cameras = [pyramid(0.0), pyramid(1.0)];
+        PointCloud { points: points.collect(), cameras, baseline: Baseline::UNKNOWN }
     }
 
     #[test]

@@ -21,7 +21,7 @@ use nalgebra::{Rotation3, Vector3};
 use super::geometry_file::yaml_value;
 use super::number::rows;
 use super::read::{ReadError, read_text};
-use crate::camera::{CameraModel, RelativePose};
+use crate::camera::{Baseline, CameraModel, LengthUnit, RelativePose};
 use crate::foreign::excerpt;
 use crate::geometry::Frame;
 
@@ -45,6 +45,8 @@ pub struct CalibratedCamera {
     pub frame: Option<Frame>,
     /// Pose, if the file has it.
     pub pose: Option<CameraPose>,
+    /// Unit of the pose; [`LengthUnit::Baseline`] if the file gives only its direction.
+    pub unit: LengthUnit,
 }
 
 /// Cameras of a file, in its order; at least one.
@@ -115,6 +117,14 @@ impl CalibratedCamera {
         let length = translation.norm();
         let is_apart = length > 1e-9 * (pose1.translation.norm() + pose2.translation.norm());
         is_apart.then(|| (RelativePose { rotation, translation: translation / length }, length))
+    }
+
+    /// Returns the distance of two cameras. `None` without poses, and if its length is unknown.
+    pub fn baseline(pair: &[Self; 2]) -> Option<Baseline> {
+        let unit = pair[0].unit;
+        let (_, length) = Self::relative_pose(pair)?;
+        let is_known = unit == pair[1].unit && unit != LengthUnit::Baseline;
+        is_known.then_some(Baseline { length, unit })
     }
 
     /// Checks that an image has the size that the calibration is for.

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Matrix3x4, Rotation3, Vector3};
 
 use super::super::number::{finite_numbers, rows};
 use super::{CalibratedCamera, CameraPose};
-use crate::camera::{CameraModel, IMPOSSIBLE, Lens};
+use crate::camera::{CameraModel, IMPOSSIBLE, LengthUnit, Lens};
 use crate::foreign::excerpt;
 use crate::geometry::Frame;
 
@@ -40,7 +40,9 @@ pub(super) fn kitti(text: &str) -> Result<Vec<CalibratedCamera>, String> {
             };
             let model = CameraModel::new(&Matrix3::from_row_slice(&matrix), lens).ok_or(IMPOSSIBLE)?;
             let frame = size.map(|size| Frame::new(size[0] as usize, size[1] as usize));
-            cameras.push(CalibratedCamera { name: format!("{k:02}"), model, frame, pose });
+            let name = format!("{k:02}");
+            let unit = LengthUnit::Metre;
+            cameras.push(CalibratedCamera { name, model, frame, pose, unit });
         } else if let Some(projection) = exact(format!("P{k}"), 12)? {
             cameras.push(pinhole(format!("P{k}"), &Matrix3x4::from_row_slice(&projection))?);
         }
@@ -65,7 +67,9 @@ pub(super) fn middlebury(text: &str) -> Result<Vec<CalibratedCamera>, String> {
         (Some(width), Some(height)) => Some(Frame::new(width as usize, height as usize)),
         _ => None,
     };
-    let baseline = number("baseline")?.unwrap_or(1.0);
+    let known = number("baseline")?;
+    let unit = if known.is_some() { LengthUnit::Millimetre } else { LengthUnit::Baseline };
+    let baseline = known.unwrap_or(1.0);
     let mut cameras = Vec::new();
     for (name, offset) in [("cam0", 0.0), ("cam1", -baseline)] {
         let text = entry(name).ok_or_else(|| format!("{name} is missing"))?;
@@ -76,7 +80,8 @@ pub(super) fn middlebury(text: &str) -> Result<Vec<CalibratedCamera>, String> {
         let model = CameraModel::new(&Matrix3::from_row_slice(&numbers), Lens::IDEAL).ok_or(IMPOSSIBLE)?;
         let pose =
             CameraPose { rotation: Rotation3::identity(), translation: Vector3::new(offset, 0.0, 0.0) };
-        cameras.push(CalibratedCamera { name: name.to_owned(), model, frame, pose: Some(pose) });
+        let (name, pose) = (name.to_owned(), Some(pose));
+        cameras.push(CalibratedCamera { name, model, frame, pose, unit });
     }
     Ok(cameras)
 }
@@ -102,7 +107,9 @@ pub(super) fn colmap(text: &str) -> Result<Vec<CalibratedCamera>, String> {
         let frame = Frame::new(side(width)?, side(height)?);
         let numbers = finite_numbers(&parameters.join(" ")).map_err(|e| format!("line {line}: {e}"))?;
         let model = CameraModel::from_colmap(name, &numbers).map_err(|e| format!("line {line}: {e}"))?;
-        Ok(CalibratedCamera { name: (*id).to_owned(), model, frame: Some(frame), pose: None })
+        let name = (*id).to_owned();
+        let unit = LengthUnit::Calibration;
+        Ok(CalibratedCamera { name, model, frame: Some(frame), pose: None, unit })
     };
     rows(text).map(camera).collect()
 }
@@ -113,5 +120,6 @@ fn pinhole(name: String, projection: &Matrix3x4<f64>) -> Result<CalibratedCamera
     let model = CameraModel::new(&calibration, Lens::IDEAL).ok_or(IMPOSSIBLE)?;
     let inverse = calibration.try_inverse().ok_or(IMPOSSIBLE)?;
     let pose = CameraPose { rotation: Rotation3::identity(), translation: inverse * projection.column(3) };
-    Ok(CalibratedCamera { name, model, frame: None, pose: Some(pose) })
+    let (pose, unit) = (Some(pose), LengthUnit::Metre);
+    Ok(CalibratedCamera { name, model, frame: None, pose, unit })
 }

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Matrix4, Rotation3, Vector3};
 use serde_json::{Map, Value};
 
 use super::{CalibratedCamera, CameraPose};
-use crate::camera::{CameraModel, IMPOSSIBLE, Lens, calibration};
+use crate::camera::{CameraModel, IMPOSSIBLE, LengthUnit, Lens, calibration};
 use crate::foreign::excerpt;
 use crate::geometry::Frame;
 
@@ -86,7 +86,9 @@ fn camera(name: &str, object: &Object, number: &str) -> Result<Option<Calibrated
     let lens = if is_fisheye(object) { fisheye(&coefficients) } else { Lens::from_opencv(&coefficients) };
     let model = CameraModel::new(&Matrix3::from_row_slice(&matrix), lens.map_err(told)?);
     let model = model.ok_or_else(|| told(IMPOSSIBLE.into()))?;
-    Ok(Some(CalibratedCamera { name: name.to_owned(), model, frame: frame(object), pose: None }))
+    let (name, frame) = (name.to_owned(), frame(object));
+    let unit = LengthUnit::Calibration;
+    Ok(Some(CalibratedCamera { name, model, frame, pose: None, unit }))
 }
 
 fn is_fisheye(object: &Object) -> bool {
@@ -173,7 +175,8 @@ fn kalibr(root: &Object) -> Result<Option<Vec<CalibratedCamera>>, String> {
             })
             .transpose()?;
         let frame = frame(object);
-        cameras.push(CalibratedCamera { name, model, frame, pose });
+        let unit = LengthUnit::Metre;
+        cameras.push(CalibratedCamera { name, model, frame, pose, unit });
     }
     Ok(Some(cameras))
 }

@@ -168,7 +168,7 @@ fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Opt
             let mut file = file.at_offset(offset).labelled(&labels(model, false));
             let views = model.open.undistorted();
             if let Some(views) = &views {
-                file = file.calibrated(views, None);
+                file = file.calibrated(views, None, None);
             }
             serde_json::to_string_pretty(&file).ok()? + "\n"
         }

@@ -22,7 +22,7 @@ use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::{Refined, UnguidedMatch, largest_plane, resized};
 use crate::estimate::evidence::viewed::ViewedPair;
 use crate::estimate::verdict::trust::{
-    Evidence, HALF_PLANE, Mirror, PlaneEvidence, RefinedOn, Together, USUAL_SIDE, Witnesses,
+    Evidence, HALF_PLANE, Mirror, PlaneEvidence, RefinedOn, Relief, Together, USUAL_SIDE,
 };
 use crate::estimate::{
     Assessment, Clicks, Estimate, Parameters, PatchSupport, PlaneHomography, Refinement, Search, Trust,
@@ -61,8 +61,7 @@ struct FoundPlane {
     plane: PlaneHomography,
     evidence: PlaneEvidence,
     together: Together,
-    /// Without and with further planes.
-    witnesses: Option<[Witnesses; 2]>,
+    relief: Option<Relief>,
     mirror: Option<Mirror>,
 }
 
@@ -208,9 +207,7 @@ impl Judge<'_> {
         });
         let evidence = evidence.into_iter().reduce(PlaneEvidence::or_stronger)?;
         let together = parallax::together(&distinctive, &f_fine, &h_fine, side_fine);
-        let warp = warp::Warp::fit(matches, &h, frames[0], tolerance);
-        let seed = self.parameters.seed;
-        let witnesses = warp.map(|warp| warp::witnesses(&testify, &warp, f, side, tolerance, seed));
+        let relief = warp::relief(&testify, matches, &h, f, frames[0], tolerance, self.parameters.seed);
         // Most unguided matches of an upright pair are right; those of a mirror image are not.
         let on_lines = |m: &&UnguidedMatch| sampson_distance(f, &m.pair) < tolerance;
         let likely = || unguided.iter().filter(|m| m.is_likely());
@@ -224,7 +221,7 @@ impl Judge<'_> {
             plane: plane_homography(&h, matches, tolerance),
             evidence,
             together,
-            witnesses,
+            relief,
         })
     }
 
@@ -260,8 +257,7 @@ impl Judge<'_> {
             deviation,
             plane: found.as_ref().map(|found| found.evidence),
             together: found.as_ref().map(|found| found.together).unwrap_or_default(),
-            witnesses: found.as_ref().and_then(|found| found.witnesses).map(|[beside, _]| beside),
-            further: found.as_ref().and_then(|found| found.witnesses).map(|[_, further]| further),
+            relief: found.as_ref().and_then(|found| found.relief),
             mirror: found.as_ref().and_then(|found| found.mirror),
             pattern: pattern::residual_pattern(&matches, f, side),
             side,

@@ -98,12 +98,12 @@ impl PlaneEvidence {
         if rank(&other) < rank(&self) { other } else { self }
     }
 
-    /// Returns whether the matches leave the epipoles undetermined. `relief` is the relief beside
-    /// [`ANY_EPIPOLE`] further planes. It shows the epipole whatever the number of motions, since some
+    /// Returns whether the matches leave the epipoles undetermined. Relief beside
+    /// [`ANY_EPIPOLE`] further planes shows the epipoles whatever the number of motions, since some
     /// epipole fits the planes but not the rest. If the camera stood still, everything that moved did
     /// so by itself.
-    pub(super) fn leaves_the_epipoles_open(&self, relief: Option<Witnesses>) -> bool {
-        let is_undecided = || !relief.is_some_and(Witnesses::show_the_epipole);
+    pub(super) fn leaves_the_epipoles_open(&self, relief: Option<Relief>) -> bool {
+        let is_undecided = || !relief.is_some_and(|relief| relief.further.show_the_epipole());
         self.share > ONE_PLANE
             || self.share > HALF_PLANE && self.is_still
             || self.share > MOSTLY_PLANE && !self.holds_the_epipoles() && is_undecided()
@@ -135,7 +135,12 @@ impl Witnesses {
         self.is_no_chance()
             && self.share_along() >= LEAST_ALONG
             && at_least(self.along, self.along + self.across) >= MOSTLY_ALONG
-            && at_least(self.along, self.along + self.off) >= MAJORITY_ALONG
+            && self.are_mostly_along()
+    }
+
+    /// Returns whether more matches lie along their lines than clearly off them.
+    pub fn are_mostly_along(self) -> bool {
+        at_least(self.along, self.along + self.off) >= MAJORITY_ALONG
     }
 
     /// Returns whether chance seldom does as well. A wrong match lies in any direction from the warp.
@@ -150,6 +155,29 @@ impl Witnesses {
     /// Returns the share of the matches that are beside the warp along their lines, 0 to 1.
     pub fn share_along(self) -> f64 {
         self.along as f64 / (self.on_warp + self.along + self.off).max(1) as f64
+    }
+}
+
+/// Matches found without `F` beside a smooth warp, counted in three ways.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(in crate::estimate) struct Relief {
+    /// Beside the warp.
+    pub beside: Witnesses,
+    /// The same, with [`ANY_EPIPOLE`] more planes counted as the warp.
+    pub further: Witnesses,
+    /// Beside a warp that follows the rows more closely.
+    pub finer: Witnesses,
+}
+
+impl Relief {
+    /// Returns the matches that leave the epipoles undetermined. `None` if parallax shows them. It must
+    /// not vanish beside the finer warp: a rolling shutter may swing faster than the other one follows.
+    pub(super) fn doubt(self) -> Option<Witnesses> {
+        let Self { beside, finer, .. } = self;
+        if !beside.show_the_epipole() {
+            return Some(beside);
+        }
+        (!finer.are_mostly_along()).then_some(finer)
     }
 }
 
@@ -280,9 +308,7 @@ pub(in crate::estimate) struct Evidence<'a> {
     /// Distinctive matches, found without the geometry.
     pub together: Together,
     /// Matches beside the smooth warp. `None` without matches.
-    pub witnesses: Option<Witnesses>,
-    /// The same, with two more planes counted as the warp.
-    pub further: Option<Witnesses>,
+    pub relief: Option<Relief>,
     /// Matches with the mirror image. `None` if most matches of the image as it is are right.
     pub mirror: Option<Mirror>,
     /// Pattern of the residuals. `None` without neighbouring matches.

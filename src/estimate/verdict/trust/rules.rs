@@ -12,7 +12,7 @@
 //! numbers from results of known truth, with right and wrong clicks (`lab/notes.md` has the
 //! figures).
 
-use super::evidence::{BarcodeEvidence, Evidence, PlaneEvidence, RefinedOn, Witnesses};
+use super::evidence::{BarcodeEvidence, Evidence, PlaneEvidence, RefinedOn, Relief, Witnesses};
 use super::{Reason, Suspect, Trust, Verdict};
 
 /// Fewest matches of a reliable result. A round number from results of known truth
@@ -81,10 +81,10 @@ impl Trust {
         if let Some(mirror) = evidence.mirror.filter(|mirror| mirror.is_likely()) {
             reasons.push(Reason::Mirrored { matches: mirror.flipped });
         }
-        if let Some(plane) = evidence.plane.filter(|plane| plane.leaves_the_epipoles_open(evidence.further)) {
+        if let Some(plane) = evidence.plane.filter(|plane| plane.leaves_the_epipoles_open(evidence.relief)) {
             let PlaneEvidence { share, groups, agreeing, is_still, .. } = plane;
             reasons.push(Reason::OnePlane { percent: (100.0 * share) as u32, groups, agreeing, is_still });
-        } else if let Some(witnesses) = evidence.witnesses.filter(|w| !w.show_the_epipole()) {
+        } else if let Some(witnesses) = evidence.relief.and_then(Relief::doubt) {
             let Witnesses { along, across, on_warp, .. } = witnesses;
             reasons.push(Reason::NoRelief { along, across, on_warp });
         } else if let Some(plane) = evidence.plane.filter(PlaneEvidence::is_bent) {
@@ -126,6 +126,8 @@ mod tests {
     };
     use super::*;
 
+    const SHOWN: Witnesses = Witnesses { on_warp: 300, along: 90, across: 5, off: 20 };
+    const NOTHING: Witnesses = Witnesses { on_warp: 0, along: 0, across: 0, off: 0 };
     const GOOD: Evidence = Evidence {
         patches: true,
         barcodes: None,
@@ -145,8 +147,7 @@ mod tests {
             is_still: false,
         }),
         together: Together { all: 260, off: 20, matches: 200, contradicting: 2 },
-        witnesses: Some(Witnesses { on_warp: 300, along: 90, across: 5, off: 20 }),
-        further: None,
+        relief: Some(Relief { beside: SHOWN, further: NOTHING, finer: SHOWN }),
         mirror: None,
         pattern: Some(ResidualPattern { share: 0.1, size: 0.1 }),
         side: 768.0,
@@ -236,8 +237,9 @@ mod tests {
     #[test]
     fn the_epipole_is_open_if_matches_off_the_warp_are_few_or_point_anywhere() {
         let reasons = |on_warp, along, across, off| {
-            let witnesses = Some(Witnesses { on_warp, along, across, off });
-            Trust::judge(&Evidence { witnesses, ..GOOD }).reasons
+            let beside = Witnesses { on_warp, along, across, off };
+            let relief = Some(Relief { beside, further: NOTHING, finer: SHOWN });
+            Trust::judge(&Evidence { relief, ..GOOD }).reasons
         };
         let told = |on_warp, along, across| [Reason::NoRelief { on_warp, along, across }];
         assert_eq!(reasons(380, 20, 0, 0), []);
@@ -255,7 +257,11 @@ mod tests {
         // Each two of them have an epipole, so chance explains few with others off their lines.
         assert_eq!(reasons(0, 14, 0, 5), []);
         assert_eq!(reasons(0, 9, 0, 3), told(0, 9, 0));
-        assert_eq!(Trust::judge(&Evidence { witnesses: None, ..GOOD }).reasons, []);
+        assert_eq!(Trust::judge(&Evidence { relief: None, ..GOOD }).reasons, []);
+        // It vanishes beside a warp that follows the rows.
+        let finer = Witnesses { on_warp: 395, along: 3, across: 2, off: 12 };
+        let relief = Some(Relief { beside: SHOWN, further: NOTHING, finer });
+        assert_eq!(Trust::judge(&Evidence { relief, ..GOOD }).reasons, told(395, 3, 2));
     }
 
     #[test]
@@ -270,11 +276,14 @@ mod tests {
             motions_by_chance: 9.0,
             is_still: false,
         };
-        let shown = Some(Witnesses { on_warp: 90, along: 30, across: 2, off: 8 });
-        let open = Some(Witnesses { on_warp: 90, along: 10, across: 8, off: 28 });
-        let with = |plane, further| verdict(&Evidence { plane: Some(plane), further, ..GOOD });
+        let shown = Witnesses { on_warp: 90, along: 30, across: 2, off: 8 };
+        let open = Witnesses { on_warp: 90, along: 10, across: 8, off: 28 };
+        let with = |plane, further| {
+            let relief = Some(Relief { beside: SHOWN, further, finer: SHOWN });
+            verdict(&Evidence { plane: Some(plane), relief, ..GOOD })
+        };
         assert_eq!(with(plane, shown), Verdict::Reliable);
-        for further in [open, None] {
+        for further in [open, NOTHING] {
             assert_eq!(with(plane, further), Verdict::Doubtful);
         }
         // Few matches beside one plane, and a camera that stood still, are not made up for.
