@@ -84,18 +84,9 @@ pub fn reason_in_words(reason: &Reason) -> String {
                 100.0 * margin
             )
         }
-        Reason::OnePlane { percent, is_still: true, .. } => format!(
-            "{percent} % of the matches are at the same place in both images, \
-             as if the camera stood still. \
-             Things that moved by themselves do not show the epipole. \
-             Use views from different places."
-        ),
-        Reason::OnePlane { percent, groups, agreeing, is_still: false } => format!(
-            "{percent} % of the matches fit one plane or a rotation of the camera, \
-             so the epipole is uncertain. \
-             {} Use views farther apart, or a scene with more depth.",
-            off_the_plane(agreeing, groups)
-        ),
+        Reason::OnePlane { percent, groups, agreeing, is_still } => {
+            one_plane(percent, &off_the_plane(agreeing, groups), is_still)
+        }
         Reason::NoRelief { along, across, on_warp } => format!(
             "Of {} matches found without the epipolar lines, {on_warp} follow one smooth warp, \
              {along} are off it along the lines and {across} across them. \
@@ -114,6 +105,22 @@ pub fn reason_in_words(reason: &Reason) -> String {
              Add point pairs, or use images that overlap more."
         ),
     }
+}
+
+/// Returns the message of a plane, or of a camera that stood still.
+fn one_plane(percent: u32, off_the_plane: &str, is_still: bool) -> String {
+    if is_still {
+        return format!(
+            "{percent} % of the matches are at the same place in both images, as if the camera stood still. \
+             Things that moved by themselves do not show the epipole. \
+             Use views from different places."
+        );
+    }
+    format!(
+        "{percent} % of the matches fit one plane or a rotation of the camera, \
+         so the epipole is uncertain. \
+         {off_the_plane} Use views farther apart, or a scene with more depth."
+    )
 }
 
 /// Returns a sentence on whether the matches off the plane confirm the epipole.
