@@ -5,7 +5,8 @@
 //! quite flat. None of them determines the epipole.
 //!
 //! Null hypothesis: the matches follow one smooth warp, `x2 = H(x1) + p(x1) + r(x1)`, with a
-//! homography `H`, polynomials `p` of degree 4, and cubic splines `r` of the row (a rolling shutter). Matches beside the warp are wrong, and lie in any direction from their place
+//! homography `H`, polynomials `p` of degree 4, and cubic splines `r` of the row (a rolling shutter).
+//! Matches beside the warp are wrong, and lie in any direction from their place
 //! on it. If the epipole is right, they lie along their epipolar lines.
 //!
 //! Only matches that were found without the geometry testify: the others lie on the lines by
@@ -212,6 +213,7 @@ fn besides(
     (on_warp, beside)
 }
 
+/// Counts the matches beside a warp by their direction.
 fn counted(beside: &[Beside], on_warp: usize, tolerance: f64) -> Witnesses {
     let count = |is: fn(&Beside, f64) -> bool| beside.iter().filter(|m| is(m, tolerance)).count();
     Witnesses {
