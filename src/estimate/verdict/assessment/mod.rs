@@ -287,3 +287,21 @@ fn plane_homography(h: &Matrix3<f64>, matches: &[PointPair], tolerance: f64) -> 
         residual: median(residuals),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plane_whose_matches_hardly_move_is_that_of_a_still_camera() {
+        let moved = |dx: f64| -> Vec<PointPair> {
+            let at = |k: i32| (f64::from(k % 8) * 40.0, f64::from(k / 8) * 30.0);
+            // One of five matches is beside the plane.
+            let by = |k: i32| if k % 5 == 0 { 25.0 } else { dx };
+            (0..64).map(|k| (at(k), by(k))).map(|((x, y), by)| PointPair::new(x, y, x + by, y)).collect()
+        };
+        let shift = |dx: f64| Matrix3::new(1.0, 0.0, dx, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
+        assert!(leaves_in_place(&shift(0.2), &moved(0.2), 1.0));
+        assert!(!leaves_in_place(&shift(3.0), &moved(3.0), 1.0));
+    }
+}

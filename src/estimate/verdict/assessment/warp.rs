@@ -227,14 +227,18 @@ fn counted(beside: &[Beside], on_warp: usize, tolerance: f64) -> Witnesses {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::exact::{ExactScene, FRAME};
+    use crate::estimate::exact::{ExactScene, FRAME, rows};
     use crate::geometry::homography;
 
     fn of(matches: &[PointPair], f: &FundamentalMatrix) -> Witnesses {
+        all(matches, f).beside
+    }
+
+    fn all(matches: &[PointPair], f: &FundamentalMatrix) -> Relief {
         let h = homography(matches).unwrap();
         let found: Vec<UnguidedMatch> =
             matches.iter().map(|pair| UnguidedMatch { pair: *pair, prior: 0.9 }).collect();
-        relief(&found, matches, &h, f, FRAME, 1.0, 0).unwrap().beside
+        relief(&found, matches, &h, f, FRAME, 1.0, 0).unwrap()
     }
 
     /// A camera that turns behind a lens: a homography between radially distorted images.
@@ -290,5 +294,22 @@ mod tests {
         let matches: Vec<PointPair> = grid().map(swung).collect();
         let found = of(&matches, &ExactScene::aside().fundamental());
         assert!(found.on_warp > 380, "{found:?}");
+    }
+
+    #[test]
+    fn two_flat_things_that_slide_along_the_lines_are_no_relief_beside_further_planes() {
+        let slid = |point1: Point| {
+            let shift = match (point1.x, point1.y) {
+                (x, y) if x < 90.0 && y < 110.0 => 9.0,
+                (x, y) if x > 220.0 && y > 130.0 => -6.0,
+                _ => 0.0,
+            };
+            PointPair { point1, point2: point1 + Vector::new(shift, 0.0) }
+        };
+        let slid: Vec<PointPair> = grid().map(slid).collect();
+        let found = all(&slid, &rows(0.0));
+        // Beside the edges of the things, the warp pulls some matches of the background along.
+        assert!(found.beside.along > 100 && found.further.along < 20, "{found:?}");
+        assert!(!found.further.show_the_epipole(), "{found:?}");
     }
 }
