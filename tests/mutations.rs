@@ -22,7 +22,7 @@ use epiline::geometry::{Frame, FundamentalMatrix, Point, PointPair};
 use epiline::image::{LoadOptions, Picture};
 use epiline::io::{
     Calibration, Format, GeometryFile, ImageNote, ImageReference, ImageSource, OutputFile, SessionFile,
-    parse_point_pairs, read_camera, read_matches,
+    focal_length_from_exif, parse_point_pairs, read_camera, read_matches,
 };
 use image::{DynamicImage, ImageFormat};
 
@@ -154,6 +154,7 @@ fn corpus() -> Vec<Sample> {
             }
         }
     }
+    add("photograph.jpg", include_bytes!("mutations/photograph.jpg").to_vec(), Reader::Picture);
     let file = geometry();
     for format in Format::ALL {
         add(format.name(), file.to_text(format).into_bytes(), Reader::Text);
@@ -241,6 +242,9 @@ fn read(bytes: &[u8], reader: Reader, file: &Path) -> Vec<String> {
         Reader::Picture => {
             let options = LoadOptions { most_pixels: MOST_PIXELS };
             hear(Picture::from_bytes_with("picture", bytes, options).err().map(|e| e.to_string()));
+            std::fs::write(file, bytes).unwrap();
+            let focal = focal_length_from_exif(file, FRAME);
+            assert!(focal.is_none_or(|focal| focal.pixels.is_finite() && focal.pixels > 0.0));
         }
         Reader::Text => {
             if let Ok(text) = std::str::from_utf8(bytes) {

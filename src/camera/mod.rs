@@ -2,8 +2,8 @@
 //!
 //! A [`CameraModel`] maps rays to pixels and back. Where a lens folds back or has no inverse, the
 //! answer is `None`. With a lens, an epipolar line is a curve in the picture; in an
-//! [`UndistortedView`] it is straight, so `F` belongs to two such views. [`fit_pose`] makes a pose
-//! from `F` and the calibration matrices of the views.
+//! [`UndistortedView`] it is straight, so `F` belongs to two such views. [`ViewPair::fit_pose`] makes a
+//! pose from `F` and the calibration matrices of the views.
 //!
 //! # Conventions
 //! - Camera axes: x right, y down, z forwards. `x2 = R x1 + t`.
@@ -21,10 +21,10 @@ mod view_pair;
 
 pub use cloud::{Baseline, CloudPoint, LengthUnit, PointCloud};
 pub use lens::{Lens, Projection, Radial};
-pub use model::CameraModel;
+pub use model::{CameraModel, FocalLength};
 #[cfg(feature = "files")]
 pub(crate) use names::IMPOSSIBLE;
 pub use names::calibration;
-pub use pose::{PoseDifference, PoseFit, PoseUncertainty, RelativePose, fit_pose};
+pub use pose::{PoseDifference, PoseFit, PoseUncertainty, RelativePose};
 pub use undistorted_view::UndistortedView;
 pub use view_pair::ViewPair;

@@ -4,7 +4,8 @@ use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::lens::{Lens, Projection};
-use crate::geometry::Point;
+use super::names::calibration;
+use crate::geometry::{Frame, Point};
 
 /// A camera model: calibration matrix and lens. The centre of the top-left pixel is (0, 0).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -19,6 +20,17 @@ pub struct CameraModel {
     lens: Lens,
     /// Undistorted radius at which the lens folds back.
     fold: f64,
+    /// Relative standard deviation of the focal length; 0 for a calibration.
+    focal_deviation: f64,
+}
+
+/// A focal length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FocalLength {
+    /// The focal length, px.
+    pub pixels: f64,
+    /// Its relative standard deviation; 0 for one that is known.
+    pub deviation: f64,
 }
 
 /// A camera model in files.
@@ -27,20 +39,25 @@ struct Written {
     /// Calibration matrix as nested rows.
     matrix: [[f64; 3]; 3],
     lens: Lens,
+    #[serde(default)]
+    focal_deviation: f64,
 }
 
 impl From<CameraModel> for Written {
     fn from(camera: CameraModel) -> Self {
-        Self { matrix: camera.calibration().transpose().data.0, lens: camera.lens }
+        let CameraModel { lens, focal_deviation, .. } = camera;
+        Self { matrix: camera.calibration().transpose().data.0, lens, focal_deviation }
     }
 }
 
 impl TryFrom<Written> for CameraModel {
     type Error = &'static str;
 
-    fn try_from(Written { matrix, lens }: Written) -> Result<Self, Self::Error> {
+    fn try_from(Written { matrix, lens, focal_deviation }: Written) -> Result<Self, Self::Error> {
         let calibration = Matrix3::from_fn(|row, column| matrix[row][column]);
-        Self::new(&calibration, lens).ok_or("the calibration of a camera is impossible")
+        let is_deviation = (0.0..1.0).contains(&focal_deviation);
+        let camera = Self::new(&calibration, lens).filter(|_| is_deviation);
+        Ok(Self { focal_deviation, ..camera.ok_or("the calibration of a camera is impossible")? })
     }
 }
 
@@ -56,7 +73,23 @@ impl CameraModel {
         let is_finite = derivatives.iter().all(|v| v.is_finite());
         let is_valid = is_sound && is_finite && focal.iter().all(|f| *f > 0.0);
         let principal = Point::new(k[(0, 2)], k[(1, 2)]);
-        is_valid.then(|| Self { focal, principal, skew: k[(0, 1)], lens, fold: lens.fold() })
+        let (skew, fold) = (k[(0, 1)], lens.fold());
+        is_valid.then_some(Self { focal, principal, skew, lens, fold, focal_deviation: 0.0 })
+    }
+
+    /// Returns the camera of a focal length: without distortion, with square pixels, and with the
+    /// principal point in the middle of its pictures. `None` unless the focal length is positive and finite,
+    /// and its deviation at least 0 and below 1.
+    pub fn of_focal_length(focal: FocalLength, frame: Frame) -> Option<Self> {
+        let FocalLength { pixels, deviation } = focal;
+        let calibration = calibration([pixels; 2], [0.5 * frame.right(), 0.5 * frame.bottom()]);
+        let camera = Self::new(&calibration, Lens::IDEAL).filter(|_| (0.0..1.0).contains(&deviation))?;
+        Some(Self { focal_deviation: deviation, ..camera })
+    }
+
+    /// Returns the relative standard deviation of the focal length: 0 for a calibration.
+    pub fn focal_deviation(&self) -> f64 {
+        self.focal_deviation
     }
 
     /// Returns the calibration matrix `K`.

@@ -37,8 +37,7 @@ pub struct PoseFit {
 }
 
 /// Standard deviations of a relative pose, radians. Matches of one of nine regions of image 1 are
-/// taken as off alike, so the deviations are too large where they are independent. The calibration is
-/// taken as exact.
+/// taken as off alike, so the deviations are too large where they are independent.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PoseUncertainty {
     /// Of the rotation: of its largest component.
@@ -189,6 +188,13 @@ impl PoseFit {
         Some(entries * self.uncertainty?.covariance * entries.transpose())
     }
 
+    /// Adds to the uncertainty what a change of the calibration by one standard deviation does to the pose.
+    pub(super) fn widened(&mut self, changed: &RelativePose) {
+        let change = self.pose.change_to(changed);
+        self.uncertainty =
+            self.uncertainty.map(|known| PoseUncertainty::of(known.covariance + change * change.transpose()));
+    }
+
     /// Compares the fitted pose with another. `None` without uncertainty.
     pub fn difference(&self, other: &RelativePose) -> Option<PoseDifference> {
         let uncertainty = self.uncertainty?;
@@ -204,12 +210,25 @@ impl PoseFit {
     }
 }
 
+impl PoseUncertainty {
+    fn of(covariance: Matrix5<f64>) -> Self {
+        let rotation: Matrix3<f64> = covariance.fixed_view::<3, 3>(0, 0).into();
+        let translation: SMatrix<f64, 2, 2> = covariance.fixed_view::<2, 2>(3, 3).into();
+        let largest = |eigenvalue: f64| eigenvalue.max(0.0).sqrt();
+        Self {
+            rotation: largest(rotation.symmetric_eigenvalues().max()),
+            translation: largest(translation.symmetric_eigenvalues().max()),
+            covariance,
+        }
+    }
+}
+
 /// Refines the pose of a fundamental matrix on matches: five numbers, Sampson distances in pixels
 /// with a Cauchy loss whose scale is the median distance.
 ///
-/// `calibrations` are those of images without distortion, `frame1` the size of image 1. `None` for
-/// fewer than 10 matches, or without a pose.
-pub fn fit_pose(
+/// `calibrations` are those of images without distortion and taken as exact, `frame1` is the size of
+/// image 1. `None` for fewer than 10 matches, or without a pose.
+pub(super) fn fit_pose(
     fundamental: &FundamentalMatrix,
     calibrations: &[Matrix3<f64>; 2],
     matches: &[PointPair],
@@ -286,15 +305,7 @@ fn uncertainty(
         let by = SVector::<f64, 5>::from_fn(|n, _| derivatives[n][k] / deviation);
         information += by * by.transpose() / ((1.0 + (r / scale).powi(2)) * sizes[regions[k]]);
     }
-    let covariance = information.cholesky()?.inverse();
-    let rotation: Matrix3<f64> = covariance.fixed_view::<3, 3>(0, 0).into();
-    let translation: SMatrix<f64, 2, 2> = covariance.fixed_view::<2, 2>(3, 3).into();
-    let largest = |eigenvalue: f64| eigenvalue.max(0.0).sqrt();
-    Some(PoseUncertainty {
-        rotation: largest(rotation.symmetric_eigenvalues().max()),
-        translation: largest(translation.symmetric_eigenvalues().max()),
-        covariance,
-    })
+    Some(PoseUncertainty::of(information.cholesky()?.inverse()))
 }
 
 /// Returns the weighted normal equations of a step.

@@ -4,6 +4,7 @@ use nalgebra::{Matrix2x3, Matrix3, Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
+use super::pose::fit_pose;
 use super::*;
 use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair, sampson_distance};
 
@@ -147,12 +148,18 @@ fn a_view_without_distortion_has_straight_lines_and_the_scale_of_the_middle() {
 
 /// Two views of random points, with noise in image 2.
 fn scene(seed: u64, noise: f64) -> (RelativePose, [Matrix3<f64>; 2], Vec<PointPair>) {
+    let calibrations = [calibration([600.0; 2], [320.0, 240.0]), calibration([650.0, 640.0], [310.0, 250.0])];
+    let (pose, matches) = seen_by(&calibrations, seed, noise);
+    (pose, calibrations, matches)
+}
+
+/// A pose, and matches in pictures with these calibration matrices.
+fn seen_by(calibrations: &[Matrix3<f64>; 2], seed: u64, noise: f64) -> (RelativePose, Vec<PointPair>) {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let mut number = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
     let rotation = Rotation3::from_euler_angles(number(-0.2, 0.2), number(-0.3, 0.3), number(-0.5, 0.5));
     let translation = Vector3::new(number(-1.0, 1.0), number(-0.5, 0.5), number(-0.5, 0.5)).normalize();
     let pose = RelativePose { rotation, translation };
-    let calibrations = [calibration([600.0; 2], [320.0, 240.0]), calibration([650.0, 640.0], [310.0, 250.0])];
     let mut matches = Vec::new();
     while matches.len() < 300 {
         let x = Vector3::new(number(-4.0, 4.0), number(-3.0, 3.0), number(4.0, 9.0));
@@ -164,7 +171,40 @@ fn scene(seed: u64, noise: f64) -> (RelativePose, [Matrix3<f64>; 2], Vec<PointPa
             matches.push(PointPair::new(p.x, p.y, q.x + noise * gauss(), q.y + noise * gauss()));
         }
     }
-    (pose, calibrations, matches)
+    (pose, matches)
+}
+
+#[test]
+fn a_pose_by_guessed_focal_lengths_is_as_uncertain_as_they_are() {
+    let camera =
+        |pixels, deviation| CameraModel::of_focal_length(FocalLength { pixels, deviation }, FRAME).unwrap();
+    let trials = 40;
+    let (mut guessed, mut exact) = (0, 0);
+    for seed in 0..trials {
+        let truth = [camera(600.0, 0.0), camera(500.0, 0.0)];
+        let (pose, matches) = seen_by(&truth.each_ref().map(CameraModel::calibration), 200 + seed, 0.3);
+        let views = |cameras: [CameraModel; 2]| ViewPair::new(cameras.each_ref(), [FRAME; 2]).unwrap();
+        let f = pose.fundamental(&views(truth).calibrations()).unwrap();
+        let significant = |cameras| {
+            let fit = views(cameras).fit_pose(&f, &matches).unwrap();
+            usize::from(fit.difference(&pose).unwrap().is_significant)
+        };
+        // Both are off by one deviation.
+        guessed += significant([camera(630.0, 0.05), camera(475.0, 0.05)]);
+        exact += significant([camera(630.0, 0.0), camera(475.0, 0.0)]);
+    }
+    assert!(guessed == 0 && exact > trials as usize / 2, "{guessed} {exact}");
+    // Equal guesses are off alike, so their effects add up.
+    let (pose, matches) = seen_by(&[camera(600.0, 0.0).calibration(); 2], 1, 0.3);
+    let rotation = |cameras: [CameraModel; 2]| {
+        let views = ViewPair::new(cameras.each_ref(), [FRAME; 2]).unwrap();
+        let f = pose.fundamental(&views.calibrations()).unwrap();
+        views.fit_pose(&f, &matches).unwrap().uncertainty.unwrap().rotation
+    };
+    let [same, known] = [0.05, 0.0].map(|deviation| rotation([camera(600.0, deviation); 2]));
+    assert!(same > known, "{same} {known}");
+    assert!(CameraModel::of_focal_length(FocalLength { pixels: 600.0, deviation: 1.0 }, FRAME).is_none());
+    assert!(CameraModel::of_focal_length(FocalLength { pixels: -1.0, deviation: 0.0 }, FRAME).is_none());
 }
 
 #[test]

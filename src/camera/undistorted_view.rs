@@ -131,10 +131,11 @@ impl UndistortedView {
 }
 
 impl Serialize for UndistortedView {
-    /// Writes the calibration matrix as nested rows, the size, and the size and the camera of the original.
+    /// Writes the calibration matrix as nested rows, the size, the size and the camera of the original, and
+    /// the relative standard deviation of a guessed focal length.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let rows = |m: &Matrix3<f64>| m.transpose().data.0;
-        let mut state = serializer.serialize_struct("UndistortedView", 8)?;
+        let mut state = serializer.serialize_struct("UndistortedView", 9)?;
         state.serialize_field("matrix", &rows(&self.calibration))?;
         state.serialize_field("width", &self.frame.width)?;
         state.serialize_field("height", &self.frame.height)?;
@@ -143,6 +144,7 @@ impl Serialize for UndistortedView {
         state.serialize_field("original_matrix", &rows(&self.camera.calibration()))?;
         state.serialize_field("lens", self.camera.lens())?;
         state.serialize_field("is_original", &self.is_original())?;
+        state.serialize_field("focal_deviation", &self.camera.focal_deviation())?;
         state.end()
     }
 }

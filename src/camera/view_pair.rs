@@ -3,6 +3,7 @@
 use nalgebra::Matrix3;
 
 use super::model::CameraModel;
+use super::pose::{PoseFit, fit_pose};
 use super::undistorted_view::UndistortedView;
 use crate::geometry::{Frame, FundamentalMatrix, Line, Point, PointPair};
 
@@ -37,6 +38,31 @@ impl ViewPair {
     /// Returns the sizes of the views.
     pub fn frames(&self) -> [Frame; 2] {
         self.views.each_ref().map(UndistortedView::frame)
+    }
+
+    /// Refines the pose of a fundamental matrix of the views on matches: five numbers, Sampson distances
+    /// in pixels with a Cauchy loss whose scale is the median distance. The uncertainty covers the noise of
+    /// the matches and guessed focal lengths; equal guesses are taken as off alike.
+    ///
+    /// `None` for fewer than 10 matches, or without a pose.
+    pub fn fit_pose(&self, fundamental: &FundamentalMatrix, matches: &[PointPair]) -> Option<PoseFit> {
+        let calibrations = self.calibrations();
+        let [first, second] = self.views.each_ref().map(|view| view.camera().focal_deviation());
+        let fit =
+            |calibrations: &[Matrix3<f64>; 2]| fit_pose(fundamental, calibrations, matches, self.frames()[0]);
+        let mut found = fit(&calibrations)?;
+        let is_same = self.views[0].camera() == self.views[1].camera();
+        let changes = if is_same { [[first, first], [0.0; 2]] } else { [[first, 0.0], [0.0, second]] };
+        for change in changes.iter().filter(|change| change.iter().any(|by| *by > 0.0)) {
+            let longer = [0, 1].map(|k| {
+                let mut calibration = calibrations[k];
+                calibration[(0, 0)] *= 1.0 + change[k];
+                calibration[(1, 1)] *= 1.0 + change[k];
+                calibration
+            });
+            found.widened(&fit(&longer)?.pose);
+        }
+        Some(found)
     }
 
     /// Returns a point pair of the pictures in the views.

@@ -1,16 +1,17 @@
 //! Calibrated pairs: cameras from files, pictures without distortion.
 
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 
 use super::CliError;
-use crate::camera::ViewPair;
+use crate::camera::{CameraModel, FocalLength, LengthUnit, ViewPair};
 use crate::estimate::Match;
 use crate::foreign::shown_path;
 use crate::geometry::PointPair;
 use crate::image::Picture;
-use crate::io::{CalibratedCamera, Calibration};
+use crate::io::{CalibratedCamera, Calibration, focal_length_from_exif};
 
 /// Cameras of both images.
 #[derive(Debug, Args)]
@@ -24,6 +25,40 @@ pub(super) struct CalibrationArguments {
     camera_names: Option<Vec<String>>,
 }
 
+/// Cameras of both images, from a calibration or their focal lengths alone.
+#[derive(Debug, Args)]
+#[command(group = ArgGroup::new("known_cameras").args(["calibration", "focal_length"]))]
+pub(super) struct CameraArguments {
+    #[command(flatten)]
+    calibration: CalibrationArguments,
+    /// Focal length of both images or of each, in place of a calibration; "exif" guesses it from the data of
+    /// a photograph. The principal point is taken to be in the middle, and the lens without distortion
+    #[arg(long, num_args = 1..=2, value_name = "PX")]
+    focal_length: Option<Vec<TypedFocal>>,
+}
+
+/// A focal length of the command line.
+#[derive(Debug, Clone, Copy)]
+enum TypedFocal {
+    /// A typed one, px.
+    Pixels(f64),
+    /// That of the EXIF data.
+    Exif,
+}
+
+impl FromStr for TypedFocal {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let number = text.parse().ok().filter(|focal: &f64| focal.is_finite() && *focal > 0.0);
+        match number {
+            Some(focal) => Ok(Self::Pixels(focal)),
+            None if text == "exif" => Ok(Self::Exif),
+            None => Err("a focal length is a positive number of pixels, or exif"),
+        }
+    }
+}
+
 /// Two calibrated cameras.
 pub(super) struct CalibratedPair {
     pub(super) cameras: [CalibratedCamera; 2],
@@ -35,7 +70,7 @@ impl CalibrationArguments {
         self.calibration.iter().flatten().map(PathBuf::as_path)
     }
 
-    /// Reads the cameras.
+    /// Reads the calibration.
     pub(super) fn read(&self) -> Result<Option<CalibratedPair>, CliError> {
         let Some(files) = &self.calibration else { return Ok(None) };
         let names = match self.camera_names.as_deref() {
@@ -51,6 +86,52 @@ impl CalibrationArguments {
             _ => pair(&files[0])?,
         };
         Ok(Some(CalibratedPair { cameras: [first, second] }))
+    }
+}
+
+impl CameraArguments {
+    /// Returns the files.
+    pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
+        self.calibration.files()
+    }
+
+    /// Reads the calibration.
+    pub(super) fn read(&self) -> Result<Option<CalibratedPair>, CliError> {
+        self.calibration.read()
+    }
+
+    /// Returns the calibrated cameras, or those of the given focal lengths.
+    pub(super) fn of_pictures(
+        &self,
+        calibrated: Option<CalibratedPair>,
+        pictures: &[Picture; 2],
+    ) -> Result<Option<CalibratedPair>, CliError> {
+        let Some(lengths) = &self.focal_length else { return Ok(calibrated) };
+        let camera = |k: usize| -> Result<CalibratedCamera, CliError> {
+            let (picture, side) = (&pictures[k], ["left", "right"][k]);
+            let frame = picture.frame();
+            let focal = match lengths[k.min(lengths.len() - 1)] {
+                TypedFocal::Pixels(pixels) => Some(FocalLength { pixels, deviation: 0.0 }),
+                TypedFocal::Exif => {
+                    picture.path.as_deref().and_then(|path| focal_length_from_exif(path, frame))
+                }
+            };
+            let model = focal.and_then(|focal| CameraModel::of_focal_length(focal, frame));
+            let untold = || {
+                CliError::Arguments(format!(
+                    "the EXIF data of the {side} image do not tell its focal length. Give it in pixels \
+                     (--focal-length PX)"
+                ))
+            };
+            Ok(CalibratedCamera {
+                name: side.to_owned(),
+                model: model.ok_or_else(untold)?,
+                frame: Some(frame),
+                pose: None,
+                unit: LengthUnit::Baseline,
+            })
+        };
+        Ok(Some(CalibratedPair { cameras: [camera(0)?, camera(1)?] }))
     }
 }
 

@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::CliError;
 use super::arguments::{ImagePair, on_threads, point_pair, threads};
-use super::calibration::{CalibrationArguments, undistort_matches, undistorted, undistorted_pairs};
+use super::calibration::{CameraArguments, undistort_matches, undistorted, undistorted_pairs};
 use super::console::tell;
 use super::overrides::Overrides;
 use super::result_output::{Beside, ResultArguments};
@@ -48,7 +48,7 @@ pub(super) struct EstimateArguments {
     #[arg(long, value_name = "FILE", conflicts_with = "method")]
     matches: Option<PathBuf>,
     #[command(flatten)]
-    calibration: CalibrationArguments,
+    cameras: CameraArguments,
     #[command(flatten)]
     result: ResultArguments,
     #[command(flatten)]
@@ -63,8 +63,7 @@ struct EstimateInput {
 
 /// Estimates F, writes the JSON file and prints the summary.
 pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
-    let files =
-        arguments.images.files().chain(arguments.calibration.files()).chain(arguments.matches.as_deref());
+    let files = arguments.images.files().chain(arguments.cameras.files()).chain(arguments.matches.as_deref());
     let output = arguments.result.prepare(&files.collect::<Vec<_>>())?;
     let mut parameters = arguments.overrides.parameters(arguments.preset)?;
     parameters.seed = arguments.seed;
@@ -75,9 +74,10 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     };
     parameters.method = arguments.method.unwrap_or(fallback);
 
-    let calibrated = arguments.calibration.read()?;
+    let calibrated = arguments.cameras.read()?;
     let mut given = arguments.matches.as_deref().map(read_matches).transpose()?;
     let mut input = input(arguments, parameters.pairs_needed(), parameters.method)?;
+    let calibrated = arguments.cameras.of_pictures(calibrated, &input.pictures)?;
     let baseline = calibrated.as_ref().and_then(|calibrated| CalibratedCamera::baseline(&calibrated.cameras));
     let views = calibrated.map(|calibrated| calibrated.views(&input.pictures)).transpose()?;
     if let Some(views) = &views {

@@ -14,7 +14,7 @@ use super::arguments::{ImagePair, on_threads, pixels, threads};
 use super::calibration::{CalibrationArguments, undistort_matches, undistorted};
 use super::estimate::watched;
 use super::output::Output;
-use crate::camera::{PoseDifference, RelativePose, ViewPair, fit_pose};
+use crate::camera::{PoseDifference, RelativePose, ViewPair};
 use crate::estimate::{Match, Monitor, Parameters, Uncertainty, Verdict, estimate, estimate_fundamental};
 use crate::foreign::{reason, shown_path};
 use crate::geometry::{Camera, Frame, FundamentalMatrix, Matrix9, PointPair};
@@ -155,7 +155,7 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     let found: Judgement = judge(&given, &reference, arguments.limit.unwrap_or(LIMIT)).ok_or_else(too_few)?;
     let mut words = judgement_in_words(&found);
     let difference = stereo.and_then(|(pose, views)| {
-        let fit = fit_pose(&fundamental, &views.calibrations(), matches, frames[0])?;
+        let fit = views.fit_pose(&fundamental, matches)?;
         // Without parallax the matches determine no pose.
         fit.difference(&pose).filter(|_| is_trusted)
     });

@@ -8,9 +8,9 @@ use image::DynamicImage;
 
 use super::CliError;
 use super::arguments::{ImagePair, megapixels, on_threads, threads};
-use super::calibration::{CalibratedPair, CalibrationArguments, undistorted_pairs};
+use super::calibration::{CalibratedPair, CameraArguments, undistorted_pairs};
 use super::console::print;
-use crate::camera::{RelativePose, ViewPair, fit_pose};
+use crate::camera::{RelativePose, ViewPair};
 use crate::cancel::CancelFlag;
 use crate::foreign::shown_path;
 use crate::geometry::{FundamentalMatrix, PointPair};
@@ -31,7 +31,7 @@ pub(super) struct RectifyArguments {
     #[arg(long, value_name = "FILE", required_unless_present = "calibration")]
     fundamental: Option<PathBuf>,
     #[command(flatten)]
-    calibration: CalibrationArguments,
+    cameras: CameraArguments,
     /// Folder for the pictures and rectification.json; created if missing
     #[arg(long, value_name = "DIR")]
     output: PathBuf,
@@ -43,7 +43,7 @@ pub(super) struct RectifyArguments {
     matches: Option<PathBuf>,
     /// Write a pair that a stereo program reads, with its calibration: parallel cameras, positive
     /// disparities, pictures of 8 bits
-    #[arg(long = "for", value_enum, value_name = "PROGRAM", requires = "calibration")]
+    #[arg(long = "for", value_enum, value_name = "PROGRAM", requires = "known_cameras")]
     program: Option<StereoProgram>,
     /// Format of the pictures
     #[arg(long, value_enum, default_value_t = PictureFormat::default())]
@@ -71,11 +71,12 @@ struct Posed {
 
 /// Rectifies the images, writes the folder and prints a summary.
 pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
-    let calibrated = arguments.calibration.read()?;
+    let calibrated = arguments.cameras.read()?;
     let given = arguments.matches.as_deref().map(read_point_pairs).transpose()?;
     let fundamental = arguments.fundamental.as_deref().map(|path| read_result(path, calibrated.is_some()));
     let (pictures, known) = arguments.images.load()?;
     let mut matches = given.or(known).unwrap_or_default();
+    let calibrated = arguments.cameras.of_pictures(calibrated, &pictures)?;
     let views = calibrated.as_ref().map(|calibrated| calibrated.views(&pictures)).transpose()?;
     let fundamental = fundamental.transpose()?;
     if let Some(views) = &views {
@@ -91,7 +92,7 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let limits = arguments.max_megapixels.map_or_else(Limits::default, |pixels| Limits { pixels });
     let images = pictures.iter().filter_map(|picture| picture.path.as_deref());
     let inputs = images.chain(arguments.fundamental.as_deref()).chain(arguments.matches.as_deref());
-    let inputs: Vec<&Path> = inputs.chain(arguments.calibration.files()).collect();
+    let inputs: Vec<&Path> = inputs.chain(arguments.cameras.files()).collect();
     if let (Some(program), Some(views)) = (arguments.program, &views) {
         let posed = posed.ok_or_else(no_pose)??;
         let files = StereoPairFiles::prepare(&arguments.output, program, &inputs)?;
@@ -165,7 +166,7 @@ fn posed(
         return Ok(Posed { pose, baseline: Some(baseline) });
     };
     let calibrations = views.calibrations();
-    let fit = fit_pose(fundamental, &calibrations, matches, views.frames()[0]);
+    let fit = views.fit_pose(fundamental, matches);
     let pose = fit
         .map(|fit| fit.pose)
         .or_else(|| RelativePose::from_fundamental(fundamental, &calibrations, matches));

@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::CliError;
 use super::geometry_file::{GeometryOutput, image_notes};
 use super::output::Output;
-use crate::camera::{Baseline, PointCloud, PoseFit, ViewPair, fit_pose};
+use crate::camera::{Baseline, PointCloud, PoseFit, UndistortedView, ViewPair};
 use crate::estimate::{Estimate, Parameters, Uncertainty};
 use crate::geometry::{Camera, PointPair, median, sampson_distance};
 use crate::image::Picture;
@@ -112,6 +112,7 @@ impl ResultOutput {
             words += &pose
                 .as_ref()
                 .map_or_else(|| "Relative pose: too few matches for one\n".to_owned(), pose_in_words);
+            words += &guess_in_words(views);
             if views.is_undistorted() {
                 words += "All coordinates are those of the views without distortion\n";
             }
@@ -131,10 +132,24 @@ fn given_in_words(found: &Estimate, given: &[PointPair]) -> String {
     )
 }
 
+/// Tells guessed focal lengths; empty for a calibration.
+fn guess_in_words(views: &ViewPair) -> String {
+    let cameras = views.views.each_ref().map(UndistortedView::camera);
+    let Some(deviation) = cameras.iter().map(|camera| camera.focal_deviation()).find(|d| *d > 0.0) else {
+        return String::new();
+    };
+    let [left, right] = cameras.map(|camera| camera.calibration()[(0, 0)]);
+    format!(
+        "Focal lengths guessed from EXIF data: {left:.0} and {right:.0} px ± {:.0} %, which the ± of the pose \
+         includes\n",
+        100.0 * deviation
+    )
+}
+
 /// Refines the pose of a result on its matches.
 fn pose(found: &Estimate, views: &ViewPair) -> Option<PoseFit> {
     let matches: Vec<PointPair> = found.matches().iter().map(|found| found.pair).collect();
-    fit_pose(found.fundamental(), &views.calibrations(), &matches, views.frames()[0])
+    views.fit_pose(found.fundamental(), &matches)
 }
 
 /// Triangulates the matches.

@@ -6,6 +6,7 @@ mod camera_rig;
 #[cfg(feature = "colmap")]
 mod colmap;
 mod covariance;
+mod exif;
 mod geometry_file;
 mod ground_truth;
 mod hash;
@@ -33,6 +34,7 @@ pub use calibration::{CalibratedCamera, Calibration, CameraPose};
 pub use camera_rig::CameraRig;
 #[cfg(feature = "colmap")]
 pub use colmap::{ColmapError, ColmapPair};
+pub use exif::focal_length_from_exif;
 pub use geometry_file::{
     CalibratedNote, Format, GeometryFile, ImageNote, Notation, PairLabel, PairOrigin, Problem, TrustNote,
     read_fundamental, read_point_pairs,

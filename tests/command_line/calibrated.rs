@@ -112,6 +112,14 @@ fn clicks_in_bent_pictures_give_the_geometry_of_straight_ones_and_a_pose() {
     let output = run(&["estimate", &near, &far]);
     let summary = text(&output.stdout);
     assert!(!summary.contains("Relative pose"), "{summary}");
+    // A focal length alone gives a pose, and leaves the geometry.
+    let typed = run(&["estimate", &near, &far, "--focal-length", "700"]);
+    let typed = text(&typed.stdout);
+    assert!(typed.contains("Relative pose") && !typed.contains("guessed"), "{typed}");
+    let matrix = |summary: &str| summary.lines().take(4).map(str::to_owned).collect::<Vec<_>>();
+    assert_eq!(matrix(&typed), matrix(&summary));
+    fails(&["estimate", &near, &far, "--focal-length", "exif"], 2, "do not tell its focal length");
+    fails(&["estimate", &near, &far, "--focal-length", "0"], 2, "a positive number of pixels, or exif");
     // The result says that it belongs to other pictures.
     let result = lens.pictures.text("result.json");
     let folder = lens.pictures.text("rectified");

@@ -2,6 +2,7 @@
 
 use crate::support::*;
 
+use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Shape, TouchPhase, vec2};
 use egui_kittest::kittest::Queryable;
 use epiline::camera::{CameraModel, RelativePose, ViewPair};
@@ -130,13 +131,48 @@ fn the_scene_of_a_calibrated_pair_turns_and_leads_back_to_the_pictures() {
 }
 
 #[test]
-fn the_scene_is_offered_only_with_a_calibration_and_goes_with_its_pictures() {
+fn typed_focal_lengths_give_a_scene_and_leave_the_geometry() {
+    let files = Files::new();
+    let opening = Opening::Files(files.image("a.png", 320, 240), files.image("b.png", 320, 240));
+    let pairs = vec![PointPair::new(30.0, 40.0, 50.0, 42.0), PointPair::new(250.0, 200.0, 270.0, 190.0)];
+    let mut window = window(Start { opening, pairs, ..Start::default() }, exact());
+    settle(&mut window);
+    let fundamental = |window: &Window| *window.state().model().shown().unwrap().fundamental;
+    let before = fundamental(&window);
+    press(&mut window, Key::Num7);
+    assert_eq!(stage(&window), StageId::Pictures);
+    for (name, text) in [("Left image", "-3"), ("Right image", "300")] {
+        window.get_by_role_and_label(Role::TextInput, name).focus();
+        window.step();
+        window.get_by_role_and_label(Role::TextInput, name).type_text(text);
+        window.step();
+    }
+    assert!(window.query_by_label("not a positive number").is_some());
+    press(&mut window, Key::Enter);
+    assert_eq!(stage(&window), StageId::Pictures, "nothing to use yet");
+    window.get_by_role_and_label(Role::TextInput, "Left image").focus();
+    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.step();
+    window.get_by_role_and_label(Role::TextInput, "Left image").type_text("300");
+    window.step();
+    window.get_by_label("Use").click();
+    settle(&mut window);
+    assert_eq!(stage(&window), StageId::Scene);
+    assert!(!window.state().model().scene().unwrap().has_guess());
+    assert_eq!(fundamental(&window), before);
+    let path = files.0.path().join("work.json");
+    save_as(&mut window, &path);
+    let mut again = self::window(Start { opening: Opening::Session(path), ..Start::default() }, exact());
+    settle(&mut again);
+    assert!(again.state().model().open.views().is_some());
+}
+
+#[test]
+fn the_scene_is_offered_only_with_cameras_and_goes_with_its_pictures() {
     let mut window = sample();
     click_two_pairs(&mut window);
     assert!(window.query_by_label("3-D").is_none());
-    press(&mut window, Key::Num7);
-    assert_eq!(stage(&window), StageId::Pictures);
-    assert!(window.state().messages().any(|message| message.contains("calibration")));
+    press(&mut window, Key::Escape);
 
     let mut window = calibrated(exact());
     window.get_by_label("3-D").click();

@@ -24,8 +24,8 @@ use crate::geometry::symmetric_epipolar_distance;
 use crate::io::PairOrigin;
 
 /// The way to a scene.
-const NO_SCENE: &str = "There are no 3-D points. They need a calibration of both pictures and at least 10 \
-                        matches. Drop a calibration file on the window, then find the geometry.";
+const NO_SCENE: &str =
+    "There are no 3-D points yet. They need a geometry with at least 10 matches. Find the geometry first.";
 
 impl Inspector {
     /// Applies a command.
@@ -180,8 +180,14 @@ impl Inspector {
                 }
             }
             Command::ShowStage(StageId::Scene) if !model.offers_scene() => {
-                model.messages.tell(NO_SCENE);
+                if model.open.views().is_none() {
+                    self.apply(ctx, Command::ShowFocalLengths);
+                } else {
+                    model.messages.tell(NO_SCENE);
+                }
             }
+            Command::ShowFocalLengths => self.ask_for_focal_lengths(),
+            Command::SetFocalLengths(lengths) => self.set_focal_lengths(lengths),
             Command::ShowStage(stage) => model.look.stage = stage,
             Command::LookAtScene(orbit) => model.open.orbit = orbit,
             Command::ShowMatch(number) => self.show_match(number),

@@ -8,10 +8,12 @@ use crate::app::model::album::Album;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::document::Side;
 use crate::app::model::exchange::is_importable;
+use crate::app::model::ids::StageId;
 use crate::app::model::session::{OpenSession, has_session_extension};
 use crate::app::model::truth::NO_TRUTH;
 use crate::app::tasks::{LoadedPair, Opening, OpeningFailure, Wanted};
-use crate::app::view::{OpenDialog, RelocateDialog};
+use crate::app::view::{FocalDialog, OpenDialog, RelocateDialog};
+use crate::camera::FocalLength;
 use crate::geometry::PointPair;
 use crate::io::{CalibratedCamera, PairOrigin, is_sequence};
 
@@ -120,6 +122,29 @@ impl Inspector {
         let cameras = cameras.each_ref().map(|camera| camera.model);
         self.open(Wanted::Calibrated(Box::new((pictures, cameras))));
         self.model.open.done.tell(format!("Lens calibrated by {name}"));
+    }
+
+    /// Opens the dialog for focal lengths, unless a calibration undoes the distortion of a lens.
+    pub(super) fn ask_for_focal_lengths(&mut self) {
+        let Some(pictures) = &self.model.open.pictures else { return };
+        if self.model.open.undistorted().is_some() {
+            self.refuse("The calibration of these pictures tells their focal lengths.".to_owned());
+            return;
+        }
+        if pictures.iter().any(|opened| opened.recording.is_some()) {
+            self.refuse("Sequences have no 3-D points. Open two pictures for them.".to_owned());
+            return;
+        }
+        let guesses = pictures.each_ref().map(|opened| opened.focal_guess);
+        self.view.dialogs.focal = Some(FocalDialog::new(guesses));
+    }
+
+    /// Gives the open pictures focal lengths, and shows the scene once there is one.
+    pub(super) fn set_focal_lengths(&mut self, lengths: [FocalLength; 2]) {
+        self.view.dialogs.focal = None;
+        self.model.open.set_focal_lengths(lengths);
+        self.model.look.stage = StageId::Scene;
+        self.model.open.done.tell("Focal lengths set");
     }
 
     /// Adds the opened files to the recent ones. The built-in pair and copies of unsaved work are

@@ -16,6 +16,7 @@ use super::scene::Orbit;
 use super::session::OpenSession;
 use super::suggesting::Repair;
 use super::tones::TonesCommand;
+use crate::camera::FocalLength;
 use crate::estimate::{Method, Parameters, Preset};
 use crate::geometry::{Point, Vector};
 use crate::io::Notation;
@@ -160,6 +161,10 @@ pub enum Command {
     /// A command about the rectified pair.
     Rectified(RectifiedCommand),
     ShowStage(StageId),
+    /// Ask for the focal lengths of the pictures.
+    ShowFocalLengths,
+    /// Give the pictures focal lengths in place of a calibration.
+    SetFocalLengths([FocalLength; 2]),
     /// Look at the scene from elsewhere; `None` shows all of it.
     LookAtScene(Option<Orbit>),
     /// Show a match of the result in the middle of both pictures, and pin its lines.

@@ -18,7 +18,7 @@ use super::scene::{Orbit, Scene};
 use super::suggesting::Suggested;
 use super::tones::{Tones, TonesCommand};
 use super::truth::KnownTruth;
-use crate::camera::{CameraModel, ViewPair};
+use crate::camera::{CameraModel, FocalLength, ViewPair};
 use crate::estimate::Estimate;
 use crate::geometry::{Frame, Point, PointPair};
 use crate::suggest::NextClick;
@@ -156,6 +156,18 @@ impl OpenPair {
     pub fn cameras(&self) -> Option<[CameraModel; 2]> {
         let [left, right] = self.pictures.as_ref()?.each_ref().map(|opened| opened.lens.as_ref());
         Some([*left?.view.camera(), *right?.view.camera()])
+    }
+
+    /// Gives pictures that are shown without a lens their focal lengths. All coordinates stay, and so does
+    /// the result.
+    pub fn set_focal_lengths(&mut self, lengths: [FocalLength; 2]) {
+        let Some(pictures) = self.pictures.clone().filter(|_| self.undistorted().is_none()) else { return };
+        let mut lengths = lengths.into_iter();
+        let [left, right] = pictures.map(|opened| {
+            let camera = CameraModel::of_focal_length(lengths.next()?, opened.picture.frame())?;
+            opened.calibrated(&camera)
+        });
+        self.pictures = left.zip(right).map(Into::into).or(self.pictures.take());
     }
 
     /// Changes brightness or colours of the pictures on the screen.

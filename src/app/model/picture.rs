@@ -7,10 +7,10 @@ use image::DynamicImage;
 
 use super::recording::Recording;
 use super::shared::Shared;
-use crate::camera::{CameraModel, UndistortedView};
+use crate::camera::{CameraModel, FocalLength, UndistortedView};
 use crate::geometry::Point;
 use crate::image::Picture;
-use crate::io::sha256_of;
+use crate::io::{focal_length_from_exif, sha256_of};
 
 /// The left and the right picture.
 pub type Pictures = [Shared<Picture>; 2];
@@ -27,6 +27,8 @@ pub struct Opened {
     pub overview: Arc<Overview>,
     /// SHA-256 of the file, hexadecimal; `None` without a file.
     pub sha256: Option<String>,
+    /// Focal length guessed from the EXIF data of the file.
+    pub focal_guess: Option<FocalLength>,
     /// The sequence of which this is the first frame.
     pub recording: Option<Shared<Recording>>,
     /// The calibrated camera, if a calibration was given. `picture` is then the view without
@@ -48,7 +50,9 @@ impl Opened {
     pub fn new(picture: Picture) -> Self {
         let overview = Arc::new(Overview::new(&picture));
         let sha256 = picture.path.as_deref().and_then(|path| sha256_of(path).ok());
-        Self { picture: Shared::new(picture), overview, sha256, recording: None, lens: None }
+        let frame = picture.frame();
+        let focal_guess = picture.path.as_deref().and_then(|path| focal_length_from_exif(path, frame));
+        Self { picture: Shared::new(picture), overview, sha256, focal_guess, recording: None, lens: None }
     }
 
     /// Prepares a picture of a calibrated camera, which is shown as it is and computed on without its

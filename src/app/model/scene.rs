@@ -5,7 +5,7 @@
 use nalgebra::{Rotation3, Vector2, Vector3};
 
 use super::shared::Shared;
-use crate::camera::{CloudPoint, PointCloud, PoseFit, ViewPair, fit_pose};
+use crate::camera::{CloudPoint, PointCloud, PoseFit, ViewPair};
 use crate::estimate::Estimate;
 use crate::geometry::PointPair;
 use crate::image::Picture;
@@ -49,8 +49,7 @@ impl SceneQuestion {
     /// Fits the pose and triangulates the matches. `None` if they do not determine a pose.
     pub fn answer(self) -> Option<Scene> {
         let matches: Vec<PointPair> = self.found.matches().iter().map(|found| found.pair).collect();
-        let frame = self.left.frame();
-        let fit = fit_pose(self.found.fundamental(), &self.views.calibrations(), &matches, frame)?;
+        let fit = self.views.fit_pose(self.found.fundamental(), &matches)?;
         let cloud = PointCloud::new(&fit.pose, &self.views, &matches, |point| self.left.color_at(point));
         Some(Scene { question: self, fit, cloud })
     }
@@ -60,6 +59,11 @@ impl Scene {
     /// Returns whether the scene is that of these inputs.
     pub fn is_of(&self, question: &SceneQuestion) -> bool {
         self.question == *question
+    }
+
+    /// Returns whether a focal length is a guess.
+    pub fn has_guess(&self) -> bool {
+        self.question.views.views.iter().any(|view| view.camera().focal_deviation() > 0.0)
     }
 
     /// Returns the scene point of a match.

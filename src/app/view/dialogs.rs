@@ -5,8 +5,8 @@ use std::path::Path;
 use egui::Context;
 
 use super::panels::{
-    CommandPalette, ExportDialog, FileExport, OpenDialog, ReadingDialog, RelocateDialog, SaveDialog,
-    shortcuts,
+    CommandPalette, ExportDialog, FileExport, FocalDialog, OpenDialog, ReadingDialog, RelocateDialog,
+    SaveDialog, shortcuts,
 };
 use crate::app::model::Model;
 use crate::app::model::command::{Command, PickPurpose};
@@ -26,6 +26,8 @@ pub struct Dialogs {
     pub export: FileExport,
     /// Dialog for the convention of an imported matrix.
     pub reading: Option<ReadingDialog>,
+    /// Dialog for focal lengths.
+    pub focal: Option<FocalDialog>,
     /// The list of all commands.
     pub palette: CommandPalette,
     /// The list of keys and mouse actions.
@@ -42,6 +44,7 @@ impl Dialogs {
             || self.save.is_some()
             || self.relocate.is_some()
             || self.reading.is_some()
+            || self.focal.is_some()
     }
 
     /// Closes the topmost dialog. Returns whether there was one.
@@ -51,6 +54,7 @@ impl Dialogs {
             || self.save.take().is_some()
             || std::mem::take(&mut self.open.open)
             || self.reading.take().is_some()
+            || self.focal.take().is_some()
             || std::mem::take(&mut self.rectified.open)
             || std::mem::take(&mut self.export.open)
             || std::mem::take(&mut self.shortcuts)
@@ -77,6 +81,7 @@ impl Dialogs {
         self.rectified.show(ctx, commands);
         self.export.show(ctx, model, commands);
         self.reading.take_if(|dialog| !dialog.show(ctx, commands));
+        self.focal.take_if(|dialog| !dialog.show(ctx, commands));
         self.palette.show(ctx, model, commands);
         if self.shortcuts {
             shortcuts(ctx, &mut self.shortcuts);

@@ -15,5 +15,5 @@ pub use capture::{Destination, excerpt, picture};
 pub use figure::figure;
 pub use keyboard::{KeyboardState, pressed};
 pub use layout::View;
-pub use panels::{OpenDialog, ReadingDialog, RelocateDialog, SaveDialog};
+pub use panels::{FocalDialog, OpenDialog, ReadingDialog, RelocateDialog, SaveDialog};
 pub use panes::ImagePane;

@@ -13,6 +13,7 @@ use crate::app::model::rectified::{Guides, RectifiedCommand};
 use crate::app::model::session::OpenSession;
 use crate::app::model::suggesting::Repair;
 use crate::app::model::tones::{Rendition, TonesCommand};
+use crate::camera::FocalLength;
 use crate::io::{PictureFormat, RectifiedOptions};
 
 /// Returns the actions offered only on buttons of dialogs and tables.
@@ -34,6 +35,11 @@ pub fn in_dialogs() -> Vec<Action> {
             "Open the first pair of this folder. You can choose another pair afterwards.",
         ),
         browse(Command::Browse(Side::Left), "Choose the file in the system dialog."),
+        action(
+            Command::SetFocalLengths([FocalLength { pixels: 1.0, deviation: 0.0 }; 2]),
+            "Use",
+            "Use these focal lengths. The points and the geometry stay as they are.",
+        ),
         browse(Command::BrowseFolder, "Choose the folder in the system dialog."),
         action(Command::DeletePair(0), "Delete", "Remove this pair from both images."),
         action(TonesCommand::Adjust(None), "Adjust", "Choose which image the controls change."),

@@ -207,7 +207,7 @@ pub fn with_keys() -> Vec<Action> {
         action(
             Command::ShowStage(StageId::Scene),
             "3-D",
-            "Show both cameras and the triangulated matches. This needs a calibration of both pictures.",
+            "Show both cameras and the triangulated matches. This needs a calibration or the focal lengths.",
         )
         .key(NONE, Key::Num7)
         .listed(|_| "3-D: cameras and triangulated matches")

@@ -99,6 +99,13 @@ pub fn by_name() -> Vec<Action> {
         .listed(|_| "Is the pair rectified?")
         .when(|model| model.document.pictures.is_some()),
         action(
+            Command::ShowFocalLengths,
+            "Focal lengths…",
+            "Give the focal lengths of pictures without a calibration, for 3-D points and the pose of the cameras.",
+        )
+        .listed(|_| "Focal lengths… (for 3-D points)")
+        .when(|model| model.document.pictures.is_some() && model.open.undistorted().is_none()),
+        action(
             Command::KeepMatches,
             "Turn matches into point pairs",
             "Turn up to nine matches, spread over the images, into point pairs, to inspect and correct them. \

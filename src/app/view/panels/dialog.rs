@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use egui::{Align2, Button, Context, Key, Label, Rect, Response, Sense, TextEdit, Ui, Window, vec2};
+use egui::{
+    Align, Align2, Button, Context, Key, Layout, Rect, Response, Sense, TextEdit, Ui, UiBuilder, Window, vec2,
+};
 
 use super::{command_button, finish_button, main_button};
 use crate::app::model::command::Command;
@@ -90,7 +92,9 @@ pub fn ending(
 
 /// Writes the label of a row, aligned with the other rows.
 pub fn row_label(ui: &mut Ui, name: &str) -> Response {
-    ui.add_sized([LABEL_WIDTH, HEIGHT], Label::new(name).halign(egui::Align::Min))
+    let place = ui.allocate_exact_size(vec2(LABEL_WIDTH, HEIGHT), Sense::hover()).0;
+    let left = Layout::left_to_right(Align::Center);
+    ui.scope_builder(UiBuilder::new().max_rect(place).layout(left), |ui| ui.label(name)).inner
 }
 
 /// Gives a button an accessible name longer than its text.

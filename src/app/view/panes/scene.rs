@@ -189,6 +189,14 @@ impl Drawing {
     fn chip(&self, scene: &Scene, model: &Model) {
         let count = scene.cloud.points.len();
         let mut text = format!("{count} of {} matches  unit: one baseline", scene.fit.matches);
+        if let Some(uncertainty) = scene.fit.uncertainty {
+            let [turn, deviation] =
+                [scene.fit.pose.rotation.angle(), uncertainty.rotation].map(f64::to_degrees);
+            text = format!("{text}  turned by {turn:.2}° ± {deviation:.2}°");
+        }
+        if scene.has_guess() {
+            text += "  focal lengths guessed";
+        }
         if let Some((word, _)) = model.doubt() {
             text = format!("{text}  {word}");
         }
