@@ -1,10 +1,12 @@
 //! The most informative next click: where the competing geometries disagree.
 
+use std::f64::consts::{PI, TAU};
+
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::estimate::{Estimate, PreparedPair};
-use crate::geometry::{Frame, FundamentalMatrix, Line, Point, PointPair, finite_point, rescaled};
+use crate::geometry::{Frame, FundamentalMatrix, Line, Point, PointPair, Vector, finite_point, rescaled};
 
 /// Longer side of the image searched for textured points, px.
 const SIDE: f64 = 384.0;
@@ -24,8 +26,7 @@ const LEAST: f64 = 0.0025;
 /// Minimum distance from a placed point, as a fraction of the longer side. Nearer clicks add
 /// nothing.
 const APART: f64 = 0.03;
-/// Number of matches of the result that must lie near a place. One alone is often wrong: beside the
-/// common part of the images, some corners fit F by chance.
+/// Number of matches beyond which they must surround a place. Fewer cannot.
 const COMPANY: usize = 3;
 /// Maximum distance from matches of the result, as a fraction of the longer side: farther away, nothing
 /// tells whether the other image shows the same part of the scene. Half of it leaves few places on
@@ -73,8 +74,8 @@ impl Rival {
 }
 
 /// Returns the textured point of image 1 whose epipolar lines under the result and its rivals are
-/// farthest apart in image 2. Points near placed pairs or the epipole, and points far from all `matches`
-/// of the result, are skipped. Returns `None` when all geometries agree. Takes some milliseconds.
+/// farthest apart in image 2. Points near placed pairs or the epipole, and points that near `matches` of
+/// the result do not surround, are skipped. Returns `None` when all geometries agree. Takes some milliseconds.
 pub fn next_click(
     prepared: &PreparedPair,
     fundamental: &FundamentalMatrix,
@@ -92,8 +93,9 @@ pub fn next_click(
         taken.into_iter().all(|other| (other - point).norm() > apart_by)
     };
     let is_common = |point: &Point| {
-        let company = matches.iter().filter(|pair| (pair.point1 - point).norm() <= near);
-        company.take(COMPANY).count() >= COMPANY.min(matches.len())
+        let ways = matches.iter().map(|pair| pair.point1 - *point).filter(|way| way.norm() <= near);
+        let ways: Vec<Vector> = ways.collect();
+        if matches.len() < COMPANY { ways.len() == matches.len() } else { surround(&ways) }
     };
     let side = frame2.longer_side();
     let seen = |point: Point| {
@@ -120,6 +122,15 @@ pub fn next_click(
     // Of equal points the first is kept, which is the most textured.
     let best = places.into_iter().reduce(|best, other| if other.0 > best.0 { other } else { best });
     best.map(|(_, place)| place).filter(|place| place.disagreement >= LEAST * side)
+}
+
+/// Returns whether directions leave no gap of half a turn. A place between matches is visible where they
+/// are; beside them it may lie outside the other image.
+fn surround(ways: &[Vector]) -> bool {
+    let mut angles: Vec<f64> = ways.iter().map(|way| way.y.atan2(way.x)).collect();
+    angles.sort_unstable_by(f64::total_cmp);
+    let next = angles.iter().skip(1).copied().chain(angles.first().map(|first| first + TAU));
+    !angles.is_empty() && angles.iter().zip(next).all(|(angle, next)| next - angle < PI)
 }
 
 /// Returns the mean distance of the visible part of each line from the other, px; `None` when a
@@ -172,11 +183,14 @@ mod tests {
         let matched = PointPair::new(300.0, 200.0, 310.0, 200.0);
         let near = next_click(&prepared(), &rows(1.0, 0.0), &[rival], &[], &[matched]).unwrap();
         assert!((near.point - matched.point1).norm() <= 0.08 * 480.0, "{near:?}");
-        // One match far from the others is not enough.
-        let others = (0..9).map(|k| PointPair::new(440.0, 150.0 + f64::from(k), 440.0, 150.0));
-        let all: Vec<PointPair> = others.chain([matched]).collect();
-        let crowded = next_click(&prepared(), &rows(1.0, 0.0), &[rival], &[], &all).unwrap();
-        assert!((crowded.point - all[4].point1).norm() <= 0.08 * 480.0 + 5.0, "{crowded:?}");
+        // It lies between matches, not beside them.
+        let around = [(420.0, 120.0), (460.0, 130.0), (430.0, 180.0)];
+        let mut all: Vec<PointPair> = around.iter().map(|(x, y)| PointPair::new(*x, *y, *x, *y)).collect();
+        let between = next_click(&prepared(), &rows(1.0, 0.0), &[rival], &[], &all).unwrap();
+        assert!((420.0..460.0).contains(&between.point.x) && (120.0..180.0).contains(&between.point.y));
+        all.truncate(1);
+        all.extend([matched; 3]);
+        assert_eq!(next_click(&prepared(), &rows(1.0, 0.0), &[rival], &[], &all), None);
     }
 
     #[test]

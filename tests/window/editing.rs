@@ -234,6 +234,19 @@ fn the_published_search_keeps_its_two_methods_beside_its_preset() {
 }
 
 #[test]
+fn leaving_out_one_of_two_pairs_leaves_the_geometry_to_the_images() {
+    let mut window = sample();
+    click_two_pairs(&mut window);
+    unfold(&mut window, "q");
+    for (role, is_unclicked) in [("Leave out", true), ("Use", false), ("Check only", true), ("Use", false)] {
+        window.get_by_label(&format!("{role} pair q")).click();
+        settle(&mut window);
+        assert_eq!(window.state().document().is_unclicked(), is_unclicked, "{role}");
+        assert!(window.state().document().used_pairs().is_some(), "{role}");
+    }
+}
+
+#[test]
 fn a_pair_that_the_images_speak_against_is_marked() {
     let mut services = services();
     services.estimate = Box::new(|request, _| {
@@ -249,7 +262,7 @@ fn a_pair_that_the_images_speak_against_is_marked() {
     let mut window = window(Start::default(), services);
     click_two_pairs(&mut window);
     click_a_third_pair(&mut window);
-    assert_eq!(window.query_all_by_label("off").count(), 1);
+    assert_eq!(window.query_all_by_label("off its line").count(), 1);
     // The distance of the table: the window has one.
     let off = |window: &Window, pair: usize| {
         let f = *window.state().estimate().unwrap().fundamental();

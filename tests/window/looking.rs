@@ -438,7 +438,7 @@ fn a_view_turns_by_90_degrees_and_coordinates_stay() {
     let before = window.state().document().pairs.clone();
     let beside = at(&window, Side::Left, 0.3, -0.4);
     right_click(&mut window, beside);
-    window.get_by_label("Turn this view by 90°").click();
+    window.get_by_label("Turn clockwise by 90°").click();
     settle(&mut window);
     assert_eq!(window.state().document().pairs, before);
 

@@ -186,7 +186,14 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
     assert!(window.state().focus().pins().is_empty());
     window.hover_at(egui::pos2(4.0, 796.0));
     settle(&mut window);
-    window.get_by_label_contains("Epipolar lines of p, ");
+    // The profiles follow the selected pair, and the left line runs to the right.
+    for name in ["p", "q"] {
+        window.get_by_label(&format!("Row of pair {name}")).click();
+        settle(&mut window);
+        window.get_by_label_contains(&format!("Epipolar lines of {name}, "));
+        let inspection = window.state().model().open.inspection.as_ref().unwrap();
+        assert!(inspection.lines[0].direction.x > 0.0);
+    }
 }
 
 #[test]
@@ -283,7 +290,7 @@ fn the_start_shows_one_card_and_every_tab_says_what_will_appear() {
     click(&mut window, left);
     window.get_by_label_contains("Click the same scene point in the other image");
     for (key, says) in [
-        (Key::Num1, "Intensities along the epipolar lines of p"),
+        (Key::Num1, "Intensities along a line pair"),
         (Key::Num2, "The costs of matching all lines through p and q"),
         (Key::Num3, "Distances from the epipolar lines appear here"),
         (Key::Num4, "Distances from the epipolar lines appear here"),

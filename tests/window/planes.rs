@@ -42,7 +42,7 @@ fn the_homography_of_a_plane_is_exported_where_there_is_one() {
         let path = files.0.path().join("plane.json");
         let mut window = with_result(Some(PLANE));
         if by_card {
-            window.get_by_label("Use the homography").click();
+            window.get_by_label("Export the homography…").click();
             settle(&mut window);
         } else {
             show_export(&mut window);
@@ -67,7 +67,7 @@ fn the_homography_of_a_plane_is_exported_where_there_is_one() {
 #[test]
 fn where_there_is_none_it_is_not_offered() {
     let mut window = with_result(None);
-    assert!(window.query_by_label("Use the homography").is_none());
+    assert!(window.query_by_label("Export the homography…").is_none());
     show_export(&mut window);
     window.get_by_label("Pairs alone");
     assert!(window.query_by_label("Homography of the plane").is_none());

@@ -98,7 +98,7 @@ fn lines_are_compared_by_what_moves_in_the_frames_in_common() {
     assert_eq!(asked.lock().unwrap().last(), Some(&Some(0)));
     window.key_press(Key::Num1);
     settle(&mut window);
-    window.get_by_label_contains("Epipolar lines of p: c");
+    window.get_by_label_contains("Epipolar lines of q: c");
     let barcodes = window.get_by_label("Motion barcodes").rect();
     assert_eq!(window.state().model().inspected_barcodes().unwrap().barcodes[0].len(), 120);
     click(&mut window, barcodes.right_center() - egui::vec2(3.0, 0.0));

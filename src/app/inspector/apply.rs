@@ -68,8 +68,10 @@ impl Inspector {
             Command::Redo => self.travel(false),
             Command::DeleteSelected => model.delete_selected(),
             Command::DeletePair(pair) => model.edit(|document| document.remove(pair)),
-            Command::IncludePair(pair, included) => model.edit(|document| document.include(pair, included)),
-            Command::CheckOnly(pair, only) => model.edit(|document| document.check_only(pair, only)),
+            Command::IncludePair(pair, included) => {
+                model.edit_roles(|document| document.include(pair, included));
+            }
+            Command::CheckOnly(pair, only) => model.edit_roles(|document| document.check_only(pair, only)),
             Command::Points(command) => self.apply_to_points(ctx, command),
             Command::Repair(pair, how) => self.repair(pair, how),
             Command::ClearPairs => model.edit(|document| document.set_pairs(Vec::new(), PairOrigin::Clicked)),

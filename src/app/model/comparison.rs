@@ -201,7 +201,7 @@ impl ComparisonQuestion {
                 self.imported.as_ref().map(|f| known(f, 0)).ok_or_else(none)
             }
             Contestant::Truth => {
-                let none = || "not known for these images, or not in use".to_owned();
+                let none = || "not known or not in use".to_owned();
                 truth.map(|truth| known(&truth.fundamental, truth.matches.len())).ok_or_else(none)
             }
         });

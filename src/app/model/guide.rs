@@ -24,7 +24,7 @@ pub fn guide(model: &Model) -> String {
         };
     }
     if model.tool == Tool::Measure {
-        return "Measure tool: click two places in one image. Escape removes the measurement.".into();
+        return "Measure tool: click two places in one image. Escape goes back to placing points.".into();
     }
     if document.half.is_some() {
         let name = pair_name(document.pairs.len());

@@ -37,16 +37,24 @@ impl InspectionRequest {
         let planes = self.pictures.each_ref().map(|picture| &picture.gray);
         let warped = inspect_lines(planes, self.lines.each_ref(), step, range, &self.stereo);
         let band = Arc::new(band(&warped, range, &self.stereo));
-        Inspection { number: revision::fresh(), lines: self.lines, step, range, warped, band }
+        let largest = largest(&self.stereo);
+        Inspection { number: revision::fresh(), lines: self.lines, step, range, warped, largest, band }
     }
+}
+
+fn largest(stereo: &StereoParameters) -> f32 {
+    f32::from(stereo.truncation.max(1))
+}
+
+/// Returns how alike two samples are, from 0 to 1. The square root spreads the small costs, which decide.
+fn alike(cost: f32, largest: f32) -> f32 {
+    1.0 - (cost / largest).min(1.0).sqrt()
 }
 
 /// Draws the cost band.
 fn band(warped: &WarpedProfile, range: DisparityRange, stereo: &StereoParameters) -> RgbImage {
     let WarpedProfile { profile1, profile2, .. } = warped;
-    let largest = f32::from(stereo.truncation.max(1));
-    // The square root spreads the small costs, which decide.
-    let color = |cost: u16| heat::rgb(1.0 - (f32::from(cost) / largest).sqrt());
+    let color = |cost: u16| heat::rgb(alike(cost.into(), largest(stereo)));
     let pixels = (range.min..=range.max)
         .rev()
         .flat_map(|disparity| {
@@ -71,6 +79,8 @@ pub struct Inspection {
     pub range: DisparityRange,
     /// Intensities and disparities.
     pub warped: WarpedProfile,
+    /// Largest cost of two samples.
+    largest: f32,
     /// Cost of matching each sample (x) at each disparity (y, the largest on top). Bright means
     /// similar.
     pub band: Arc<RgbImage>,
@@ -95,6 +105,13 @@ impl Inspection {
         (profile2.first..profile2.end())
             .contains(&partner)
             .then(|| self.lines[1].point_at(f64::from(partner) * self.step))
+    }
+
+    /// Returns how alike a sample and its match are, from 0 to 1.
+    pub fn likeness(&self, sample: i32) -> f32 {
+        let place = usize::try_from(sample - self.warped.profile1.first).ok();
+        let cost = place.and_then(|k| self.warped.matching.sample_costs.get(k));
+        cost.map_or(0.0, |cost| alike(*cost as f32, self.largest))
     }
 
     /// Returns the sample nearest to a position, if the line passes within `reach` px of it.

@@ -22,6 +22,8 @@ pub enum MessageKind {
     LeftBehind,
     /// A question whether to replace a file that another program changed.
     Replace,
+    /// A failure about a point pair as it is now. The next change of the document removes it.
+    OfPair,
 }
 
 impl MessageKind {
@@ -30,7 +32,7 @@ impl MessageKind {
         match self {
             Self::LeftBehind => ("Later", "Keep the unsaved work. The next start asks again."),
             Self::Replace => ("Cancel", "Save nothing. The file stays as it is."),
-            Self::Problem | Self::Done | Self::Answer => ("Dismiss", "Remove this message."),
+            Self::Problem | Self::Done | Self::Answer | Self::OfPair => ("Dismiss", "Remove this message."),
         }
     }
 }

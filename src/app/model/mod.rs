@@ -73,7 +73,7 @@ use focus::LineSource;
 use history::{EditKey, History};
 use ids::{OverlayId, StageId, TabId, Visibility};
 use look::{Look, Tool};
-use messages::Messages;
+use messages::{MessageKind, Messages};
 use open_pair::OpenPair;
 use pane_view::PaneView;
 use picture::Opened;
@@ -172,6 +172,9 @@ impl Model {
     fn edit_as(&mut self, key: Option<EditKey>, change: impl FnOnce(&mut Document)) {
         let before = self.document.clone();
         change(&mut self.document);
+        if before.pairs != self.document.pairs || before.excluded != self.document.excluded {
+            self.messages.settle(MessageKind::OfPair);
+        }
         self.history.record(before, &self.document, key);
     }
 

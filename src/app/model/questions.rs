@@ -11,7 +11,7 @@ use super::rectified::{MatchesAtHand, RectifyQuestion};
 use super::scene::{Scene, SceneQuestion};
 use super::suggesting::{NextClickQuestion, SuggestQuestion};
 use crate::convention::FEWEST_MATCHES;
-use crate::estimate::{Estimate, Reason, Search, Verdict};
+use crate::estimate::{Estimate, Search, Verdict};
 use crate::geometry::PointPair;
 use crate::suggest::Known;
 
@@ -129,8 +129,7 @@ impl Model {
         let (found, _) = self.open.computation.shared_result().filter(|(_, of)| *of == Freshness::Final)?;
         let trust = found.assessment.trust.as_ref().filter(|trust| trust.verdict != Verdict::Reliable)?;
         // If the verdict only names clicked pairs, these should be corrected first.
-        let of_a_click = |reason: &Reason| matches!(reason, Reason::ClickOff { .. });
-        if !trust.reasons.is_empty() && trust.reasons.iter().all(of_a_click) {
+        if trust.doubts_clicks_alone() {
             return None;
         }
         Some(NextClickQuestion { pictures: self.open.pictures()?, found, placed: document.pairs.clone() })

@@ -2,6 +2,7 @@
 
 use super::Model;
 use super::document::{PointRef, Side, pair_name};
+use super::messages::MessageKind;
 use super::suggesting::{Repair, RepairQuestion, Repaired};
 use crate::io::PairOrigin;
 
@@ -53,10 +54,11 @@ impl Model {
             }
             Err(why) => {
                 self.open.unmatched = Some(points).filter(|_| how == Repair::Rematch);
-                self.messages.tell(format!(
+                let text = format!(
                     "Pair {name} was not changed. {why}. Drag its right point to the match yourself, \
                      or leave the pair out."
-                ));
+                );
+                self.messages.say(MessageKind::OfPair, text, Vec::new());
             }
         }
     }

@@ -225,16 +225,21 @@ impl Model {
         longest.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, source)| source)
     }
 
-    /// Returns the inspected line pair: the selected pin, or else the lines through the first
-    /// click.
+    /// Returns the inspected line pair: the chosen pin, or else the lines of the selected pair or of the
+    /// first one. The left line runs to the right, so its charts lie like the picture.
     pub fn inspected(&self) -> Option<InspectedLines> {
         let source = match self.open.focus.inspected() {
             Some(pin) => pin.source,
-            None => match self.document.used().next() {
+            None => match self.document.selected_pair().or_else(|| self.document.used().next()) {
                 Some(pair) => LineSource::Pair(pair),
                 None => self.through_longest()?,
             },
         };
-        Some(InspectedLines { source, lines: self.lines(source)? })
+        let mut lines = self.lines(source)?;
+        let way = lines[0].direction;
+        if way.x < 0.0 || way.x == 0.0 && way.y < 0.0 {
+            lines = lines.map(|line| AnchoredLine { direction: -line.direction, ..line });
+        }
+        Some(InspectedLines { source, lines })
     }
 }

@@ -36,6 +36,16 @@ impl Document {
 }
 
 impl Model {
+    /// Changes which pairs are used. If too few are left under a result of patches, the images decide
+    /// alone: leaving out a misplaced pair must not lose the geometry that the images support.
+    pub fn edit_roles(&mut self, change: impl FnOnce(&mut Document)) {
+        let keeps = self.has_result() && self.document.parameters.search == Search::Patches;
+        self.edit(|document| {
+            change(document);
+            document.unclicked |= keeps && document.used().count() < document.pairs_needed();
+        });
+    }
+
     /// Returns whether a search without clicks would give something new.
     pub fn can_find_without_clicks(&self) -> bool {
         let document = &self.document;

@@ -83,6 +83,7 @@ impl Dialogs {
         self.reading.take_if(|dialog| !dialog.show(ctx, commands));
         self.focal.take_if(|dialog| !dialog.show(ctx, commands));
         self.palette.show(ctx, model, commands);
+        self.shortcuts &= !self.is_open();
         if self.shortcuts {
             shortcuts(ctx, &mut self.shortcuts);
         }

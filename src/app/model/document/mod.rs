@@ -236,6 +236,16 @@ impl Document {
         (pairs.len() >= self.pairs_needed() || self.unclicked).then_some(pairs)
     }
 
+    /// Returns the one selected pair, by its point or in the list; `None` for an unfinished pair.
+    pub fn selected_pair(&self) -> Option<usize> {
+        let pair = match self.chosen.len() {
+            0 => self.selection.map(|at| at.pair),
+            1 => self.chosen.first().copied(),
+            _ => None,
+        };
+        pair.filter(|pair| *pair < self.pairs.len())
+    }
+
     pub fn role(&self, pair: usize) -> Role {
         if self.excluded.contains(&pair) {
             Role::Excluded

@@ -54,6 +54,8 @@ impl Model {
                 }
             }
         }
+        // One selection at a time: that of points gives way to that of rows.
+        self.document.selection = None;
         self.open.first_chosen = Some(pair);
         self.history.close_step();
     }
@@ -66,8 +68,12 @@ impl Model {
     /// Edits all selected pairs in one step.
     pub fn edit_chosen(&mut self, what: ChosenEdit) {
         let chosen = self.document.chosen.clone();
-        self.edit(|document| match what {
-            ChosenEdit::Delete => document.remove_all(chosen),
+        if what == ChosenEdit::Delete {
+            self.edit(|document| document.remove_all(chosen));
+            return;
+        }
+        self.edit_roles(|document| match what {
+            ChosenEdit::Delete => {}
             ChosenEdit::Use | ChosenEdit::CheckOnly => {
                 for pair in chosen {
                     document.check_only(pair, what == ChosenEdit::CheckOnly);

@@ -28,7 +28,7 @@ const LEAST_TEXTURE: u8 = 8;
 pub struct DisparityMap {
     /// Colour map of the disparities: dark for the smallest, transparent without a match.
     pub picture: RgbaImage,
-    /// Range of nearly all disparities, px of the written pictures. A disparity is the column in
+    /// Range of nearly all disparities, within that of known matches, px of the written pictures. A disparity is the column in
     /// the left picture minus the column in the right one.
     pub range: [f64; 2],
     /// Disparities row by row, px of the written pictures.
@@ -83,7 +83,10 @@ impl DisparityMap {
         sorted.sort_unstable_by(f32::total_cmp);
         let at =
             |part: f64| sorted.get(((sorted.len().max(1) - 1) as f64 * part) as usize).map(|v| f64::from(*v));
-        let range = [at(BEYOND)?, at(1.0 - BEYOND)?];
+        // Beyond the known disparities, most matches are wrong.
+        let [low, high] = [at(BEYOND)?, at(1.0 - BEYOND)?];
+        let range = known.map_or([low, high], |[least, most]| [low.max(least), high.min(most)]);
+        let range = if range[0] < range[1] { range } else { [low, high] };
         let spread = (range[1] - range[0]).max(1.0);
         let picture = RgbaImage::from_fn(width, height, |x, y| match values[(y * width + x) as usize] {
             Some(value) => {

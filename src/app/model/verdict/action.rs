@@ -54,7 +54,7 @@ impl Model {
         // One more pair seldom determines the epipole of a plane or of a turned camera.
         if estimate.assessment.plane.is_some() {
             let command = ExchangeCommand::ShowPlaneExport.into();
-            return Some(CardAction::new("Use the homography", command));
+            return Some(CardAction::new("Export the homography…", command));
         }
         if matches!(self.open.next_click, Some(Some(_))) {
             return Some(CardAction::new("Add a pair at the mark", Command::PlaceAtMark));

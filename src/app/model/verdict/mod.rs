@@ -122,8 +122,11 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     // points.
     let is_final = freshness == Freshness::Final;
     let checked = is_final.then(|| contradicting_check(document, estimate.fundamental())).flatten();
-    // The probability knows nothing of pairs that are only checked.
-    let likely = Some(assessment).filter(|_| is_final && checked.is_none()).and_then(|assessment| {
+    // The probability knows nothing of pairs that are only checked, and is that of the geometry: beside a
+    // doubt about a click it would contradict the word.
+    let of_clicks = assessment.trust.as_ref().is_some_and(Trust::doubts_clicks_alone);
+    let states = is_final && checked.is_none() && !of_clicks;
+    let likely = Some(assessment).filter(|_| states).and_then(|assessment| {
         let frames = document.pictures.as_ref()?.each_ref().map(|picture| picture.frame);
         let side = frames[0].longer_side().max(frames[1].longer_side());
         let percent = (100.0 * assessment.probability_within_one_percent()?).round();

@@ -84,8 +84,8 @@ pub fn in_dialogs() -> Vec<Action> {
         action(
             Command::Repair(0, Repair::Rematch),
             "Move to match",
-            "Move the right point to the best match on its epipolar line. Needs a result that is not \
-             unreliable.",
+            "Move the right point to the best match on its epipolar line. Needs a reliable or \
+             doubtful result.",
         ),
         action(Command::CheckOnly(0, false), "Use", "Use the pair for the estimate."),
         action(

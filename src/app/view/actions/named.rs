@@ -38,14 +38,14 @@ pub fn by_name() -> Vec<Action> {
     let turn = |side: Side| {
         action(
             Command::TurnView(side),
-            "Turn this view by 90°",
+            "Turn clockwise by 90°",
             "Turn the image on the screen clockwise. Its coordinates stay as they are.",
         )
         .when(|model| model.document.pictures.is_some())
     };
     vec![
-        turn(Side::Left).listed(|_| "Turn the left view by 90°"),
-        turn(Side::Right).listed(|_| "Turn the right view by 90°"),
+        turn(Side::Left).listed(|_| "Turn the left view clockwise by 90°"),
+        turn(Side::Right).listed(|_| "Turn the right view clockwise by 90°"),
         copy(Notation::NumPy, "Copy F of the shown geometry as Python code that makes a NumPy array.")
             .listed(|_| "Copy F as NumPy"),
         copy(Notation::Cpp, "Copy F of the shown geometry as C++ code that makes a cv::Matx33d.")
@@ -133,8 +133,8 @@ pub fn by_name() -> Vec<Action> {
         dock(Some(DockEdge::Bottom)).listed(|_| "Dock: at the bottom"),
         dock(Some(DockEdge::Right)).listed(|_| "Dock: at the right"),
         action(RectifiedCommand::Swap, "Swap", "Show the other rectified picture instead."),
-        action(Command::ClearPairs, "Clear points", "Remove all point pairs. Undo brings them back.")
-            .listed(|_| "Clear all points")
+        action(Command::ClearPairs, "Remove all pairs", "Remove all point pairs. Undo brings them back.")
+            .listed(|_| "Remove all point pairs")
             .when(|model| !model.document.pairs.is_empty() || model.document.half.is_some()),
         action(
             TonesCommand::Stretch,

@@ -38,6 +38,7 @@ pub fn pair_menu(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Com
         ui.separator();
         let only = document.role(pair) == Role::Used;
         offer(ui, Command::CheckOnly(pair, only), only || document.can_be_used(pair));
+        offer(ui, Command::IncludePair(pair, document.role(pair) == Role::Excluded), true);
         offer(ui, Command::Pin(LineSource::Pair(pair)), model.shown().is_some());
         ui.separator();
     }
@@ -87,7 +88,7 @@ pub fn place_menu(ui: &mut Ui, model: &Model, side: Side, point: Point, commands
             Command::MeasureFrom(side, point),
         ),
         (
-            "Turn this view by 90°",
+            "Turn clockwise by 90°",
             true,
             "Turn the image on the screen clockwise. Its coordinates stay as they are.",
             Command::TurnView(side),

@@ -31,7 +31,7 @@ pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<C
             let width = (area.width() - 64.0).clamp(200.0, 720.0);
             for message in shown {
                 let (fill, edge) = match message.kind {
-                    MessageKind::Problem => (palette.message_fill, palette.bad),
+                    MessageKind::Problem | MessageKind::OfPair => (palette.message_fill, palette.bad),
                     MessageKind::Replace => (ui.visuals().panel_fill, palette.caution),
                     MessageKind::LeftBehind | MessageKind::Answer => {
                         (ui.visuals().panel_fill, palette.accent)

@@ -49,11 +49,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         });
     });
     let document = &model.document;
-    let open = match document.chosen.len() {
-        0 => document.selection.map(|at| at.pair),
-        1 => document.chosen.first().copied(),
-        _ => None,
-    };
+    let open = document.selected_pair();
     // Scrolls to a pair when it unfolds, and lets a person scroll away again.
     let id = ui.scope_id().with("selected before");
     let now = (open, document.half.is_some());
@@ -196,7 +192,7 @@ fn line(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
             }
         }
         if let Some(distance) = model.outvoted(pair) {
-            let text = RichText::new("off").color(theme::palette(ui.visuals()).caution);
+            let text = RichText::new("off its line").color(theme::palette(ui.visuals()).caution);
             ui.add(Label::new(text).selectable(false)).on_hover_text(format!(
                 "The pair misses its epipolar line by {distance:.1} px (symmetric distance), although the \
                  images support the geometry. Check that both points are the same scene point."

@@ -17,6 +17,9 @@ const MOUSE: &str = "Scroll zooms · drag pans · double click fits · press ? f
 /// What the mouse does on the scene.
 const ORBIT: &str = "Drag turns · scroll zooms · right drag moves · double click fits · click a point to see it in the pictures";
 
+/// What the mouse does on a rectified pair.
+const ROWS: &str = "Point at a picture to see its row in both · scroll zooms · drag pans · double click fits";
+
 /// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.spacing_mut().interact_size.y = theme::STATUS_BAR - 6.0;
@@ -34,8 +37,8 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                 if let Some((hover, intensity)) = under {
                     let pixel = model.open.pixel(hover.side, hover.point);
                     let side = hover.side.name();
-                    let text = format!("{side:<5} {:8.2} {:8.2}  {intensity:5.1}", pixel.x, pixel.y);
-                    ui.label(small(text).monospace()).on_hover_text("Image, x and y in px, intensity.");
+                    let text = format!("{side:<5} {:8.2} {:8.2}  grey {intensity:.1}", pixel.x, pixel.y);
+                    ui.label(small(text).monospace()).on_hover_text("Image, x and y in px, grey value.");
                     ui.separator();
                 }
                 if let Some(text) = model.pointed_in_scene() {
@@ -57,8 +60,9 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                 }
                 let hint = || match model.stage() {
                     StageId::Scene => ORBIT.to_owned(),
-                    _ if model.is_at_start() => MOUSE.to_owned(),
-                    _ => guide(model),
+                    StageId::Rectified => ROWS.to_owned(),
+                    StageId::Pictures if model.is_at_start() => MOUSE.to_owned(),
+                    StageId::Pictures => guide(model),
                 };
                 let text = model.open.done.text().map_or_else(hint, str::to_owned);
                 ui.add(Label::new(small(text)).truncate());

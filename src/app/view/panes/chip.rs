@@ -26,6 +26,7 @@ pub struct Chip {
     /// Size of the picture on the screen, px.
     pub size: Frame,
     pub is_calibrated: bool,
+    pub is_turned: bool,
     /// Screen points per pixel; `None` if the whole image is visible.
     pub scale: Option<f64>,
 }
@@ -39,6 +40,9 @@ impl Chip {
             text = format!("{}  {} × {}", picture.name, self.size.width, self.size.height);
             if self.is_calibrated {
                 text += "  lens calibrated";
+            }
+            if self.is_turned {
+                text += "  view turned";
             }
             if let Some(scale) = self.scale {
                 let _ = write!(text, "  {:.0} %", scale * 100.0);

@@ -14,7 +14,7 @@ use crate::app::model::focus::LineSource;
 use crate::app::model::ids::OverlayId;
 use crate::app::model::look::Tool;
 use crate::app::model::open_pair::Hover;
-use crate::app::model::pane_view::{LARGEST_SCALE, PaneView};
+use crate::app::model::pane_view::{LARGEST_SCALE, PaneView, QuarterTurns};
 use crate::app::model::picture::Opened;
 use crate::app::model::shared::Shared;
 use crate::app::view::panels::{pair_menu, pin_menu, place_menu};
@@ -272,7 +272,9 @@ impl ImagePane {
         }
         if let Some(image) = &self.image {
             let scale = Some(image.transform(rect).scale).filter(|_| !image.view.fits());
-            let chip = Chip { side, rect, size: image.shown, is_calibrated: image.lens.is_some(), scale };
+            let (is_calibrated, is_turned) =
+                (image.lens.is_some(), image.view.turn != QuarterTurns::default());
+            let chip = Chip { side, rect, size: image.shown, is_calibrated, is_turned, scale };
             chip.show(ui, model);
         }
         hover

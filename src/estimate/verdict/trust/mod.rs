@@ -158,6 +158,12 @@ pub struct Trust {
 }
 
 impl Trust {
+    /// Returns whether the only doubts are about clicked pairs.
+    pub fn doubts_clicks_alone(&self) -> bool {
+        let of_a_click = |reason: &Reason| matches!(reason, Reason::ClickOff { .. });
+        !self.reasons.is_empty() && self.reasons.iter().all(of_a_click)
+    }
+
     /// Returns whether only one plane or a rotation of the camera is certain.
     pub fn says_one_plane(&self) -> bool {
         self.reasons.iter().any(|reason| matches!(reason, Reason::OnePlane { .. } | Reason::NoRelief { .. }))

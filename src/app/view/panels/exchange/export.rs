@@ -342,8 +342,9 @@ impl FileExport {
 /// Shows a warning if the geometry is not reliable. All files but an array contain the same warning.
 fn trust(ui: &mut Ui, what: ExportKind, model: &Model) {
     let note = match what {
-        ExportKind::Plane | ExportKind::Report => result_note(model),
-        ExportKind::Pairs => None,
+        ExportKind::Report => result_note(model),
+        // The homography is certain where F is not.
+        ExportKind::Plane | ExportKind::Pairs => None,
         _ => trust_note(model),
     };
     let Some(note) = note.filter(|note| note.verdict != "reliable") else { return };

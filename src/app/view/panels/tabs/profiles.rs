@@ -42,11 +42,11 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         } else if model.inspected().is_some() {
             "The two lines are being compared."
         } else if model.open.computation.is_running() {
-            "Intensities along the epipolar lines of p appear here with the first result."
+            "Intensities along a line pair appear here with the first result."
         } else if model.recordings().is_some() {
-            "The motion along the epipolar lines of p appears here once there are enough point pairs."
+            "The motion along a line pair appears here once there are enough point pairs."
         } else {
-            "Intensities along the epipolar lines of p appear here once there are enough point pairs."
+            "Intensities along a line pair appear here once there are enough point pairs."
         };
         empty(ui, text);
         return;
@@ -145,7 +145,7 @@ fn all_plots(ui: &mut Ui, model: &Model, inspection: &Inspection, area: Rect, gr
             ui.spacing_mut().interact_size.y = 0.0;
             let small = |text: &str| RichText::new(text).size(12.0).weak();
             ui.label(small(title)).on_hover_text(tooltip);
-            for (color, text) in [(LEFT, "left line"), (RIGHT, "right line")] {
+            for (color, text) in [(LEFT, "left"), (RIGHT, "right")] {
                 if number % 2 == 0 {
                     let (area, _) = ui.allocate_exact_size(vec2(14.0, 3.0), Sense::hover());
                     ui.painter().rect_filled(area, 1.0, color);
@@ -223,7 +223,7 @@ impl Titled<'_> {
             .y_axis_min_width(40.0)
             .grid_spacing(8.0..=24.0)
             .x_grid_spacer(|input| marks(&input, 6.0))
-            .y_grid_spacer(|input| marks(&input, 2.5))
+            .y_grid_spacer(|input| marks(&input, 4.0))
             .grid_color(ui.visuals().widgets.noninteractive.bg_stroke.color)
             .show_x(false)
             .show_y(false)
@@ -320,7 +320,11 @@ fn band(plot: &mut PlotUi, inspection: &Inspection, texture: &TextureHandle) {
     let centre = PlotPoint::new(middle(samples.start, samples.end - 1), middle(range.min, range.max));
     let size = vec2((samples.len() as f64 * step) as f32, (range.len() as f64 * step) as f32);
     plot.image(PlotImage::new("cost", texture.id(), centre, size).allow_hover(false));
-    let path = |k: usize| inspection.warped.matching.disparities.get(k).map(|d| f64::from(*d) * step);
+    // Beside the right line there is nothing to match.
+    let path = |k: usize| {
+        inspection.warped.warped2.get(k).copied().flatten()?;
+        inspection.warped.matching.disparities.get(k).map(|d| f64::from(*d) * step)
+    };
     draw_curve(plot, "path", curve(inspection, path), Color32::WHITE);
 }
 

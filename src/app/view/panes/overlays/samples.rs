@@ -1,5 +1,5 @@
 //! Overlay of the matched samples of the inspected line pair. Matching samples have the same
-//! colour.
+//! colour, which is faint where they are not alike.
 
 use egui::{Pos2, Rect, Vec2};
 
@@ -33,11 +33,8 @@ pub fn draw(canvas: &Canvas) {
             canvas.painter.circle_filled(at, RADIUS, theme::HALO);
             // A sample whose match is outside the other image has no colour.
             if other.is_some() {
-                canvas.painter.circle_filled(
-                    at,
-                    3.8,
-                    heat::color((sample - first) as f32 / count.max(1) as f32),
-                );
+                let color = heat::color((sample - first) as f32 / count.max(1) as f32);
+                canvas.painter.circle_filled(at, 3.8, color.gamma_multiply(inspection.likeness(sample)));
             }
         }
     }

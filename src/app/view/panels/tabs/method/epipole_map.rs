@@ -15,7 +15,7 @@ use crate::app::view::theme;
 use crate::geometry::{Frame, HomogeneousPoint, Vector};
 
 /// Height of the title and of the legend, screen points.
-const CAPTIONS: f32 = 16.0;
+const CAPTION: f32 = 16.0;
 /// Number of hypotheses drawn, by rank.
 const DRAWN: usize = 60;
 /// Share of the radius beyond which a position is also drawn on the opposite side: epipoles of
@@ -79,11 +79,10 @@ pub fn show(ui: &mut Ui, area: Rect, side: Side, model: &Model, commands: &mut V
     let title = format!("Epipoles of the {} image", side.name());
     let font = FontId::proportional(theme::CAPTION);
     let weak = ui.visuals().weak_text_color();
-    ui.painter().text(area.center_top(), Align2::CENTER_TOP, title, font.clone(), weak);
-    let room = Rect::from_min_max(area.min + vec2(0.0, CAPTIONS), area.max - vec2(0.0, CAPTIONS));
+    ui.painter().text(area.center_top(), Align2::CENTER_TOP, title, font, weak);
+    let room = area.with_min_y(area.min.y + CAPTION);
     let radius = (room.width().min(room.height()) / 2.0 - 2.0).max(8.0);
-    let (centre, rim) = (room.center(), "Rim: infinity. Rectangle: image.");
-    ui.painter().text(area.center_bottom(), Align2::CENTER_BOTTOM, rim, font, weak);
+    let centre = room.center();
     let disc = PlaneDisc { centre, radius, frame };
     let area = Rect::from_center_size(centre, vec2(radius, radius) * 2.0);
     let hypotheses = shown.estimate.hypotheses();

@@ -36,9 +36,7 @@ pub fn show(ui: &mut Ui, model: &Model) {
     let text = ui.visuals().text_color();
     let color = theme::line_color(model.line_look());
     Plot::new("fit")
-        .custom_x_axes(vec![
-            AxisHints::new_x().label("Distance from the line, px; the last bar has all beyond"),
-        ])
+        .custom_x_axes(vec![AxisHints::new_x().label("Distance, px (last bar: all beyond)")])
         .custom_y_axes(vec![AxisHints::new_y().label("Matches").placement(HPlacement::Left)])
         .y_grid_spacer(|input| marks(&input, 4.0))
         .x_grid_spacer(|input| marks(&input, 8.0))

@@ -61,6 +61,9 @@ const COLUMNS: [Column; 7] = [
     ),
 ];
 
+/// Width below which the right epipole is left out, screen points: figures would run into each other.
+const ROOM_FOR_ALL: f32 = 400.0;
+
 /// Columns that belong to a step.
 fn columns_of(step: MethodStep) -> &'static [usize] {
     if step == MethodStep::RoundTrip { &[0, 3, 4, 5, 6] } else { &[0, 1, 2, 5, 6] }
@@ -74,7 +77,10 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
         empty(ui, "Candidate geometries appear here during the estimate.");
         return;
     }
-    let of = columns_of(step);
+    let mut of = columns_of(step);
+    if ui.available_width() < ROOM_FOR_ALL {
+        of = &of[..of.len() - 1];
+    }
     let columns: Vec<Column> = of.iter().map(|column| COLUMNS[*column].clone()).collect();
     let frames = model.document.pictures.as_ref().map(|pictures| pictures.each_ref().map(|p| p.frame));
     let chosen = model.shown().and_then(|shown| shown.hypothesis).map(|(number, _)| number);

@@ -125,10 +125,8 @@ fn explained(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Co
         ui.spacing_mut().item_spacing.y = 4.0;
         ui.set_max_width(ui.available_width() - theme::SCROLL_BAR);
         ui.horizontal(|ui| {
-            for (forward, sign) in [(false, "◀"), (true, "▶")] {
-                if let Some(other) = step.neighbour(forward) {
-                    let title = other.title();
-                    let text = if forward { format!("{title} {sign}") } else { format!("{sign} {title}") };
+            for (forward, text) in [(false, "◀ Back"), (true, "Next ▶")] {
+                if step.neighbour(forward).is_some() {
                     let button = ui.add(Button::new(text).small());
                     finish_button(ui, button, Command::StepMethod { forward }, commands);
                 }
@@ -138,7 +136,7 @@ fn explained(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Co
         if model.document.is_unclicked() {
             // Two matches stand in for the clicks.
             for (click, found) in [("p", "match 1"), ("q", "match 2")] {
-                for end in [" ", "."] {
+                for end in [" ", ".", ","] {
                     text = text.replace(&format!(" {click}{end}"), &format!(" {found}{end}"));
                 }
             }
@@ -190,10 +188,25 @@ fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 /// Shows the steps as a strip that fills from left to right while the computation runs.
 fn strip(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let (area, _) = ui.allocate_exact_size(vec2(ui.available_width(), STRIP), Sense::hover());
-    let width = area.width() / MethodStep::ALL.len() as f32;
     let palette = theme::palette(ui.visuals());
+    let galley_of = |text: &str| {
+        ui.painter().layout_no_wrap(text.to_owned(), FontId::proportional(12.0), palette.on_accent)
+    };
+    let needed = |step: MethodStep| galley_of(step.title()).size().x + 2.0 * POINT + 4.0;
+    let count = MethodStep::ALL.len() as f32;
+    let longest = MethodStep::ALL.into_iter().map(needed).fold(0.0, f32::max);
+    // In little room only the open step has its title, the others their numbers.
+    let is_short = longest > area.width() / count;
+    let open_width = if is_short { needed(model.look.step) } else { area.width() / count };
+    let closed_width = (area.width() - open_width) / (count - 1.0);
+    let mut left = area.min.x;
     for (number, step) in MethodStep::ALL.into_iter().enumerate() {
-        let left = area.min.x + width * number as f32;
+        let width = if model.look.step == step { open_width } else { closed_width };
+        let title = if is_short && model.look.step != step {
+            (number + 1).to_string()
+        } else {
+            step.title().to_owned()
+        };
         let place = Rect::from_min_max(pos2(left, area.min.y), pos2(left + width - 1.0, area.max.y));
         let response = ui.interact(place, ui.scope_id().with(step.title()), Sense::click());
         let open = model.look.step == step;
@@ -224,8 +237,7 @@ fn strip(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             StepProgress::Done(Some(seconds)) if width > 104.0 => format!("  {}", fit::duration(seconds)),
             _ => String::new(),
         };
-        let font = FontId::proportional(12.0);
-        let galley = ui.painter().layout_no_wrap(step.title().to_owned(), font, text);
+        let galley = ui.painter().layout_no_wrap(title, FontId::proportional(12.0), text);
         let caption =
             ui.painter().layout_no_wrap(time, FontId::proportional(10.5), text.gamma_multiply(0.75));
         let start = place.center().x + POINT / 2.0 - f32::midpoint(galley.size().x, caption.size().x);
@@ -239,10 +251,11 @@ fn strip(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             let mark = Rect::from_center_size(pos2(place.max.x - 16.0, middle), vec2(14.0, 14.0));
             ui.scope_builder(UiBuilder::new().max_rect(mark), busy::show);
         }
-        let hint = format!("{} (N for the next step)", step.explanation());
+        let hint = format!("{}. {} (N for the next step)", step.title(), step.explanation());
         if response.on_hover_text(hint).clicked() {
             commands.push(Command::ShowStep(step));
         }
+        left += width;
     }
 }
 

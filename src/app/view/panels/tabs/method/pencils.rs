@@ -35,8 +35,8 @@ fn legend(ui: &mut Ui) {
     ui.label(caption("shown"));
     // The longest words that fit.
     for axes in [
-        "x: direction of the left line · y: rotation of the right line",
-        "x: left direction · y: right rotation",
+        "x: angle of the left line · y: further angle of the right line",
+        "x: left angle · y: further right angle",
         "",
     ] {
         let font = egui::FontId::proportional(theme::CAPTION);

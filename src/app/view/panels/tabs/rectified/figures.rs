@@ -183,7 +183,7 @@ fn rows(ui: &mut Ui, measures: &Measures, measured: &str, fits: bool) {
     }
     let (mut text, tooltip) = disparity_hint(rows.disparity);
     if rows.far_off > 0 {
-        let _ = write!(text, " Outliers ignored: {}.", rows.far_off);
+        let _ = write!(text, " {} outlying disparities were ignored.", rows.far_off);
     }
     ui.label(text).on_hover_text(tooltip);
 }

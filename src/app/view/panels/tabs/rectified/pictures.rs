@@ -90,7 +90,7 @@ pub fn show(ui: &mut Ui, stacked: bool, model: &Model, drawn: &DrawnPair, comman
     let row = match (hovered, model.open.hover) {
         (Some((sheet, at)), _) => {
             commands.push(Command::PointAt(Target::Rectified { side: sheet.side(), at }));
-            Some(SheetRow::under_cursor(model, drawn, sheet.side(), at))
+            Some(SheetRow::under_cursor(model, drawn, sheet, at))
         }
         (None, Some(hover)) => SheetRow::of_original(drawn, hover.side, hover.point),
         (None, None) => None,

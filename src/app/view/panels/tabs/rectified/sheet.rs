@@ -31,7 +31,8 @@ pub struct SheetRow {
 
 impl SheetRow {
     /// Returns the row at a position in a rectified picture.
-    pub fn under_cursor(model: &Model, drawn: &DrawnPair, side: Option<Side>, at: Point) -> Self {
+    pub fn under_cursor(model: &Model, drawn: &DrawnPair, sheet: RectifiedSheet, at: Point) -> Self {
+        let side = sheet.side();
         let mut text = format!("Row {:.0}", row_number(drawn, at.y));
         for own in Side::BOTH.into_iter().filter(|own| side.is_none_or(|side| side == *own)) {
             let point = drawn.shown.maps[own.index()].original_from_rectified(at);
@@ -39,6 +40,12 @@ impl SheetRow {
             if let Some(point) = point.filter(|point| frame.is_some_and(|frame| frame.contains(*point))) {
                 let _ = write!(text, ", {} image ({:.1}, {:.1})", own.name(), point.x, point.y);
             }
+        }
+        if let Some((map, _)) = drawn.disparity.as_ref().filter(|_| sheet == RectifiedSheet::Disparity) {
+            let frame = drawn.frame();
+            let found = map.at((at.x + 0.5) / frame.width as f64, (at.y + 0.5) / frame.height as f64);
+            text +=
+                &found.map_or(", no match".to_owned(), |found| format!(", disparity {} px", pixels(found)));
         }
         Self { at, side, text }
     }
