@@ -14,7 +14,7 @@ use crate::app::model::focus::Target;
 use crate::app::view::theme;
 use crate::geometry::{Frame, HomogeneousPoint, Vector};
 
-/// Height of the title and of the legend, screen points.
+/// Height of the title, screen points.
 const CAPTION: f32 = 16.0;
 /// Number of hypotheses drawn, by rank.
 const DRAWN: usize = 60;
@@ -76,7 +76,7 @@ impl PlaneDisc {
 /// it shows its hypothesis.
 pub fn show(ui: &mut Ui, area: Rect, side: Side, model: &Model, commands: &mut Vec<Command>) {
     let (Some(shown), Some(frame)) = (model.shown(), model.document.frame(side)) else { return };
-    let title = format!("Epipoles of the {} image", side.name());
+    let title = format!("{} epipoles", side.title());
     let font = FontId::proportional(theme::CAPTION);
     let weak = ui.visuals().weak_text_color();
     ui.painter().text(area.center_top(), Align2::CENTER_TOP, title, font, weak);

@@ -66,8 +66,8 @@ impl MethodStep {
                  a large region, so the validation decides."
             }
             Self::Validation => {
-                "The best hypotheses are scored over the whole of both images. The margin is the lead of \
-                 the first hypothesis over the best clearly different one, the rival."
+                "The best hypotheses are scored over the whole of both images. The lead over the rival \
+                 compares the first one with the best clearly different one."
             }
             Self::Result => {
                 "The best hypothesis is fitted to patches that match along its lines at full resolution. \
