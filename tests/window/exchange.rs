@@ -3,14 +3,14 @@
 use crate::support::*;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use egui::{ColorImage, Key, Modifiers, ViewportCommand};
 use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::geometry::{FundamentalMatrix, PointPair};
-use epiline::internals::app::model::comparison::Contestant;
+use epiline::internals::app::model::comparison::{Contestant, PointSet};
 use epiline::internals::app::model::document::Side;
-use epiline::internals::app::{Opening, Start};
+use epiline::internals::app::{Opening, Services, Start};
 use epiline::io::{Format, GeometryFile};
 use epiline::synthetic::{Sample, SamplePair};
 
@@ -280,6 +280,54 @@ fn an_imported_geometry_takes_part_in_the_comparison_and_is_saved() {
     assert!(again.state().document().imported.is_some());
 }
 
+#[test]
+fn matches_of_another_program_are_searched_with_shown_and_kept() {
+    let files = Files::new();
+    let known = truth().matches;
+    let row = |pair: &PointPair| {
+        let PointPair { point1: p, point2: q } = pair;
+        format!("{},{},{},{}\n", p.x, p.y, q.x, q.y)
+    };
+    // Too many to be clicked.
+    let text: String = known.iter().cycle().take(400).map(row).collect();
+    let path = file(&files, "m.csv", &text);
+    let asked: Arc<Mutex<Vec<Option<usize>>>> = Arc::default();
+    let note = Arc::clone(&asked);
+    let clicks: Vec<PointPair> = known[..2].to_vec();
+    let services = Services {
+        estimate: Box::new(move |request, _| {
+            note.lock().unwrap().push(request.given.as_ref().map(|given| given.len()));
+            fake_estimate(&clicks, &request.parameters)
+        }),
+        ..services()
+    };
+    let mut window = window(Start::default(), services);
+    drop_files(&mut window, &[path]);
+    settle(&mut window);
+    let given = |window: &Window| window.state().document().given.clone();
+    let pairs = |window: &Window| given(window).map(|given| given.pairs().copied().collect::<Vec<_>>());
+    let before = pairs(&window).unwrap();
+    assert!(before.len() == 400 && window.state().document().pairs.is_empty());
+    assert_eq!(asked.lock().unwrap().last(), Some(&Some(400)));
+    assert!(window.state().messages().next().is_none());
+    window.get_by_label("Details").click();
+    settle(&mut window);
+    window.get_by_label_contains("of 400 fit to 1 px");
+    window.key_press(Key::Num3);
+    settle(&mut window);
+    window.get_by_label("Given").click();
+    settle(&mut window);
+    window.get_by_label("Given match 1");
+    let comparison = window.state().model().open.comparison.as_ref().unwrap();
+    assert_eq!((comparison.measured, comparison.points.len()), (PointSet::Given, 400));
+    let session = files.0.path().join("s.json");
+    save_as(&mut window, &session);
+    let start = Start { opening: Opening::Session(session), ..Start::default() };
+    assert_eq!(pairs(&crate::support::window(start, self::services())), Some(before));
+    run_command(&mut window, "Remove the given matches");
+    assert_eq!((asked.lock().unwrap().last(), given(&window)), (Some(&None), None));
+}
+
 fn type_into(window: &mut Window, label: &str, path: &Path) {
     window.get_by_label(label).focus();
     settle(window);
@@ -288,7 +336,6 @@ fn type_into(window: &mut Window, label: &str, path: &Path) {
     settle(window);
 }
 
-/// Exports what the buttons named choose.
 /// Exports with these choices.
 pub fn export(window: &mut Window, choices: &[&str], path: &Path) {
     window.key_press_modifiers(Modifiers::COMMAND, Key::E);

@@ -7,7 +7,7 @@ use egui::Context;
 use super::Inspector;
 use crate::app::model::command::{ExchangeCommand, PickPurpose};
 use crate::app::model::comparison::Contestant;
-use crate::app::model::document::{Checked, Imported, Side, counted};
+use crate::app::model::document::{Checked, Given, Imported, Side, counted};
 use crate::app::model::exchange::{
     ExportContent, ExportKind, ExportOrder, ImportFound, ImportQuestion, ImportSource, ImportedFile,
     ImportedMatrix, PendingImport, ViewPart, content, sources, trust_note,
@@ -16,6 +16,7 @@ use crate::app::model::rectified::{Blink, RectifiedCommand, RectifiedLayout, Rec
 use crate::app::model::session::suggested_path;
 use crate::app::tasks::saver;
 use crate::app::view::{Destination, ImagePane, ReadingDialog, excerpt, figure, picture};
+use crate::estimate::{Match, Search};
 use crate::io::{PairOrigin, RectifiedOptions};
 use crate::rectify::RectifyMethod;
 
@@ -42,6 +43,7 @@ impl Inspector {
             ExchangeCommand::Import(paths) => self.import(paths),
             ExchangeCommand::Accept { reading, with_pairs } => self.accept(reading, with_pairs),
             ExchangeCommand::Reject => self.view.dialogs.reading = None,
+            ExchangeCommand::RemoveGiven => self.model.edit(|document| document.given = None),
             ExchangeCommand::RemoveImported => {
                 self.model.edit(|document| document.imported = None);
                 self.model.open.focus.choose_hypothesis(None);
@@ -123,7 +125,7 @@ impl Inspector {
     pub(super) fn take_imports(&mut self) {
         let failed = |panic| Err(format!("The file could not be imported: {panic}. Nothing was changed."));
         match self.tasks.importing.poll().map(|(_, answer)| answer.unwrap_or_else(failed)) {
-            Some(Ok(ImportedFile::Geometry(found))) => self.take_found(found),
+            Some(Ok(ImportedFile::Geometry(found))) => self.take_found(*found),
             Some(Ok(ImportedFile::Calibration { name, cameras })) => self.calibrate(&name, &cameras),
             Some(Err(problem)) => self.refuse(problem),
             None => {}
@@ -208,9 +210,16 @@ impl Inspector {
         for note in std::mem::take(&mut found.notes) {
             self.model.messages.tell(note);
         }
+        let given = std::mem::take(&mut found.matches);
+        if !given.is_empty() {
+            self.take_given(found.name.clone(), given);
+        }
         if let Some(matrix) = found.matrix.take() {
             let has_pairs = !self.model.document.pairs.is_empty();
             self.view.dialogs.reading = Some(ReadingDialog::new(found, matrix, has_pairs));
+            return;
+        }
+        if found.pairs.is_empty() {
             return;
         }
         // Pairs of a file are places in the pictures.
@@ -218,6 +227,19 @@ impl Inspector {
         let count = counted(found.pairs.len());
         self.model.edit(|document| document.set_pairs(found.pairs, PairOrigin::Imported));
         self.model.open.done.tell(format!("Imported {count} from {}", found.name));
+    }
+
+    /// Searches with matches of another program, without clicks if there are too few.
+    fn take_given(&mut self, name: String, matches: Vec<Match>) {
+        let open = &self.model.open;
+        // Matches of a file are places in the pictures.
+        let placed = |found: Match| Some(Match { pair: open.points_of(&found.pair)?, ..found });
+        let given = Given::new(name, matches.into_iter().filter_map(placed).collect());
+        self.model.open.done.tell(format!("Imported {} matches from {}", given.matches.len(), given.file));
+        self.model.edit(|document| {
+            document.unclicked |= document.parameters.search == Search::Patches;
+            document.given = Some(given);
+        });
     }
 
     /// Accepts the matrix of the dialog.

@@ -249,6 +249,8 @@ pub enum ExchangeCommand {
     Reject,
     /// Remove the imported geometry.
     RemoveImported,
+    /// Remove the matches from elsewhere.
+    RemoveGiven,
 }
 
 /// Purpose of an open file dialog.

@@ -7,7 +7,8 @@ use super::shared::Shared;
 use crate::comparison::{
     Distances, FitError, KnownPair, PointFit, Spread, fit_eight, fit_least_median, fit_msac, fit_seven,
 };
-use crate::geometry::{Frame, FundamentalMatrix, PointPair};
+use crate::estimate::Match;
+use crate::geometry::{Frame, FundamentalMatrix, Matrix9, PointPair};
 use crate::io::GroundTruth;
 use crate::judge::{GivenGeometry, Judgement, LIMIT, Reference, judge};
 
@@ -68,6 +69,8 @@ pub enum PointSet {
     Pairs,
     /// Matches that the program found in the images.
     Matches,
+    /// Matches from elsewhere.
+    Given,
     #[default]
     TrueMatches,
 }
@@ -110,6 +113,10 @@ pub struct ComparisonQuestion {
     pub used: Vec<PointPair>,
     /// Matches of the result.
     pub matches: Vec<PointPair>,
+    /// Matches from elsewhere.
+    pub given: Option<Shared<Vec<Match>>>,
+    /// Covariance of the result.
+    pub covariance: Option<Matrix9>,
     /// Whether the result may contradict an imported geometry.
     pub is_trusted: bool,
     /// Sizes of the images.
@@ -180,7 +187,9 @@ impl ComparisonQuestion {
         let fitted = self.fitted();
         // Seven of many matches, evenly spread over the list.
         let seven = fitted.clone().map(|pairs| match self.fitted_to() {
-            PointSet::Matches if pairs.len() > 7 => (0..7).map(|k| pairs[k * pairs.len() / 7]).collect(),
+            PointSet::Matches | PointSet::Given if pairs.len() > 7 => {
+                (0..7).map(|k| pairs[k * pairs.len() / 7]).collect()
+            }
             _ => pairs,
         });
         let fits = Contestant::ALL.map(|contestant| match contestant {
@@ -206,7 +215,7 @@ impl ComparisonQuestion {
             }
         });
         let rows = fits.map(|fit| {
-            let all = fit.as_ref().map(|fit| Distances::of(&fit.fundamental, points)).unwrap_or_default();
+            let all = fit.as_ref().map(|fit| Distances::of(&fit.fundamental, &points)).unwrap_or_default();
             let distances = match self.subject.measure {
                 Measure::Symmetric => all.symmetric,
                 Measure::Sampson => all.sampson,
@@ -222,7 +231,7 @@ impl ComparisonQuestion {
             number: revision::fresh(),
             measured,
             fitted: self.fitted_to(),
-            points: points.to_vec(),
+            points,
             rows,
             judgement: self.judgement(),
             true_error: self.shown.as_ref().and_then(error),
@@ -240,23 +249,28 @@ impl ComparisonQuestion {
             matches: &self.matches,
             frames: self.frames,
             is_trusted: self.is_trusted,
-            covariance: None,
+            covariance: self.covariance,
         };
         judge(&given, &reference, LIMIT).map(|judgement| (imported, judgement))
     }
 
-    fn points(&self, set: PointSet) -> &[PointPair] {
+    fn points(&self, set: PointSet) -> Vec<PointPair> {
         match set {
-            PointSet::Pairs => &self.pairs,
-            PointSet::Matches => &self.matches,
-            PointSet::TrueMatches => self.truth.as_deref().map_or(&[], |truth| &truth.matches),
+            PointSet::Pairs => self.pairs.clone(),
+            PointSet::Matches => self.matches.clone(),
+            PointSet::Given => {
+                self.given.iter().flat_map(|given| given.iter()).map(|found| found.pair).collect()
+            }
+            PointSet::TrueMatches => {
+                self.truth.as_deref().map_or_else(Vec::new, |truth| truth.matches.clone())
+            }
         }
     }
 
     /// Returns the wanted set if it has points, and else the first set that has some. Two clicked pairs say
     /// less than hundreds of matches.
     fn present(&self, wanted: PointSet) -> PointSet {
-        let order = [wanted, PointSet::Matches, PointSet::Pairs];
+        let order = [wanted, PointSet::Matches, PointSet::Given, PointSet::Pairs];
         order.into_iter().find(|set| !self.points(*set).is_empty()).unwrap_or(PointSet::Pairs)
     }
 
@@ -276,7 +290,7 @@ impl ComparisonQuestion {
     fn fitted(&self) -> Result<Vec<PointPair>, String> {
         let truth = match (self.fitted_to(), self.truth.as_deref()) {
             (PointSet::TrueMatches, Some(truth)) => truth,
-            (PointSet::Matches, _) => return Ok(self.matches.clone()),
+            (set @ (PointSet::Matches | PointSet::Given), _) => return Ok(self.points(set)),
             _ => {
                 let included = self.pairs.iter().enumerate().filter(|(k, _)| !self.excluded.contains(k));
                 return Ok(included.map(|(_, pair)| *pair).collect());
@@ -317,6 +331,8 @@ mod tests {
             excluded: Vec::new(),
             used: sample.show_me.to_vec(),
             matches: Vec::new(),
+            given: None,
+            covariance: None,
             is_trusted: true,
             frames: sample.pictures.each_ref().map(|opened| opened.picture.frame()),
             truth: Some(Shared::new(sample.truth)),

@@ -8,7 +8,7 @@ use super::picture::Pictures;
 use super::recording::Synchronised;
 use super::revision;
 use super::shared::Shared;
-use crate::estimate::{ComparedPencils, Estimate, EstimateError, Parameters, Stage};
+use crate::estimate::{ComparedPencils, Estimate, EstimateError, Match, Parameters, Stage};
 use crate::geometry::PointPair;
 
 /// Inputs of an estimate. A new estimate is made only when they change.
@@ -19,6 +19,8 @@ pub struct EstimateRequest {
     /// The sequences, if lines are compared by motion barcodes.
     pub recordings: Option<Synchronised>,
     pub pairs: Vec<PointPair>,
+    /// Matches from elsewhere.
+    pub given: Option<Shared<Vec<Match>>>,
     /// Everything else.
     pub parameters: Parameters,
 }
@@ -197,10 +199,9 @@ impl Computation {
         if request == self.input.as_ref() {
             return RequestChange::None;
         }
-        let moved =
-            self.input.as_ref().zip(request).is_some_and(|(old, new)| {
-                old.parameters == new.parameters && old.recordings == new.recordings
-            });
+        let moved = self.input.as_ref().zip(request).is_some_and(|(old, new)| {
+            old.parameters == new.parameters && old.recordings == new.recordings && old.given == new.given
+        });
         self.input = request.cloned();
         self.failure = None;
         self.stopped = false;

@@ -31,6 +31,8 @@ pub enum Target {
     Match(usize),
     /// A true match, by its place in the list.
     TrueMatch(usize),
+    /// A match from elsewhere, by its place in the list.
+    GivenMatch(usize),
     /// A sample of the inspected line of image 1, by its index (0 is the anchor).
     Sample(i32),
     /// A place in the rectified pictures.

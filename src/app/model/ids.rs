@@ -117,6 +117,8 @@ pub enum Visibility {
     OnRequest,
     /// Shown until the user hides it, with ground truth only.
     WithTruth,
+    /// Shown until the user hides it, with matches from elsewhere only.
+    WithGiven,
 }
 
 /// Group of overlays in their menu.
@@ -149,6 +151,7 @@ pub enum OverlayId {
     Pinned,
     Samples,
     TrueMatches,
+    Given,
     Matches,
     MagnifiedResiduals,
     Hypotheses,
@@ -161,7 +164,7 @@ pub enum OverlayId {
 
 impl OverlayId {
     /// All overlays with names and rules, from the lowest to the topmost.
-    const TABLE: [(Self, &'static str, Visibility); 19] = [
+    const TABLE: [(Self, &'static str, Visibility); 20] = [
         (Self::Candidates, "Candidates", Visibility::OnRequest),
         (Self::RoundTrip, "Round trip", Visibility::OnRequest),
         (Self::Uncertainty, "Uncertainty", Visibility::OnRequest),
@@ -173,6 +176,7 @@ impl OverlayId {
         (Self::Pinned, "Pinned", Visibility::AtFirst),
         (Self::Samples, "Matched samples", Visibility::OnRequest),
         (Self::TrueMatches, "True matches", Visibility::WithTruth),
+        (Self::Given, "Given matches", Visibility::WithGiven),
         (Self::Matches, "Matches", Visibility::OnRequest),
         (Self::MagnifiedResiduals, "Residuals ×50", Visibility::OnRequest),
         (Self::Hypotheses, "Hypotheses", Visibility::OnRequest),
@@ -219,9 +223,12 @@ impl OverlayId {
             Self::Candidates | Self::RoundTrip | Self::ChosenLines | Self::Bisectors | Self::Hypotheses => {
                 OverlayGroup::Method
             }
-            Self::Points | Self::Samples | Self::Matches | Self::TrueMatches | Self::TrueLines => {
-                OverlayGroup::Data
-            }
+            Self::Points
+            | Self::Samples
+            | Self::Matches
+            | Self::Given
+            | Self::TrueMatches
+            | Self::TrueLines => OverlayGroup::Data,
             _ => OverlayGroup::Result,
         }
     }

@@ -251,6 +251,7 @@ impl Model {
             Visibility::Always => false,
             Visibility::AtFirst | Visibility::OnRequest => true,
             Visibility::WithTruth => self.truth().is_some(),
+            Visibility::WithGiven => self.document.given.is_some(),
         }
     }
 

@@ -56,6 +56,7 @@ impl Model {
             pictures: self.open.pictures()?,
             recordings: self.compared_recordings(),
             pairs: self.document.used_pairs()?,
+            given: self.document.given.as_ref().map(|given| given.matches.clone()),
             parameters: self.document.search_parameters(),
         })
     }
@@ -88,6 +89,12 @@ impl Model {
             excluded: document.excluded.iter().copied().collect(),
             used: document.used().map(|pair| document.pairs[pair]).collect(),
             matches: self.found_matches(),
+            given: document.given.as_ref().map(|given| given.matches.clone()),
+            covariance: self
+                .open
+                .computation
+                .result()
+                .and_then(|(found, _)| Some(found.uncertainty()?.covariance())),
             is_trusted: self.open.computation.result().is_some_and(|(found, _)| found.may_contradict()),
             frames: pictures.each_ref().map(|picture| picture.frame),
             truth: self.truth().and(self.open.known.as_ref()).map(|known| known.truth.clone()),

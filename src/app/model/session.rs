@@ -200,7 +200,7 @@ impl Document {
 
     /// Returns whether the document has work that would be lost.
     pub fn is_worth_keeping(&self) -> bool {
-        !self.pairs.is_empty() || self.half.is_some() || self.imported.is_some()
+        !self.pairs.is_empty() || self.half.is_some() || self.imported.is_some() || self.given.is_some()
     }
 
     /// Moves points into images of these sizes, and removes references to missing points.

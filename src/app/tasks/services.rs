@@ -7,12 +7,13 @@ use crate::app::model::computation::EstimateRequest;
 use crate::app::model::document::Side;
 use crate::app::model::picture::Pictures;
 use crate::app::model::recording::Synchronised;
+use crate::app::model::shared::Shared;
 use crate::app::model::suggesting::{
     NextClickQuestion, Repair, RepairOutcome, RepairQuestion, SuggestQuestion, Suggested,
 };
 use crate::app::model::verdict::capitalised;
 use crate::cancel::CancelFlag;
-use crate::estimate::{Estimate, EstimateError, Monitor, PreparedPair, estimate_prepared, follow};
+use crate::estimate::{Estimate, EstimateError, Match, Monitor, PreparedPair, estimate_prepared, follow};
 use crate::io::{IMAGE_EXTENSIONS, VIDEO_EXTENSIONS};
 use crate::motion::MotionError;
 use crate::suggest::{
@@ -71,7 +72,7 @@ impl Default for Services {
         Self {
             prepare: Box::new(move |pictures, cancel| preparing.get(pictures).make_ready(cancel)),
             estimate: Box::new(move |request, monitor| {
-                let prepared = searching.get_with(&request.pictures, request.recordings.as_ref())?;
+                let prepared = searching.get_for(request)?;
                 estimate_prepared(&prepared, &request.pairs, &request.parameters, monitor)
             }),
             follow: Box::new(move |request, starts| {
@@ -132,56 +133,76 @@ struct PreparedCache(Arc<Mutex<Option<CachedPair>>>);
 struct CachedPair {
     pictures: Pictures,
     recordings: Option<Synchronised>,
+    /// Matches from elsewhere, and the seed of their fit.
+    given: Option<(Shared<Vec<Match>>, u64)>,
     prepared: Arc<PreparedPair>,
 }
 
 impl PreparedCache {
+    /// Returns the prepared pictures, with or without matches from elsewhere.
     fn get(&self, pictures: &Pictures) -> Arc<PreparedPair> {
-        self.get_or(pictures, None, |prepared| prepared)
+        let is_right = |kept: &CachedPair| kept.pictures == *pictures && kept.recordings.is_none();
+        self.get_or(is_right, || CachedPair {
+            pictures: pictures.clone(),
+            recordings: None,
+            given: None,
+            prepared: Arc::new(prepare(pictures)),
+        })
     }
 
-    /// Returns the prepared pictures with the silhouettes of their sequences.
-    fn get_with(
-        &self,
-        pictures: &Pictures,
-        recordings: Option<&Synchronised>,
-    ) -> Result<Arc<PreparedPair>, MotionError> {
-        let Some(recordings) = recordings else { return Ok(self.get(pictures)) };
-        let silhouettes = recordings.overlapping()?;
-        Ok(self.get_or(pictures, Some(recordings), |prepared| prepared.with_silhouettes(silhouettes)))
+    /// Returns the prepared pictures of an estimate, with the silhouettes of its sequences and its matches
+    /// from elsewhere.
+    fn get_for(&self, request: &EstimateRequest) -> Result<Arc<PreparedPair>, MotionError> {
+        let EstimateRequest { pictures, recordings, given, parameters, .. } = request;
+        let silhouettes = recordings.as_ref().map(Synchronised::overlapping).transpose()?;
+        let given = given.as_ref().map(|given| (given.clone(), parameters.seed));
+        let is_right = |kept: &CachedPair| {
+            kept.pictures == *pictures && kept.recordings == *recordings && kept.given == given
+        };
+        Ok(self.get_or(is_right, || {
+            let mut prepared = prepare(pictures);
+            if let Some((matches, seed)) = &given {
+                // The import has told if they agree on no geometry.
+                let _ = prepared.add_matches(matches, *seed);
+            }
+            if let Some(silhouettes) = silhouettes {
+                prepared = prepared.with_silhouettes(silhouettes);
+            }
+            let (pictures, recordings) = (pictures.clone(), recordings.clone());
+            CachedPair { pictures, recordings, given: given.clone(), prepared: Arc::new(prepared) }
+        }))
     }
 
-    /// Returns the kept pair, or prepares one and applies `completed`.
+    /// Returns the kept pair if it is the right one, or makes another.
     fn get_or(
         &self,
-        pictures: &Pictures,
-        recordings: Option<&Synchronised>,
-        completed: impl FnOnce(PreparedPair) -> PreparedPair,
+        is_right: impl Fn(&CachedPair) -> bool,
+        make: impl FnOnce() -> CachedPair,
     ) -> Arc<PreparedPair> {
         // A panic during preparation leaves the old pair, which is valid.
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(kept) = kept.as_ref()
-            && kept.pictures == *pictures
-            && kept.recordings.as_ref() == recordings
-        {
+        if let Some(kept) = kept.as_ref().filter(|kept| is_right(kept)) {
             return Arc::clone(&kept.prepared);
         }
-        let [image1, image2] = pictures;
-        let prepared = Arc::new(completed(PreparedPair::new(&image1.gray, &image2.gray)));
-        *kept = Some(CachedPair {
-            pictures: pictures.clone(),
-            recordings: recordings.cloned(),
-            prepared: Arc::clone(&prepared),
-        });
+        let made = make();
+        let prepared = Arc::clone(&made.prepared);
+        *kept = Some(made);
         prepared
     }
 }
 
+fn prepare([image1, image2]: &Pictures) -> PreparedPair {
+    PreparedPair::new(&image1.gray, &image2.gray)
+}
+
 fn pick_file() -> Option<PathBuf> {
-    let others = ["json", "txt", "csv", "tsv", "dat", "yml", "yaml", "P"];
+    let others = ["json", "txt", "csv", "tsv", "dat", "yml", "yaml", "npz", "P"];
     let dialog = rfd::FileDialog::new().set_title("Open a file").add_filter("Images", &IMAGE_EXTENSIONS);
     let dialog = dialog.add_filter("Sequences of frames", &VIDEO_EXTENSIONS);
-    dialog.add_filter("Sessions, point pairs, matrices", &others).add_filter("All files", &["*"]).pick_file()
+    dialog
+        .add_filter("Sessions, point pairs, matches, matrices", &others)
+        .add_filter("All files", &["*"])
+        .pick_file()
 }
 
 fn pick_folder() -> Option<PathBuf> {

@@ -56,6 +56,9 @@ pub const BACKWARD: Color32 = Color32::from_rgb(255, 142, 98);
 pub const RESIDUAL: Color32 = Color32::from_rgb(255, 110, 235);
 /// Matches found by the refinement.
 pub const MATCH: Color32 = Color32::from_rgb(190, 255, 150);
+/// Matches from elsewhere that fit the shown geometry, and others.
+pub const GIVEN: Color32 = Color32::from_rgb(120, 230, 255);
+pub const GIVEN_OFF: Color32 = Color32::from_rgb(255, 80, 70);
 /// Motion in a frame of a sequence.
 pub const MOVING: Color32 = Color32::from_rgb(255, 120, 0);
 /// Places suggested by a patch comparison.

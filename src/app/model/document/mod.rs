@@ -3,6 +3,7 @@
 //! Plain data, serialisable and testable without a window. The pixels are stored elsewhere; a
 //! document has only names and sizes of the pictures.
 
+mod given;
 mod notes;
 mod parts;
 #[cfg(test)]
@@ -17,6 +18,7 @@ use crate::geometry::{Frame, Point, PointPair};
 use crate::io::PairOrigin;
 use crate::rectify::RectifyMethod;
 
+pub use given::{GIVEN_FIT, Given};
 pub use parts::{
     Checked, HalfPair, Imported, PairNote, PictureIdentity, PointRef, Role, Side, TruthSource, counted,
     pair_name,
@@ -58,6 +60,9 @@ pub struct Document {
     /// Imported geometry, shown beside the result.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub imported: Option<Imported>,
+    /// Matches from elsewhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub given: Option<Given>,
     /// The point that keys act on.
     pub selection: Option<PointRef>,
     /// Pairs selected in the table, for edits of all of them.

@@ -5,7 +5,7 @@ use super::profile;
 use super::table;
 use super::trust::{result_note, trust_note};
 use crate::app::model::Model;
-use crate::app::model::document::{Side, counted};
+use crate::app::model::document::{Given, Side, counted};
 use crate::app::model::rectified::RectifyQuestion;
 use crate::estimate::PlaneHomography;
 use crate::geometry::PointPair;
@@ -165,7 +165,8 @@ fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Opt
         ReportFormat::Json => {
             let file = ResultFile::new(estimate, &pairs, images, &model.document.parameters);
             let offset = model.compared_recordings().map(|compared| compared.offset);
-            let mut file = file.at_offset(offset).labelled(&labels(model, false));
+            let given: Vec<PointPair> = model.document.given.iter().flat_map(Given::pairs).copied().collect();
+            let mut file = file.at_offset(offset).labelled(&labels(model, false)).with_given(&given);
             let views = model.open.undistorted();
             if let Some(views) = &views {
                 file = file.calibrated(views, None, None);

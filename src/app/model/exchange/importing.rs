@@ -1,15 +1,17 @@
 //! Reads files of other programs, and checks the convention of a matrix with matches.
 
-use super::ImportSource;
+use std::path::Path;
+
+use super::{ImportSource, is_archive};
 use crate::app::model::rectified::MatchesAtHand;
 use crate::convention::{ConventionCheck, FEWEST_MATCHES, check_convention};
+use crate::estimate::{Match, estimate_fundamental};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
-use crate::io::{CalibratedCamera, Calibration, Format, GeometryFile, read_camera};
+use crate::io::{CalibratedCamera, Calibration, Format, GeometryFile, read_camera, read_matches};
 
-/// Maximum number of placed pairs. More handles hide the image and cost time in every frame.
+/// Maximum number of placed pairs. More handles hide the image and cost time in every frame, and nobody
+/// clicks so many: they become given matches.
 const MOST_PAIRS: usize = 300;
-/// Number of first pairs that are always placed, as the estimate may use only these.
-const FIRST_PAIRS: usize = 3;
 /// Maximum number of pairs listed in a message.
 const MOST_NAMED: usize = 5;
 
@@ -32,7 +34,7 @@ impl From<ImportSource> for PendingImport {
 #[derive(Debug, Clone)]
 pub enum ImportedFile {
     /// A geometry or point pairs.
-    Geometry(ImportFound),
+    Geometry(Box<ImportFound>),
     /// The calibrated cameras of the open pictures.
     Calibration {
         name: String,
@@ -71,10 +73,12 @@ pub struct ImportedMatrix {
 pub struct ImportFound {
     /// The name of the file.
     pub name: String,
-    /// Format of the file.
-    pub format: Format,
+    /// Name of the format of the file.
+    pub format: &'static str,
     /// Point pairs on the images.
     pub pairs: Vec<PointPair>,
+    /// Matches to search with, not to edit.
+    pub matches: Vec<Match>,
     /// The geometry.
     pub matrix: Option<ImportedMatrix>,
     /// Warnings, one sentence each.
@@ -101,7 +105,15 @@ impl ImportQuestion {
             ImportSource::File(path) => Calibration::read(path).ok(),
             _ => None,
         };
-        let Some(calibration) = calibration else { return self.read().map(ImportedFile::Geometry) };
+        let Some(calibration) = calibration else {
+            let archive = match &self.pending.source {
+                ImportSource::File(path) if is_archive(path) => Some(self.matches_of(path)?),
+                _ => None,
+            };
+            return archive
+                .map_or_else(|| self.read(), Ok)
+                .map(|found| ImportedFile::Geometry(Box::new(found)));
+        };
         let cameras = Box::new(calibration.pair(None)?);
         for (camera, frame) in cameras.iter().zip(self.shown) {
             camera.check_frame(frame)?;
@@ -152,7 +164,42 @@ impl ImportQuestion {
             return Err("none of its point pairs lies on the open images".to_owned());
         }
         let matrix = geometry.map(|fundamental| self.checked(fundamental, &pairs));
-        Ok(ImportFound { name, format, pairs, matrix, notes })
+        let (mut pairs, mut matches) = (pairs, Vec::new());
+        if pairs.len() > MOST_PAIRS {
+            matches = std::mem::take(&mut pairs).into_iter().map(Match::from).collect();
+            notes.extend(self.disagreement(&matches));
+        }
+        Ok(ImportFound { name, format: format.label(), pairs, matches, matrix, notes })
+    }
+
+    /// Reads the matches of a NumPy archive.
+    fn matches_of(&self, path: &Path) -> Result<ImportFound, String> {
+        let name = self.pending.source.name();
+        let all = read_matches(path).map_err(|error| error.to_string())?;
+        let lies_on = |found: &Match| {
+            self.shown[0].contains(found.pair.point1) && self.shown[1].contains(found.pair.point2)
+        };
+        let matches: Vec<Match> = all.iter().copied().filter(lies_on).collect();
+        if matches.is_empty() {
+            return Err("none of its matches lies on the open images".to_owned());
+        }
+        let outside = all.len() - matches.len();
+        let left_out = || {
+            format!(
+                "{outside} of the {} matches of {name} lie outside the images and were left out.",
+                all.len()
+            )
+        };
+        let mut notes: Vec<String> = (outside > 0).then(left_out).into_iter().collect();
+        notes.extend(self.disagreement(&matches));
+        Ok(ImportFound { name, format: "NumPy archive", pairs: Vec::new(), matches, matrix: None, notes })
+    }
+
+    /// Says that matches agree on no geometry, if so.
+    fn disagreement(&self, matches: &[Match]) -> Option<String> {
+        let error = estimate_fundamental(matches, self.shown, 0).err()?;
+        let name = self.pending.source.name();
+        Some(format!("The matches of {name} are shown, but the estimate does not use them: {error}."))
     }
 
     /// Checks a matrix with the available matches, or with the pairs of the file if these are too
@@ -171,13 +218,11 @@ impl ImportQuestion {
     }
 }
 
-/// Returns the pairs on the images, thinned out if there are too many, and a message about the
-/// others.
+/// Returns the pairs on the images, and a message about the others.
 fn on_the_images(pairs: &[PointPair], frames: [Frame; 2], name: &str) -> (Vec<PointPair>, Option<String>) {
     let lies_on = |pair: &PointPair| frames[0].contains(pair.point1) && frames[1].contains(pair.point2);
     let outside: Vec<usize> = (0..pairs.len()).filter(|k| !lies_on(&pairs[*k])).collect();
     let inside: Vec<PointPair> = pairs.iter().copied().filter(lies_on).collect();
-    let stride = inside.len().saturating_sub(FIRST_PAIRS).div_ceil(MOST_PAIRS - FIRST_PAIRS).max(1);
     let mut sentences = Vec::new();
     if !outside.is_empty() {
         let mut numbers: Vec<String> =
@@ -192,16 +237,8 @@ fn on_the_images(pairs: &[PointPair], frames: [Frame; 2], name: &str) -> (Vec<Po
             numbers.join(", ")
         ));
     }
-    if stride > 1 {
-        sentences.push(format!(
-            "{name} has {} point pairs on the images, too many to show. The first {FIRST_PAIRS} \
-             and one in {stride} of the others were placed.",
-            inside.len()
-        ));
-    }
     let note = (!sentences.is_empty()).then(|| sentences.join(" "));
-    let first = inside.iter().take(FIRST_PAIRS);
-    (first.chain(inside.iter().skip(FIRST_PAIRS).step_by(stride)).copied().collect(), note)
+    (inside, note)
 }
 
 #[cfg(test)]
@@ -209,7 +246,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pairs_outside_are_listed_and_too_many_are_thinned_out() {
+    fn pairs_outside_are_listed() {
         let frames = [Frame::new(100, 80); 2];
         let inside = PointPair::new(5.0, 6.0, 7.0, 8.0);
         let mut pairs = vec![inside; 3];
@@ -221,10 +258,6 @@ mod tests {
             "1 of the 3 point pairs of m.csv lie outside the images and were left out: number 2."
         );
         assert_eq!(on_the_images(&[inside; 2], frames, "m.csv").1, None);
-        let (kept, note) = on_the_images(&vec![inside; 600], frames, "m.csv");
-        assert_eq!(kept.len(), 3 + 199);
-        assert!(note.unwrap().contains("The first 3 and one in 3 of the others"));
-        assert_eq!(on_the_images(&vec![inside; 300], frames, "m.csv").0.len(), 300);
         let (_, note) = on_the_images(&[PointPair::new(-9.0, 0.0, 0.0, 0.0); 8], frames, "m.csv");
         assert!(note.unwrap().ends_with("number 4, number 5, 3 more."));
     }

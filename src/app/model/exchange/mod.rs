@@ -12,5 +12,6 @@ pub use exporting::{ExportContent, content};
 pub use importing::{ImportFound, ImportQuestion, ImportedFile, ImportedMatrix, PendingImport};
 pub use order::{ExportKind, ExportOrder, FigureChoices, FigureFormat, ReportFormat, ViewPart};
 pub use profile::CONVENTION as PROFILE_CONVENTION;
+use source::is_archive;
 pub use source::{ImportSource, is_importable, sources};
 pub use trust::{result_note, trust_note};

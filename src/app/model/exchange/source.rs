@@ -35,7 +35,15 @@ pub fn is_importable(path: &Path) -> bool {
     // The import refuses XML and suggests a way around.
     const OTHERS: [&str; 5] = ["csv", "tsv", "dat", "xml", "toml"];
     let extension = |known: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(known));
-    Format::of_path(path).is_some() || is_camera(path) || OTHERS.into_iter().any(extension)
+    Format::of_path(path).is_some()
+        || is_camera(path)
+        || is_archive(path)
+        || OTHERS.into_iter().any(extension)
+}
+
+/// Returns whether a file is a NumPy archive, by its name.
+pub fn is_archive(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz"))
 }
 
 fn is_camera(path: &Path) -> bool {
@@ -65,7 +73,7 @@ mod tests {
 
     #[test]
     fn imports_are_recognised_by_name() {
-        for name in ["F.txt", "m.CSV", "a.yml", "a.yaml", "a.xml", "a.m", "a.json", "house.000.P"] {
+        for name in ["F.txt", "m.CSV", "a.yml", "a.yaml", "a.xml", "a.m", "a.json", "house.000.P", "m.npz"] {
             assert!(is_importable(Path::new(name)), "{name}");
         }
         for name in ["a.png", "a.pgm", "folder", ".json", "a.ppm"] {

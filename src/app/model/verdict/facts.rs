@@ -5,14 +5,15 @@ use std::f64::consts::PI;
 use super::gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text};
 use super::tone::Tone;
 use crate::app::model::computation::Freshness;
-use crate::app::model::document::{Document, Imported};
+use crate::app::model::document::{Document, GIVEN_FIT, Given, Imported};
 use crate::camera::{PoseFit, PoseUncertainty};
 use crate::comparison::median;
 use crate::estimate::{
     Determined, EpipoleBearing, EpipoleCertainty, Estimate, LineScore, Reason, RefinedMatch,
 };
 use crate::geometry::{
-    Frame, FundamentalMatrix, HomogeneousPoint, Point, Vector, finite_point, symmetric_epipolar_distance,
+    Frame, FundamentalMatrix, HomogeneousPoint, Point, PointPair, Vector, finite_point, sampson_distance,
+    symmetric_epipolar_distance,
 };
 use crate::presentation::{Scale, interval_in_words};
 
@@ -68,6 +69,17 @@ pub fn import_facts(imported: &Imported) -> Vec<Fact> {
     ]
 }
 
+/// Returns how many matches from elsewhere fit a result.
+fn given_fact(given: &Given, estimate: &Estimate) -> Fact {
+    let fits = |pair: &&PointPair| sampson_distance(estimate.fundamental(), pair) < GIVEN_FIT;
+    Fact::new(
+        "Given matches",
+        format!("{} of {} fit to {GIVEN_FIT} px", given.pairs().filter(fits).count(), given.matches.len()),
+        "Imported matches near their epipolar lines (Sampson distance). Their geometry competed with that of the \
+         images; the verdict rests on the images.",
+    )
+}
+
 /// Returns the figures of a result.
 pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> Vec<Fact> {
     if matches!(freshness, Freshness::Followed | Freshness::Stale) {
@@ -92,6 +104,7 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
         let gauge = Gauge::judged(Scale::MATCHES, count as f64, |v| format!("{v:.0}"));
         facts.push(fact.on(Some(gauge).filter(|_| count > 0)));
     }
+    facts.extend(document.given.as_ref().map(|given| given_fact(given, estimate)));
     // The rival is known only at the end.
     let scales = (freshness == Freshness::Final)
         .then(|| HypothesisScales::new(estimate, document.parameters.validation.line_score));

@@ -190,6 +190,13 @@ pub fn by_name() -> Vec<Action> {
         )
         .listed(|_| "Remove the imported geometry")
         .when(|model| model.document.imported.is_some()),
+        action(
+            ExchangeCommand::RemoveGiven,
+            "Remove the given matches",
+            "Search without the imported matches. Undo brings them back.",
+        )
+        .listed(|_| "Remove the given matches")
+        .when(|model| model.document.given.is_some()),
         method(Method::TwoPoint).listed(|_| "Published search: two-point method"),
         method(Method::ThreePoint).listed(|_| "Published search: three-point method"),
         preset(Preset::Robust).listed(|_| "Preset: robust"),

@@ -50,7 +50,7 @@ impl ReadingDialog {
     pub fn show(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) -> bool {
         dialog(ctx, "Which convention does this matrix use?", 680.0, |ui| {
             let ImportFound { name, format, .. } = &self.found;
-            ui.weak(format!("A fundamental matrix from {name}, read as {}.", format.label()));
+            ui.weak(format!("A fundamental matrix from {name}, read as {format}."));
             ui.add_space(6.0);
             self.verdict(ui);
             ui.add_space(6.0);

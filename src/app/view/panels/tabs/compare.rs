@@ -68,12 +68,20 @@ fn inputs(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
              The 7-point algorithm takes seven at even steps of the list.",
         ),
         (
+            PointSet::Given,
+            "Given",
+            "The imported matches. The 7-point algorithm takes seven at even steps of the list.",
+        ),
+        (
             PointSet::TrueMatches,
             "My pairs + true matches",
             "Your pairs of the estimate, with their errors, plus as many true matches as needed, drawn at \
              random.",
         ),
     ] {
+        if set == PointSet::Given && model.document.given.is_none() {
+            continue;
+        }
         let then = Subject { fitted: set, ..now };
         choice(ui, (name, tooltip), comparison.fitted == set, missing(model, set), then, commands);
     }
@@ -224,14 +232,17 @@ fn from(model: &Model, comparison: &Comparison, contestant: Contestant) -> Strin
         Ok(fit) => fit,
         Err(why) => return why.clone(),
     };
-    let set = if comparison.fitted == PointSet::Matches { "matches" } else { "pairs" };
+    let set = match comparison.fitted {
+        PointSet::Matches | PointSet::Given => "matches",
+        PointSet::Pairs | PointSet::TrueMatches => "pairs",
+    };
     match contestant {
         Contestant::Result if fit.pairs == 0 => "the images alone".to_owned(),
         Contestant::Result => format!("{} pairs and the images", fit.pairs),
         Contestant::SevenPoint => {
             let which = match comparison.fitted {
                 PointSet::Pairs => "first 7 pairs",
-                PointSet::Matches => "7 spread matches",
+                PointSet::Matches | PointSet::Given => "7 spread matches",
                 PointSet::TrueMatches => "7 pairs",
             };
             format!("{which}, {} solution{}", fit.solutions, if fit.solutions == 1 { "" } else { "s" })

@@ -28,7 +28,8 @@ pub fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 
 /// Shows what is missing. Returns the comparison if there is one with points.
 pub fn measured<'a>(ui: &mut Ui, model: &'a Model, commands: &mut Vec<Command>) -> Option<&'a Comparison> {
-    if model.document.pairs.is_empty() && model.truth().is_none() && !has_matches(model) {
+    let sets = [PointSet::Pairs, PointSet::Matches, PointSet::Given, PointSet::TrueMatches];
+    if sets.iter().all(|set| missing(model, *set).is_some()) {
         let text = if model.document.imported.is_some() {
             "Distances from the epipolar lines appear here. Click point pairs, or find F without clicks: the \
              matches of the images then judge the imported geometry."
@@ -70,8 +71,12 @@ pub fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     for (set, name, tooltip) in [
         (PointSet::Pairs, "Point pairs", "Measure on the pairs that you clicked."),
         (PointSet::Matches, "Matches", MATCHES),
+        (PointSet::Given, "Given", "Measure on the imported matches."),
         (PointSet::TrueMatches, "True matches", "Measure on the true matches."),
     ] {
+        if set == PointSet::Given && model.document.given.is_none() {
+            continue;
+        }
         let then = Subject { measured: set, ..now };
         choice(ui, (name, tooltip), measured == set, missing(model, set), then, commands);
     }
@@ -106,6 +111,7 @@ pub fn missing(model: &Model, set: PointSet) -> Option<&'static str> {
     match set {
         PointSet::Pairs => model.document.pairs.is_empty().then_some("You have clicked no point pair."),
         PointSet::Matches => (!has_matches(model)).then_some("There is no result with matches yet."),
+        PointSet::Given => model.document.given.is_none().then_some("No matches were imported."),
         PointSet::TrueMatches => model.truth().is_none().then_some(
             "Needs ground truth: open a folder that has it, or press Ground truth (G) on the sample.",
         ),
@@ -171,6 +177,7 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
     let target = |row: usize| match comparison.measured {
         PointSet::Pairs => Some(Target::Pair(row)),
         PointSet::Matches => is_current(row).then_some(Target::Match(row)),
+        PointSet::Given => Some(Target::GivenMatch(row)),
         PointSet::TrueMatches => Some(Target::TrueMatch(row)),
     };
     let name = |row: usize| if are_pairs { pair_name(row) } else { (row + 1).to_string() };
@@ -188,6 +195,7 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
             let kind = match comparison.measured {
                 PointSet::Pairs => "Residuals of pair",
                 PointSet::Matches => "Match",
+                PointSet::Given => "Given match",
                 PointSet::TrueMatches => "True match",
             };
             format!("{kind} {}", name(row))

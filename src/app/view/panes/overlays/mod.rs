@@ -4,6 +4,7 @@ mod bisectors;
 mod candidates;
 mod chosen;
 mod epipoles;
+mod given;
 mod hover;
 mod hypotheses;
 mod lines;
@@ -69,11 +70,12 @@ type Finder = fn(&Canvas, Pos2) -> Option<Pointing>;
 
 /// Returns the nearest visible item within reach of the cursor.
 pub fn pointed_at(canvas: &Canvas, position: Pos2) -> Option<Target> {
-    let finders: [(OverlayId, Finder); 4] = [
+    let finders: [(OverlayId, Finder); 5] = [
         (OverlayId::Points, points::at),
         (OverlayId::Hypotheses, hypotheses::at),
         (OverlayId::Matches, matches::at),
         (OverlayId::TrueMatches, true_matches::at),
+        (OverlayId::Given, given::at),
     ];
     let found = finders.iter().filter(|(overlay, _)| canvas.model.look.shows(*overlay));
     let found = found.filter_map(|(_, at)| at(canvas, position));

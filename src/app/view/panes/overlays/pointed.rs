@@ -43,6 +43,11 @@ pub fn draw(canvas: &Canvas) {
                 ring(canvas, canvas.side.point(pair));
             }
         }
+        Some(Target::GivenMatch(number)) => {
+            if let Some(pair) = model.document.given.as_ref().and_then(|given| given.pairs().nth(number)) {
+                ring(canvas, canvas.side.point(pair));
+            }
+        }
         Some(Target::Sample(index)) => {
             if let Some(point) = samples::place(canvas, index) {
                 ring(canvas, point);

@@ -3,8 +3,9 @@
 use egui::Color32;
 
 use super::{
-    Canvas, bisectors, candidates, chosen, epipoles, hover, hypotheses, lines, matches, next_click, pinned,
-    pointed, points, residuals, round_trip, samples, suggestion, true_lines, true_matches, uncertainty,
+    Canvas, bisectors, candidates, chosen, epipoles, given, hover, hypotheses, lines, matches, next_click,
+    pinned, pointed, points, residuals, round_trip, samples, suggestion, true_lines, true_matches,
+    uncertainty,
 };
 use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
@@ -108,6 +109,13 @@ pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
         color: theme::TRUE,
         magnified: false,
         draw: true_matches::draw,
+    },
+    Overlay {
+        id: OverlayId::Given,
+        tooltip: "Imported matches: bright rings fit the geometry to 1 px, red ones do not. At most 2,000 are drawn.",
+        color: theme::GIVEN,
+        magnified: false,
+        draw: given::draw,
     },
     Overlay {
         id: OverlayId::Matches,
