@@ -5,11 +5,12 @@ use crate::support::*;
 use egui::accesskit::Role;
 use egui::{Color32, Key, Modifiers, Shape, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
-use epiline::estimate::{Apart, Parameters, Search, Trust, Verdict};
-use epiline::geometry::{FundamentalMatrix, Point};
+use epiline::estimate::{Apart, Parameters, RefinedMatch, Search, Trust, Verdict};
+use epiline::geometry::{FundamentalMatrix, Point, PointPair};
 use epiline::internals::app::model::comparison::PointSet;
 use epiline::internals::app::model::document::{Role as PairRole, Side};
 use epiline::internals::app::model::focus::{LineSource, Target};
+use epiline::internals::app::model::ids::OverlayId;
 use epiline::internals::app::{Services, Start};
 
 /// The sample with two pairs and a result with hypotheses and pencils.
@@ -405,14 +406,28 @@ fn a_pair_whose_match_is_not_found_can_be_left_out() {
 
 #[test]
 fn the_window_tells_whether_the_pair_is_rectified() {
+    let maps = |window: &Window| window.state().model().look.shows(OverlayId::RowOffsets);
     let mut window = sample();
-    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
-    window.run();
-    window.event(egui::Event::Text("rectified?".to_owned()));
-    window.run();
-    press(&mut window, Key::Enter);
-    settle(&mut window);
+    run_command(&mut window, "Is the pair rectified?");
     window.get_by_label_contains("There are too few matches to compare rows");
+    assert!(!maps(&window));
+    // Rows that differ by 1 px, and by 100 px.
+    for (offset, says, is_mapped) in [(1.0, "are not rectified: rows differ by 1.00 px", true), (100.0, "were not rectified", false)] {
+        let mut services = services();
+        services.estimate = Box::new(move |request, _| {
+            let mut estimate = fake_estimate(&request.pairs, &request.parameters)?;
+            let at = |k: usize| ((k * 37 % 700) as f64, (k * 53 % 400) as f64);
+            let pair = |(x, y): (f64, f64)| PointPair::new(x, y, x + 9.0, y + offset);
+            let found = (0..60).map(|k| RefinedMatch { pair: pair(at(k)), correlation: 1.0 });
+            estimate.assessment.refinement.as_mut().unwrap().matches = found.collect();
+            Ok(estimate)
+        });
+        let mut window = self::window(Start::default(), services);
+        click_two_pairs(&mut window);
+        run_command(&mut window, "Is the pair rectified?");
+        window.get_by_label_contains(says);
+        assert_eq!(maps(&window), is_mapped, "{offset}");
+    }
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::app::model::document::{Side, counted, pair_name};
 use crate::app::model::exchange::ViewPart;
 use crate::app::model::focus::LineSource;
 use crate::app::model::history::EditKey;
-use crate::app::model::ids::{StageId, TabId};
+use crate::app::model::ids::{OverlayId, StageId, TabId};
 use crate::app::model::look::Tool;
 use crate::app::model::measuring::Measuring;
 use crate::app::model::messages::MessageKind;
@@ -84,7 +84,8 @@ impl Inspector {
                 ctx.set_theme(if dark { ThemePreference::Light } else { ThemePreference::Dark });
             }
             Command::JudgeRows => {
-                let text = model.judged_rows();
+                let (text, is_near) = model.judged_rows();
+                model.look.overlays[OverlayId::RowOffsets as usize] |= is_near;
                 model.messages.say(MessageKind::Answer, text, Vec::new());
             }
             Command::Stop => self.tasks.estimating.stop(&mut model.open.computation),

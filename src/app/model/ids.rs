@@ -154,6 +154,7 @@ pub enum OverlayId {
     Given,
     Matches,
     MagnifiedResiduals,
+    RowOffsets,
     Hypotheses,
     Epipoles,
     PointedAt,
@@ -164,7 +165,7 @@ pub enum OverlayId {
 
 impl OverlayId {
     /// All overlays with names and rules, from the lowest to the topmost.
-    const TABLE: [(Self, &'static str, Visibility); 20] = [
+    const TABLE: [(Self, &'static str, Visibility); 21] = [
         (Self::Candidates, "Candidates", Visibility::OnRequest),
         (Self::RoundTrip, "Round trip", Visibility::OnRequest),
         (Self::Uncertainty, "Uncertainty", Visibility::OnRequest),
@@ -179,6 +180,7 @@ impl OverlayId {
         (Self::Given, "Given matches", Visibility::WithGiven),
         (Self::Matches, "Matches", Visibility::OnRequest),
         (Self::MagnifiedResiduals, "Residuals ×50", Visibility::OnRequest),
+        (Self::RowOffsets, "Row offsets ×50", Visibility::OnRequest),
         (Self::Hypotheses, "Hypotheses", Visibility::OnRequest),
         (Self::Epipoles, "Epipoles", Visibility::OnRequest),
         (Self::PointedAt, "Pointed at", Visibility::Always),

@@ -273,22 +273,26 @@ impl Model {
         self.document.pairs.iter().map(|pair| self.open.pixels_of(pair)).collect()
     }
 
-    /// Returns a sentence on whether the pictures are rectified, by the matches of the result.
-    pub fn judged_rows(&self) -> String {
+    /// Returns a sentence on whether the pictures are rectified, by the matches of the result, and whether the
+    /// offsets of their rows are small enough for a map.
+    pub fn judged_rows(&self) -> (String, bool) {
         let found = self.open.computation.result().map_or(&[][..], |(estimate, _)| estimate.matches());
         let matches: Vec<PointPair> = found.iter().map(|found| self.open.pixels_of(&found.pair)).collect();
         let frame = self.open.shown_frame(document::Side::Right);
-        match frame.and_then(|frame| judge_rows(&matches, frame, ROW_LIMIT)) {
-            Some(judgement) if judgement.is_far_off() => format!(
+        let Some(judgement) = frame.and_then(|frame| judge_rows(&matches, frame, ROW_LIMIT)) else {
+            let text = "There are too few matches to compare rows. Click two point pairs, or find the geometry \
+                        without clicks; then ask again.";
+            return (text.to_owned(), false);
+        };
+        if judgement.is_far_off() {
+            let text = format!(
                 "These pictures were not rectified: rows of matching points differ by {:.0} px. The stage \
                  Rectified (6) shows them with common rows.",
                 judgement.typical
-            ),
-            Some(judgement) => rows_in_words(&judgement),
-            None => "There are too few matches to compare rows. Click two point pairs, or find the geometry \
-                     without clicks; then ask again."
-                .to_owned(),
+            );
+            return (text, false);
         }
+        (rows_in_words(&judgement), true)
     }
 
     fn pins(&self) -> impl Iterator<Item = LineSource> + '_ {

@@ -115,13 +115,13 @@ pub fn read_out(model: &Model) -> Option<(String, &'static str)> {
         Some(inspection) => {
             let matching = &inspection.warped.matching;
             let cost = matching.cost as f64 / matching.sample_costs.len().max(1) as f64;
-            format!("{lines}, {cost:.0} grey² per sample")
+            format!("{lines}, {cost:.0} grey²")
         }
         None => lines,
     };
     Some((
         text,
-        "The inspected lines, and the mean cost of their best matching. Similar lines have a low cost.",
+        "The inspected lines, and the mean cost per sample of their best matching. Similar lines have a low cost.",
     ))
 }
 

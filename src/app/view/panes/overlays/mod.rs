@@ -16,6 +16,7 @@ mod pointed;
 mod points;
 mod residuals;
 mod round_trip;
+mod rows;
 mod samples;
 mod suggestion;
 mod table;

@@ -4,9 +4,9 @@ use super::Canvas;
 use crate::app::view::theme;
 
 /// Magnification of a residual.
-const MAGNIFICATION: f64 = 50.0;
+pub(super) const MAGNIFICATION: f64 = 50.0;
 /// Largest number of residuals drawn, spread over the list, which is in the order of the corners.
-const DRAWN: usize = 300;
+pub(super) const DRAWN: usize = 300;
 
 pub fn draw(canvas: &Canvas) {
     let Some((shown, opacity)) = canvas.shown() else { return };

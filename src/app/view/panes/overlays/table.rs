@@ -4,7 +4,7 @@ use egui::Color32;
 
 use super::{
     Canvas, bisectors, candidates, chosen, epipoles, given, hover, hypotheses, lines, matches, next_click,
-    pinned, pointed, points, residuals, round_trip, samples, suggestion, true_lines, true_matches,
+    pinned, pointed, points, residuals, round_trip, rows, samples, suggestion, true_lines, true_matches,
     uncertainty,
 };
 use crate::app::model::ids::OverlayId;
@@ -131,6 +131,14 @@ pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
         color: theme::RESIDUAL,
         magnified: false,
         draw: residuals::draw,
+    },
+    Overlay {
+        id: OverlayId::RowOffsets,
+        tooltip: "Distance from each match to the row of its partner, magnified 50 times; the colour tells up from \
+                  down. In a rectified pair there is none.",
+        color: theme::FORWARD,
+        magnified: false,
+        draw: rows::draw,
     },
     Overlay {
         id: OverlayId::Hypotheses,
