@@ -123,11 +123,15 @@ pub fn rows_in_words(judgement: &RowJudgement) -> String {
         return format!("The images are rectified: rows agree to {typical:.2} px. {parts}");
     }
     let cause = if judgement.is_far_off() {
-        "This pair was not rectified, or for other cameras: rectify it."
+        "This pair was not rectified, or for other cameras: rectify it.".to_owned()
     } else if *curved > 0.5 * limit {
-        "The rest is curved, as distortion of a lens leaves it: calibrate again."
+        "The rest is curved, as distortion of a lens leaves it: calibrate again.".to_owned()
     } else {
-        "A homography of the right image mends it (correction2 in the JSON)."
+        format!(
+            "A homography of the right image mends it, with a turn by {:+.2}° clockwise (correction2 in the JSON of \
+             epiline judge --rectified).",
+            judgement.roll_degrees
+        )
     };
     format!(
         "The images are not rectified: rows differ by {typical:.2} px, and by up to {largest:.2} px. {parts} {cause}"

@@ -31,16 +31,17 @@ pub fn inspection_scale(frame1: Frame, reach: f64) -> (f64, DisparityRange) {
     (step, DisparityRange::symmetric(most))
 }
 
-/// Samples two lines, matches them and warps the second onto the first.
+/// Samples two lines with these spacings, px, matches them and warps the second onto the first. The spacings
+/// have the ratio of the scales of the images.
 pub fn inspect_lines(
     planes: [&GrayPlane; 2],
     lines: [&AnchoredLine; 2],
-    step: f64,
+    steps: [f64; 2],
     range: DisparityRange,
     parameters: &StereoParameters,
 ) -> WarpedProfile {
-    let profile1 = Profile::sample(planes[0], lines[0], step);
-    let profile2 = Profile::sample(planes[1], lines[1], step);
+    let profile1 = Profile::sample(planes[0], lines[0], steps[0]);
+    let profile2 = Profile::sample(planes[1], lines[1], steps[1]);
     let matching = match_profiles(&profile1, &profile2, range, parameters);
     let warped2 = matching
         .disparities
@@ -63,7 +64,7 @@ mod tests {
         let plane2 = GrayPlane::from_fn(Frame::new(90, 9), |x, y| texture(x + 4, y));
         let line = AnchoredLine::at_angle(Point::new(40.0, 4.0), 0.0);
         let range = DisparityRange::symmetric(8);
-        let w = inspect_lines([&plane1, &plane2], [&line, &line], 1.0, range, &StereoParameters::PAPER);
+        let w = inspect_lines([&plane1, &plane2], [&line, &line], [1.0; 2], range, &StereoParameters::PAPER);
         let equal = w.warped2.iter().zip(&w.profile1.values).filter(|(b, a)| **b == Some(**a)).count();
         assert!(equal >= 85, "{equal} of 90");
         assert_eq!(w.matching.disparities[45], -4);

@@ -6,7 +6,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::estimate::{Estimate, PreparedPair};
-use crate::geometry::{Frame, FundamentalMatrix, Line, Point, PointPair, Vector, finite_point, rescaled};
+use crate::geometry::{
+    Frame, FundamentalMatrix, Line, Point, PointPair, Vector, finite_point, median, rescaled,
+};
 
 /// Longer side of the image searched for textured points, px.
 const SIDE: f64 = 384.0;
@@ -93,9 +95,21 @@ pub fn next_click(
         taken.into_iter().all(|other| (other - point).norm() > apart_by)
     };
     let is_common = |point: &Point| {
-        let ways = matches.iter().map(|pair| pair.point1 - *point).filter(|way| way.norm() <= near);
-        let ways: Vec<Vector> = ways.collect();
-        if matches.len() < COMPANY { ways.len() == matches.len() } else { surround(&ways) }
+        let company = matches.iter().filter(|pair| (pair.point1 - *point).norm() <= near);
+        let company: Vec<&PointPair> = company.collect();
+        if matches.len() < COMPANY {
+            return company.len() == matches.len();
+        }
+        // Neighbours in image 1 whose matches are no neighbours in image 2 fit F by chance.
+        let x = median(company.iter().map(|pair| pair.point2.x));
+        let y = median(company.iter().map(|pair| pair.point2.y));
+        let reach = 2.0 * NEAR * frame2.longer_side();
+        let together: Vec<Vector> = company
+            .iter()
+            .filter(|pair| (pair.point2 - Point::new(x, y)).norm() <= reach)
+            .map(|pair| pair.point1 - *point)
+            .collect();
+        2 * together.len() > company.len() && surround(&together)
     };
     let side = frame2.longer_side();
     let seen = |point: Point| {
@@ -188,6 +202,11 @@ mod tests {
         let mut all: Vec<PointPair> = around.iter().map(|(x, y)| PointPair::new(*x, *y, *x, *y)).collect();
         let between = next_click(&prepared(), &rows(1.0, 0.0), &[rival], &[], &all).unwrap();
         assert!((420.0..460.0).contains(&between.point.x) && (120.0..180.0).contains(&between.point.y));
+        // Neighbours that match anywhere tell nothing.
+        for (k, pair) in all.iter_mut().enumerate() {
+            pair.point2.x = 150.0 * k as f64;
+        }
+        assert_eq!(next_click(&prepared(), &rows(1.0, 0.0), &[rival], &[], &all), None);
         all.truncate(1);
         all.extend([matched; 3]);
         assert_eq!(next_click(&prepared(), &rows(1.0, 0.0), &[rival], &[], &all), None);

@@ -206,7 +206,7 @@ fn a_place_in_the_profiles_is_a_sample_of_the_line() {
     settle(&mut window);
     let hovered = window.state().focus().hovered();
     assert!(matches!(hovered, Some(Target::Sample(_))), "{hovered:?}");
-    window.get_by_label_contains("px: left ");
+    window.get_by_label_contains("px: grey ");
 }
 
 #[test]
@@ -412,7 +412,9 @@ fn the_window_tells_whether_the_pair_is_rectified() {
     window.get_by_label_contains("There are too few matches to compare rows");
     assert!(!maps(&window));
     // Rows that differ by 1 px, and by 100 px.
-    for (offset, says, is_mapped) in [(1.0, "are not rectified: rows differ by 1.00 px", true), (100.0, "were not rectified", false)] {
+    for (offset, says, is_mapped) in
+        [(1.0, "are not rectified: rows differ by 1.00 px", true), (100.0, "were not rectified", false)]
+    {
         let mut services = services();
         services.estimate = Box::new(move |request, _| {
             let mut estimate = fake_estimate(&request.pairs, &request.parameters)?;
@@ -496,7 +498,7 @@ fn the_rival_that_makes_the_margin_is_marked() {
     for (row, says) in [
         (
             "Hypothesis 2",
-            "Agrees with the result: half of the matches lie within 3.1 px of its lines. It is no rival.",
+            "Too near to the result to be a rival: half of the matches lie within 3.1 px of its lines.",
         ),
         (
             "Hypothesis 3, the rival",

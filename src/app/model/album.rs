@@ -38,7 +38,8 @@ pub struct KeptPair {
 impl KeptPair {
     /// Returns whether the pair has any work that would be lost.
     pub fn is_worth_keeping(&self) -> bool {
-        self.document.is_worth_keeping() || !self.pins.is_empty()
+        // A request without clicks is no work, but turning back repeats it.
+        self.document.is_worth_keeping() || self.document.unclicked || !self.pins.is_empty()
     }
 
     /// Returns whether the two have the same work.

@@ -22,23 +22,35 @@ pub struct InspectionRequest {
     pub stereo: StereoParameters,
     /// Largest disparity tried, as a fraction of the longer side of the left image.
     pub reach: f64,
+    /// Size of things in the right picture over their size in the left one.
+    pub scale: f64,
 }
 
 impl InspectionRequest {
-    /// Creates a request with the parameters of the estimate.
-    pub fn new(pictures: Pictures, lines: [AnchoredLine; 2], parameters: &Parameters) -> Self {
+    /// Creates a request with the parameters of the estimate, for pictures of this relative scale.
+    pub fn new(pictures: Pictures, lines: [AnchoredLine; 2], scale: f64, parameters: &Parameters) -> Self {
         let similarity = parameters.similarity;
-        Self { pictures, lines, stereo: similarity.stereo, reach: similarity.disparity_reach }
+        Self { pictures, lines, stereo: similarity.stereo, reach: similarity.disparity_reach, scale }
     }
 
     /// Samples and matches the lines.
     pub fn inspect(&self) -> Inspection {
         let (step, range) = inspection_scale(self.pictures[0].frame(), self.reach);
         let planes = self.pictures.each_ref().map(|picture| &picture.gray);
-        let warped = inspect_lines(planes, self.lines.each_ref(), step, range, &self.stereo);
+        let steps = [step, step * self.scale];
+        let warped = inspect_lines(planes, self.lines.each_ref(), steps, range, &self.stereo);
         let band = Arc::new(band(&warped, range, &self.stereo));
         let largest = largest(&self.stereo);
-        Inspection { number: revision::fresh(), lines: self.lines, step, range, warped, largest, band }
+        Inspection {
+            number: revision::fresh(),
+            lines: self.lines,
+            step,
+            scale: self.scale,
+            range,
+            warped,
+            largest,
+            band,
+        }
     }
 }
 
@@ -73,8 +85,10 @@ pub struct Inspection {
     /// Unique number of this inspection.
     pub number: u64,
     pub lines: [AnchoredLine; 2],
-    /// Distance of neighbouring samples, px.
+    /// Distance of neighbouring samples of the left line, px.
     pub step: f64,
+    /// That of the right line over that of the left one.
+    pub scale: f64,
     /// Range of tested disparities, samples.
     pub range: DisparityRange,
     /// Intensities and disparities.
@@ -104,7 +118,7 @@ impl Inspection {
         let profile2 = &self.warped.profile2;
         (profile2.first..profile2.end())
             .contains(&partner)
-            .then(|| self.lines[1].point_at(f64::from(partner) * self.step))
+            .then(|| self.lines[1].point_at(f64::from(partner) * self.step * self.scale))
     }
 
     /// Returns how alike a sample and its match are, from 0 to 1.
@@ -120,7 +134,8 @@ impl Inspection {
         if line.line().distance(point) > reach {
             return None;
         }
-        let along = ((point - line.anchor).dot(&line.direction) / self.step).round() as i32;
+        let step = if side == Side::Left { self.step } else { self.step * self.scale };
+        let along = ((point - line.anchor).dot(&line.direction) / step).round() as i32;
         match side {
             Side::Left => self.samples().contains(&along).then_some(along),
             Side::Right => {
@@ -156,7 +171,26 @@ mod tests {
 
     fn request(pictures: &Pictures, y: f64) -> InspectionRequest {
         let line = AnchoredLine::at_angle(Point::new(50.0, y), 0.0);
-        InspectionRequest::new(pictures.clone(), [line; 2], &Parameters::default())
+        InspectionRequest::new(pictures.clone(), [line; 2], 1.0, &Parameters::default())
+    }
+
+    #[test]
+    fn a_smaller_right_picture_is_sampled_in_smaller_steps() {
+        let [left, _] = shifted();
+        let small = left.pixels.resize_exact(80, 20, image::imageops::FilterType::Triangle);
+        let right = Shared::new(Picture::from_pixels("small".into(), None, small).expect("has pixels"));
+        let line = |x, y| AnchoredLine::at_angle(Point::new(x, y), 0.0);
+        let lines = [line(50.0, 20.0), line(24.75, 9.75)];
+        let request = InspectionRequest::new([left, right], lines, 0.5, &Parameters::default());
+        let inspection = request.inspect();
+        for sample in [-30, 40, 80] {
+            let (left, right) = (inspection.point1(sample).unwrap(), inspection.point2(sample).unwrap());
+            assert!((right.x - (left.x - 0.5) / 2.0).abs() < 1.6, "{left} {right}");
+            assert_eq!(
+                inspection.sample_near(Side::Right, right, 1.0).map(|at| (at - sample).abs() < 3),
+                Some(true)
+            );
+        }
     }
 
     #[test]

@@ -18,7 +18,7 @@ pub struct Measuring {
 pub struct Measured {
     /// Distance, px.
     pub distance: f64,
-    /// Angle from the direction of x, counter-clockwise as seen, in (−180°, 180°].
+    /// Angle from the direction of x, clockwise, in (−180°, 180°], as in the charts of the method.
     pub degrees: f64,
 }
 
@@ -40,8 +40,7 @@ impl Measuring {
     /// Measures up to a place.
     pub fn to(&self, end: Point) -> Measured {
         let way = end - self.start;
-        // The y axis of images points down.
-        Measured { distance: way.norm(), degrees: (0.0 - way.y).atan2(way.x).to_degrees() }
+        Measured { distance: way.norm(), degrees: way.y.atan2(way.x).to_degrees() }
     }
 }
 
@@ -62,12 +61,12 @@ mod tests {
     }
 
     #[test]
-    fn distances_are_in_pixels_and_angles_are_as_seen() {
+    fn distances_are_in_pixels_and_angles_are_clockwise() {
         let origin = Measuring::from(Side::Left, Point::new(10.0, 10.0));
         for (to, distance, degrees) in [
-            ((13.0, 6.0), 5.0, 53.130),
+            ((13.0, 6.0), 5.0, -53.130),
             ((20.0, 10.0), 10.0, 0.0),
-            ((10.0, 12.0), 2.0, -90.0),
+            ((10.0, 12.0), 2.0, 90.0),
             ((9.0, 10.0), 1.0, 180.0),
         ] {
             let found = origin.to(Point::new(to.0, to.1));

@@ -69,7 +69,11 @@ impl Model {
         }
         let wanted = exports || self.tab() == Some(TabId::Profiles) || !self.open.focus.pins().is_empty();
         let inspected = wanted.then(|| self.inspected()).flatten()?;
-        Some(InspectionRequest::new(self.open.pictures()?, inspected.lines, &self.document.parameters))
+        let pictures = self.open.pictures()?;
+        let [left, right] = pictures.each_ref().map(|picture| picture.frame().longer_side());
+        let view = self.open.computation.searched().map(Estimate::view);
+        let scale = view.and_then(|view| view.scale).unwrap_or(right / left);
+        Some(InspectionRequest::new(pictures, inspected.lines, scale, &self.document.parameters))
     }
 
     /// Returns the request for a comparison, while something shows it.

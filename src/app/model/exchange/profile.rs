@@ -10,7 +10,7 @@ use crate::motion::Barcode;
 /// Meaning of the columns, one sentence per line.
 pub const CONVENTION: [&str; 3] = [
     "Pixels: x to the right, y down; the centre of the upper left pixel is (0, 0). Intensities go from 0 to 255.",
-    "A row is a sample of the left line, in equal steps; distance is along that line from its anchor, px.",
+    "A row is a sample of the left line, in equal steps; distance is along that line from its anchor, px, and so is shift.",
     "x2, y2 and right_matched belong to the matched sample of the right line. They are empty outside the image.",
 ];
 

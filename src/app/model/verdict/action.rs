@@ -6,7 +6,7 @@ use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::computation::Freshness;
 use crate::app::model::document::pair_name;
 use crate::app::model::suggesting::Repair;
-use crate::estimate::Reason;
+use crate::estimate::{Reason, Verdict};
 
 /// A button of the verdict.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,6 +62,13 @@ impl Model {
         self.lines_switch()
     }
 
+    /// Returns the way out if a misplaced pair has no clear match.
+    pub fn card_alternative(&self) -> Option<CardAction> {
+        let Command::Repair(pair, Repair::Rematch) = self.card_action()?.command else { return None };
+        let label = format!("Leave out {}", pair_name(pair));
+        Some(CardAction::new(label, Command::IncludePair(pair, false)))
+    }
+
     /// Returns the switch of the lines of an unreliable geometry.
     pub fn lines_switch(&self) -> Option<CardAction> {
         let is_bad = self.has_result() && self.tone() == Tone::Bad;
@@ -98,11 +105,26 @@ impl Model {
         match self.tone() {
             _ if self.shown().is_none() => LineLook::Solid,
             _ if is_other || self.is_preliminary() => LineLook::Other,
+            Tone::Busy => self.look_of(self.verdict_before()),
             Tone::Caution => LineLook::Dashed,
-            Tone::Bad if self.open.lines_anyway => LineLook::Dotted,
-            Tone::Bad => LineLook::Hidden,
+            Tone::Bad => self.look_of(Some(Verdict::Unreliable)),
             _ => LineLook::Solid,
         }
+    }
+
+    fn look_of(&self, verdict: Option<Verdict>) -> LineLook {
+        match verdict {
+            Some(Verdict::Doubtful) => LineLook::Dashed,
+            Some(Verdict::Unreliable) if self.open.lines_anyway => LineLook::Dotted,
+            Some(Verdict::Unreliable) => LineLook::Hidden,
+            Some(Verdict::Reliable) | None => LineLook::Solid,
+        }
+    }
+
+    /// Returns the verdict on the geometry that follows the moved points, before they moved.
+    fn verdict_before(&self) -> Option<Verdict> {
+        let searched = self.open.computation.searched()?;
+        searched.assessment.trust.as_ref().map(|trust| trust.verdict)
     }
 }
 

@@ -48,8 +48,7 @@ impl Gauge {
         let range = best - worst;
         let place = if range.abs() > 0.0 { ((figure - worst) / range).clamp(0.0, 1.0) } else { 0.5 };
         let words = format!(
-            "No limits are known for this figure. The bar runs from the worst hypothesis ({}) to \
-             the best ({}).",
+            "No limits are known for this figure. The worst hypothesis has {}, the best {}.",
             text(worst),
             text(best)
         );

@@ -116,8 +116,10 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
         };
     };
     let assessment = &estimate.assessment;
-    let reasons = assessment.trust.iter().flat_map(|trust| &trust.reasons);
-    let reasons = reasons.map(|reason| in_units(reason, document, estimate.fundamental()));
+    let mut reasons: Vec<&Reason> = assessment.trust.iter().flat_map(|trust| &trust.reasons).collect();
+    // What a person can mend at once comes first, and the button speaks of it.
+    reasons.sort_by_key(|reason| !matches!(reason, Reason::ClickOff { .. }));
+    let reasons = reasons.into_iter().map(|reason| in_units(reason, document, estimate.fundamental()));
     // A preliminary geometry may still approach the checks, and a stale one belongs to other
     // points.
     let is_final = freshness == Freshness::Final;

@@ -155,7 +155,7 @@ pub fn with_keys() -> Vec<Action> {
         .when(|_| false),
         action(Command::FitAll, "Fit", "Show both images completely. A double click fits one image.")
             .key(NONE, Key::F)
-            .listed(|_| "Fit both images"),
+            .listed(|_| "Fit both images (zoom out)"),
         action(Command::Recompute, "Compute again", "Run the estimate again from the same points.")
             .key(NONE, Key::F5)
             .when(|model| model.document.used_pairs().is_some()),
@@ -174,7 +174,7 @@ pub fn with_keys() -> Vec<Action> {
             "Let the left and the right picture trade places. Press again and again to compare them.",
         )
         .key(NONE, Key::X)
-        .listed(|_| "Blink: exchange the two pictures")
+        .listed(|_| "Blink: swap the two pictures")
         .when(|model| model.document.pictures.is_some()),
         action(
             Command::ToggleDrawer,
@@ -242,7 +242,7 @@ pub fn with_keys() -> Vec<Action> {
         )
         .key(NONE, Key::R)
         .when(Model::shows_another),
-        action(Command::ToggleTheme, "Light or dark", "Switch between the light and the dark theme.")
+        action(Command::ToggleTheme, "Light or dark theme", "Switch between the light and the dark theme.")
             .key(NONE, Key::T),
         action(Command::ToggleShortcuts, "Keys", "Show the keys and mouse actions.")
             .key(NONE, Key::Questionmark)

@@ -47,7 +47,7 @@ pub fn by_name() -> Vec<Action> {
         turn(Side::Left).listed(|_| "Turn the left view clockwise by 90°"),
         turn(Side::Right).listed(|_| "Turn the right view clockwise by 90°"),
         copy(Notation::NumPy, "Copy F of the shown geometry as Python code that makes a NumPy array.")
-            .listed(|_| "Copy F as NumPy"),
+            .listed(|_| "Copy F, the fundamental matrix, as NumPy"),
         copy(Notation::Cpp, "Copy F of the shown geometry as C++ code that makes a cv::Matx33d.")
             .listed(|_| "Copy F as C++ (OpenCV)"),
         copy(

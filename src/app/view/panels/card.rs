@@ -153,7 +153,8 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let switch = model.lines_switch().filter(|switch| action.as_ref() != Some(switch));
     if action.is_some() {
         ui.horizontal_wrapped(|ui| {
-            for CardAction { label, command } in action.into_iter().chain(switch) {
+            let others = model.card_alternative().into_iter().chain(switch);
+            for CardAction { label, command } in action.into_iter().chain(others) {
                 let button = ui.button(label);
                 finish_button(ui, button, command, commands);
             }

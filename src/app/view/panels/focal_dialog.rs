@@ -80,7 +80,9 @@ impl Row {
                 format!("guessed from EXIF data, ± {:.0} %", 100.0 * deviation)
             }
             Some(_) => String::new(),
-            None if self.text.trim().is_empty() => "no EXIF data that tell it".to_owned(),
+            None if self.text.trim().is_empty() => {
+                "no EXIF data; often 0.7 to 1.3 times the width".to_owned()
+            }
             None => "not a positive number".to_owned(),
         }
     }

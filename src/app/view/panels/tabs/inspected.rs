@@ -108,7 +108,10 @@ pub fn read_out(model: &Model) -> Option<(String, &'static str)> {
     let inspected = model.inspected()?;
     if let Some((inspection, sample)) = model.open.inspection.as_ref().zip(marked(model)) {
         let text = describe_sample(inspection, sample);
-        return Some((text, "The sample of the left line under the cursor, and its match."));
+        return Some((
+            text,
+            "The sample of the left line under the cursor: its place, the grey values of both lines, disparity and cost, grey².",
+        ));
     }
     let lines = describe(inspected.source);
     let text = match model.open.inspection.as_ref() {
@@ -165,5 +168,5 @@ fn describe_sample(inspection: &Inspection, sample: i32) -> String {
     let right = warped.warped2.get(number).copied().flatten();
     let right = right.map_or("outside".to_owned(), |value| value.to_string());
     let shift = f64::from(*disparity) * inspection.step;
-    format!("At {place:.0} px: left {left}, right {right}, disparity {shift:+.0} px, cost {cost}")
+    format!("{place:.0} px: grey {left}, {right}; disparity {shift:+.0} px; cost {cost}")
 }

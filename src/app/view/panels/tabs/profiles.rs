@@ -6,7 +6,7 @@ use egui::{
     TextureOptions, Ui, UiBuilder, Vec2, vec2,
 };
 use egui_plot::{
-    AxisHints, GridInput, GridMark, Line, Plot, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine,
+    AxisHints, GridInput, GridMark, HPlacement, Line, Plot, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine,
 };
 
 use super::barcodes;
@@ -232,6 +232,9 @@ impl Titled<'_> {
             .allow_zoom([true, false])
             .allow_drag([true, false])
             .allow_boxed_zoom(false)
+            .custom_y_axes(vec![
+                AxisHints::new_y().placement(HPlacement::Left).label_spacing(Rangef::new(6.0, 12.0)),
+            ])
             .custom_x_axes(vec![
                 AxisHints::new_x()
                     .formatter(move |mark, seen| {

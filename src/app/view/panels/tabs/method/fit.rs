@@ -36,10 +36,15 @@ pub fn show(ui: &mut Ui, model: &Model) {
     let text = ui.visuals().text_color();
     let color = theme::line_color(model.line_look());
     Plot::new("fit")
-        .custom_x_axes(vec![AxisHints::new_x().label("Distance, px (last bar: all beyond)")])
+        .custom_x_axes(vec![AxisHints::new_x().label("Distance, px (last bar: all beyond)").formatter(
+            |mark, _| {
+                let decimals = if mark.step_size < 0.099 { 2 } else { 1 };
+                format!("{:.decimals$}", mark.value)
+            },
+        )])
         .custom_y_axes(vec![AxisHints::new_y().label("Matches").placement(HPlacement::Left)])
         .y_grid_spacer(|input| marks(&input, 4.0))
-        .x_grid_spacer(|input| marks(&input, 8.0))
+        .x_grid_spacer(|input| marks(&input, 6.0))
         .grid_color(ui.visuals().widgets.noninteractive.bg_stroke.color)
         .show_x(false)
         .show_y(false)

@@ -126,10 +126,8 @@ fn explained(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Co
         ui.set_max_width(ui.available_width() - theme::SCROLL_BAR);
         ui.horizontal(|ui| {
             for (forward, text) in [(false, "◀ Back"), (true, "Next ▶")] {
-                if step.neighbour(forward).is_some() {
-                    let button = ui.add(Button::new(text).small());
-                    finish_button(ui, button, Command::StepMethod { forward }, commands);
-                }
+                let button = ui.add_enabled(step.neighbour(forward).is_some(), Button::new(text).small());
+                finish_button(ui, button, Command::StepMethod { forward }, commands);
             }
         });
         let mut text = step.explanation().to_owned();
