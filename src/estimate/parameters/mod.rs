@@ -164,12 +164,12 @@ pub struct PatchParameters {
     /// Whether these rounds also draw epipoles from matches off the largest planes.
     pub parallax: bool,
     /// Number of combinations of candidates whose exact support is computed, most votes first. The
-    /// time is in proportion. Never varied.
+    /// time is in proportion. Half and twice of it: `lab/notes.md`.
     pub supported: usize,
     /// Number of hypotheses whose matches are pooled for resampling. More add matches of wrong
-    /// hypotheses. Never varied.
+    /// hypotheses. Half and twice of it: `lab/notes.md`.
     pub pooled: usize,
-    /// Number of samples of each kind in a round of resampling. Never varied.
+    /// Number of samples of each kind in a round of resampling. Half and twice of it: `lab/notes.md`.
     #[serde(rename = "resampling_draws")]
     pub samples: usize,
 }
@@ -184,17 +184,19 @@ impl Default for PatchParameters {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FeatureParameters {
-    /// Number of minimal samples. The time is in proportion. Never varied.
+    /// Number of minimal samples. The time is in proportion.
+    /// None of six results changed at half and twice of it (`lab/notes.md`).
     #[serde(rename = "feature_draws")]
     pub draws: usize,
-    /// Number of hypotheses that are refitted. Never varied.
+    /// Number of hypotheses that are refitted. Half and twice of it: `lab/notes.md`.
     #[serde(rename = "features_refitted")]
     pub refitted: usize,
-    /// Number of refitted hypotheses that are matched again along their lines. Never varied.
+    /// Number of refitted hypotheses that are matched again along their lines.
+    /// None of six results changed at half and twice of it (`lab/notes.md`).
     #[serde(rename = "features_rematched")]
     pub rematched: usize,
     /// Largest number of relative views that features suggest. Each takes a search of its own.
-    /// Never varied.
+    /// None of six results changed at half and twice of it (`lab/notes.md`).
     #[serde(rename = "feature_views")]
     pub views: usize,
     /// Largest number of searches through two drawn matches, without clicks. If half of the matches
@@ -213,7 +215,7 @@ impl Default for FeatureParameters {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct LineRefinementParameters {
-    /// Number of rounds at each image size. Never varied.
+    /// Number of rounds at each image size. Half and twice of it: `lab/notes.md`.
     #[serde(rename = "line_refinement_rounds")]
     pub rounds: usize,
     /// First step: the rotation that moves a line by this many pixels at the far side of the image.
@@ -221,7 +223,7 @@ pub struct LineRefinementParameters {
     #[serde(rename = "line_refinement_step")]
     pub first_step: f64,
     /// Number of lines per image. Fewer than in validation, since only similar geometries are
-    /// compared. Never varied.
+    /// compared. Half and twice of it: `lab/notes.md`.
     #[serde(rename = "line_refinement_lines")]
     pub lines: usize,
 }
@@ -237,10 +239,11 @@ impl Default for LineRefinementParameters {
 #[serde(default)]
 pub struct BarcodeParameters {
     /// Least longer side of the images in which lines are compared, px. Barcodes cost less than
-    /// stereo, so it is larger. Never varied.
+    /// stereo, so it is larger. Half and twice of it: `lab/notes.md`.
     #[serde(rename = "barcode_side")]
     pub side: f64,
-    /// Number of refined proposals of each kind: from the clicks, and from all lines. Never varied.
+    /// Number of refined proposals of each kind: from the clicks, and from all lines.
+    /// Half and twice of it: `lab/notes.md`.
     #[serde(rename = "barcodes_refined")]
     pub refined: usize,
 }
@@ -259,7 +262,8 @@ pub struct RefinementParameters {
     /// Number of best hypotheses that are refined. The best refined one is the result.
     pub refined: usize,
     /// Number of rivals that are refined if the margin before refinement is too small to decide.
-    /// Each takes as long as the result. Never varied.
+    /// Each takes as long as the result.
+    /// None of six results changed at half and twice of it (`lab/notes.md`).
     #[serde(default = "three")]
     pub rivals: usize,
 }

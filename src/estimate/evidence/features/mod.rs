@@ -97,7 +97,8 @@ const TASK: usize = 32;
 /// At least three of its seven equations come from matches.
 const CLICKS_A_SAMPLE: usize = 4;
 /// Bands in which a hypothesis is refitted, in multiples of the final band. Far from its points, a
-/// minimal sample is off by several deviations, so the first band is wide. Never varied.
+/// minimal sample is off by several deviations, so the first band is wide.
+/// Half and twice of it: `lab/notes.md`.
 const BANDS: [f64; 4] = [4.0, 2.0, 1.3, 1.0];
 /// Drawn matrices examined for each one that is refitted. Many are copies of one geometry, so fewer
 /// matrices may leave places empty. More matter only if places are empty. Half and twice of it

@@ -58,7 +58,7 @@ pub(super) const DISTINCTIVE: f32 = 0.8;
 /// of a right match.
 const DISTINCTIVE_BY: f32 = 2.0 * CORRELATION_NOISE;
 /// Number of look-alikes kept for a corner, best first. In repeated structure there are more; they
-/// would take memory and time without telling geometries apart. Never varied.
+/// would take memory and time without telling geometries apart. Half and twice of it: `lab/notes.md`.
 const PER_CORNER: usize = 16;
 
 impl Support {
