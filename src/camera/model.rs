@@ -4,7 +4,6 @@ use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::lens::{Lens, Projection};
-use super::names::calibration;
 use crate::geometry::{Frame, Point};
 
 /// A camera model: calibration matrix and lens. The centre of the top-left pixel is (0, 0).
@@ -82,7 +81,8 @@ impl CameraModel {
     /// and its deviation at least 0 and below 1.
     pub fn of_focal_length(focal: FocalLength, frame: Frame) -> Option<Self> {
         let FocalLength { pixels, deviation } = focal;
-        let calibration = calibration([pixels; 2], [0.5 * frame.right(), 0.5 * frame.bottom()]);
+        let middle = frame.centre();
+        let calibration = Matrix3::new(pixels, 0.0, middle.x, 0.0, pixels, middle.y, 0.0, 0.0, 1.0);
         let camera = Self::new(&calibration, Lens::IDEAL).filter(|_| (0.0..1.0).contains(&deviation))?;
         Some(Self { focal_deviation: deviation, ..camera })
     }
