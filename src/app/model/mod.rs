@@ -154,6 +154,8 @@ impl Model {
         self.history = History::default();
         self.open = OpenPair::new(pictures, known, show_me);
         self.wanted = None;
+        // The map answers a question about one pair. Strokes would cover one that was never rectified.
+        self.look.overlays[OverlayId::RowOffsets as usize] = false;
         self.album = None;
         let SessionState { copied, last_copy, .. } = std::mem::take(&mut self.session);
         self.session = SessionState { copied, last_copy, ..SessionState::default() };

@@ -28,7 +28,8 @@ const LEAST_TEXTURE: u8 = 8;
 pub struct DisparityMap {
     /// Colour map of the disparities: dark for the smallest, transparent without a match.
     pub picture: RgbaImage,
-    /// Range of nearly all disparities, within that of known matches, px of the written pictures. A disparity is the column in
+    /// Range of nearly all disparities, px of the written pictures, and not beyond that of known
+    /// matches. A disparity is the column in
     /// the left picture minus the column in the right one.
     pub range: [f64; 2],
     /// Disparities row by row, px of the written pictures.
