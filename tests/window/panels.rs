@@ -429,6 +429,10 @@ fn the_window_tells_whether_the_pair_is_rectified() {
         run_command(&mut window, "Is the pair rectified?");
         window.get_by_label_contains(says);
         assert_eq!(maps(&window), is_mapped, "{offset}");
+        // Another pair begins without it.
+        let others = Files::new();
+        drop_files(&mut window, &[others.image("c.png", 320, 240), others.image("d.png", 320, 240)]);
+        assert!(!maps(&window));
     }
 }
 

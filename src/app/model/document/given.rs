@@ -9,8 +9,8 @@ use crate::geometry::PointPair;
 /// Sampson distance below which a given match fits a geometry, px: the limit of `epiline judge`.
 pub const GIVEN_FIT: f64 = crate::judge::LIMIT;
 
-/// Matches of another program, in the coordinates of the window. Their geometry competes with that of the
-/// search, and the images judge it.
+/// Matches of another program, in the coordinates of the window. The geometry that fits them
+/// competes with that of the search, and the images judge both.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Written", into = "Written")]
 pub struct Given {

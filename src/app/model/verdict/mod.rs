@@ -117,15 +117,15 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     };
     let assessment = &estimate.assessment;
     let mut reasons: Vec<&Reason> = assessment.trust.iter().flat_map(|trust| &trust.reasons).collect();
-    // What a person can mend at once comes first, and the button speaks of it.
+    // A misplaced pair comes first: a person can mend it at once, and the button is about it.
     reasons.sort_by_key(|reason| !matches!(reason, Reason::ClickOff { .. }));
     let reasons = reasons.into_iter().map(|reason| in_units(reason, document, estimate.fundamental()));
     // A preliminary geometry may still approach the checks, and a stale one belongs to other
     // points.
     let is_final = freshness == Freshness::Final;
     let checked = is_final.then(|| contradicting_check(document, estimate.fundamental())).flatten();
-    // The probability knows nothing of pairs that are only checked, and is that of the geometry: beside a
-    // doubt about a click it would contradict the word.
+    // The probability is that of the geometry. Beside a doubt about a click it would contradict the
+    // word, and it knows nothing of pairs that are only checked.
     let of_clicks = assessment.trust.as_ref().is_some_and(Trust::doubts_clicks_alone);
     let states = is_final && checked.is_none() && !of_clicks;
     let likely = Some(assessment).filter(|_| states).and_then(|assessment| {
