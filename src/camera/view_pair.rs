@@ -1,11 +1,11 @@
 //! Two views without distortion, and epipolar curves in the pictures with distortion.
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::model::CameraModel;
-use super::pose::{PoseFit, fit_pose};
+use super::pose::{PoseFit, RelativePose, fit_pose};
 use super::undistorted_view::UndistortedView;
-use crate::geometry::{Frame, FundamentalMatrix, Line, Point, PointPair};
+use crate::geometry::{Camera, Frame, FundamentalMatrix, Line, Point, PointPair};
 
 /// Two views without distortion. A fundamental matrix of calibrated cameras belongs to them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,6 +33,15 @@ impl ViewPair {
     /// Returns the calibration matrices of the views.
     pub fn calibrations(&self) -> [Matrix3<f64>; 2] {
         self.views.each_ref().map(|view| *view.calibration())
+    }
+
+    /// Returns the cameras of the views, the first at the origin. `None` for a pose that is not finite.
+    pub fn posed(&self, pose: &RelativePose) -> Option<[Camera; 2]> {
+        let [k1, k2] = self.calibrations();
+        Some([
+            Camera::posed(&k1, &Matrix3::identity(), &Vector3::zeros())?,
+            Camera::posed(&k2, pose.rotation.matrix(), &pose.translation)?,
+        ])
     }
 
     /// Returns the sizes of the views.

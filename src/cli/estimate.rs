@@ -44,7 +44,7 @@ pub(super) struct EstimateArguments {
     #[arg(long, value_parser = threads)]
     threads: Option<usize>,
     /// Matches of another program (text, JSON, or .npz with the names of matchers): their geometry
-    /// competes with the program's own, and the images judge it
+    /// competes with the program's own, they weigh in its fit, and the images judge it
     #[arg(long, value_name = "FILE", conflicts_with = "method")]
     matches: Option<PathBuf>,
     #[command(flatten)]

@@ -6,7 +6,6 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args};
-use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
 
 use super::CliError;
@@ -17,7 +16,7 @@ use super::output::Output;
 use crate::camera::{PoseDifference, RelativePose, ViewPair};
 use crate::estimate::{Match, Monitor, Parameters, Uncertainty, Verdict, estimate, estimate_fundamental};
 use crate::foreign::{reason, shown_path};
-use crate::geometry::{Camera, Frame, FundamentalMatrix, Matrix9, PointPair};
+use crate::geometry::{Frame, FundamentalMatrix, Matrix9, PointPair};
 use crate::image::Picture;
 use crate::io::{CalibratedCamera, GeometryFile, read_camera, read_matches, refuse_clashes};
 use crate::judge::{
@@ -226,12 +225,8 @@ fn of_matches(matches: &[Match], frames: [Frame; 2], seed: u64) -> Result<Shown,
 
 /// Returns the geometry of a calibration in the views without distortion.
 fn of_pose(pose: &RelativePose, views: &ViewPair) -> Option<GivenGeometry> {
-    let [k1, k2] = views.calibrations();
-    let cameras = [
-        Camera::posed(&k1, &Matrix3::identity(), &Vector3::zeros())?,
-        Camera::posed(&k2, pose.rotation.matrix(), &pose.translation)?,
-    ];
-    Some(GivenGeometry { fundamental: pose.fundamental(&[k1, k2])?, cameras: Some(cameras) })
+    let fundamental = pose.fundamental(&views.calibrations())?;
+    Some(GivenGeometry { fundamental, cameras: Some(views.posed(pose)?) })
 }
 
 fn no_pose() -> CliError {

@@ -1,11 +1,13 @@
 //! Pinhole cameras as 3×4 projection matrices.
 
 use nalgebra::{Matrix3, Matrix3x4, Point3, Vector3, Vector4};
+use serde::{Deserialize, Serialize};
 
 use super::{FundamentalMatrix, Point};
 
 /// A projection matrix `P`: `x ∝ P (X, 1)`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Matrix3x4<f64>", into = "Matrix3x4<f64>")]
 pub struct Camera(Matrix3x4<f64>);
 
 impl Camera {
@@ -95,6 +97,20 @@ impl Camera {
             .unwrap()
         };
         (camera(-0.4, 0.0, 0.0), camera(0.7, -0.2, 0.4))
+    }
+}
+
+impl TryFrom<Matrix3x4<f64>> for Camera {
+    type Error = &'static str;
+
+    fn try_from(matrix: Matrix3x4<f64>) -> Result<Self, Self::Error> {
+        Self::from_matrix(matrix).ok_or("a projection matrix has no centre")
+    }
+}
+
+impl From<Camera> for Matrix3x4<f64> {
+    fn from(camera: Camera) -> Self {
+        camera.0
     }
 }
 

@@ -25,7 +25,7 @@ use serde::Serialize;
 use crate::geometry::{Camera, Frame, FundamentalMatrix, Line, Matrix9, Point, PointPair, median};
 
 /// Geometry to be judged.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GivenGeometry {
     /// Fundamental matrix.
     pub fundamental: FundamentalMatrix,

@@ -1,6 +1,6 @@
 //! A calibration in the window: pictures as they are, lines as curves.
 
-use egui::{PointerButton, Pos2, Shape, vec2};
+use egui::{Event, PointerButton, Pos2, Shape, vec2};
 use epiline::geometry::{Frame, Point, PointPair};
 use epiline::internals::app::model::document::Side;
 use epiline::internals::app::{Opening, Start};
@@ -142,4 +142,53 @@ fn files_of_point_pairs_are_places_in_the_pictures() {
     let found = window.state().model().pairs_in_pictures();
     assert!(is_near(&found[0], &PointPair::new(300.0, 20.0, 310.0, 30.0), 1e-6), "{found:?}");
     assert_eq!(found.len(), 2);
+}
+
+#[test]
+fn another_calibration_keeps_given_matches_and_the_names_of_pairs() {
+    let files = Files::new();
+    let mut window = calibrated(&files);
+    let in_pictures = |window: &Window| {
+        let model = window.state().model();
+        let given = model.document.given.as_ref().unwrap();
+        given.pairs().map(|pair| model.open.pixels_of(pair)).collect::<Vec<_>>()
+    };
+    let row = |k| format!("{0} {1} {0} {1}", 20 + k % 280, 20 + k / 2);
+    let text = (0..400).map(row).collect::<Vec<_>>().join("\n");
+    let path = files.0.path().join("matches.txt");
+    std::fs::write(&path, text).unwrap();
+    drop_files(&mut window, &[path]);
+    settle(&mut window);
+    window.event(Event::Paste("name\tx1\ty1\tx2\ty2\ndoor\t200\t100\t190\t101\n".to_owned()));
+    settle(&mut window);
+    let (given, points) = (in_pictures(&window), window.state().document().pairs[0]);
+    assert_eq!((given.len(), window.state().document().pairs.len()), (400, 3));
+    let other = files.0.path().join("other.txt");
+    std::fs::write(&other, "1 SIMPLE_RADIAL 320 240 250 160 120 -0.1\n").unwrap();
+    drop_files(&mut window, &[other]);
+    settle(&mut window);
+    let document = window.state().document();
+    assert!(document.name(2) == "door" && document.pairs[0] != points);
+    for (found, given) in window.state().model().pairs_in_pictures().iter().zip(&pairs()) {
+        assert!(is_near(found, given, 1e-6), "{found:?}");
+    }
+    assert!(in_pictures(&window).iter().zip(&given).all(|(found, given)| is_near(found, given, 1e-6)));
+}
+
+#[test]
+fn the_pose_of_a_calibration_is_an_imported_geometry_with_its_cameras() {
+    let files = Files::new();
+    let mut window = calibrated(&files);
+    let path = files.0.path().join("calib.txt");
+    let camera = "[250 0 160; 0 250 120; 0 0 1]";
+    let text =
+        format!("cam0={camera}\ncam1={camera}\ndoffs=0\nbaseline=100\nwidth=320\nheight=240\nndisp=64\n");
+    std::fs::write(&path, text).unwrap();
+    drop_files(&mut window, &[path]);
+    settle(&mut window);
+    let imported = window.state().document().imported.as_ref().unwrap();
+    assert!(imported.cameras.is_some() && imported.file == "calib.txt", "{imported:?}");
+    // The second camera of a rectified pair is to the right, so lines are rows.
+    let line = imported.fundamental.line2_from_point1(Point::new(10.0, 50.0)).unwrap();
+    assert!(line.distance(Point::new(300.0, 50.0)) < 1e-6);
 }

@@ -245,7 +245,7 @@ impl Inspector {
     /// Accepts the matrix of the dialog.
     fn accept(&mut self, reading: Option<usize>, with_pairs: bool) {
         let Some(dialog) = self.view.dialogs.reading.take() else { return };
-        let ImportedMatrix { fundamental, check, matches, .. } = dialog.matrix();
+        let ImportedMatrix { fundamental, cameras, check, matches, .. } = dialog.matrix();
         let name = dialog.found().name.clone();
         let ranked = check.as_ref().and_then(|check| match reading {
             Some(place) => check.readings.get(place),
@@ -258,8 +258,11 @@ impl Inspector {
             median: ranked.median.min(1e9),
             fits: ranked.median <= check.limit,
         });
+        let read = ranked.map_or(*fundamental, |ranked| ranked.fundamental);
         let imported = Imported {
-            fundamental: ranked.map_or(*fundamental, |ranked| ranked.fundamental),
+            fundamental: read,
+            // Read in another convention, the matrix is not that of the cameras.
+            cameras: cameras.filter(|_| read == *fundamental),
             file: name.clone(),
             reading: ranked.map_or_else(|| "as read".to_owned(), |ranked| ranked.reading.to_string()),
             check: checked,

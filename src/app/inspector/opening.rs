@@ -4,14 +4,16 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::Inspector;
+use crate::app::model::Model;
 use crate::app::model::album::Album;
 use crate::app::model::command::{Command, ExchangeCommand};
-use crate::app::model::document::Side;
+use crate::app::model::document::{Document, Imported, Side};
 use crate::app::model::exchange::is_importable;
 use crate::app::model::ids::StageId;
+use crate::app::model::picture::Opened;
 use crate::app::model::session::{OpenSession, has_session_extension};
 use crate::app::model::truth::NO_TRUTH;
-use crate::app::tasks::{LoadedPair, Opening, OpeningFailure, Wanted};
+use crate::app::tasks::{LoadedPair, NewCalibration, Opening, OpeningFailure, Wanted};
 use crate::app::view::{FocalDialog, OpenDialog, RelocateDialog};
 use crate::camera::FocalLength;
 use crate::geometry::PointPair;
@@ -57,14 +59,12 @@ impl Inspector {
     }
 
     /// Starts over with other pictures.
-    fn show_pictures(&mut self, ctx: &egui::Context, pair: LoadedPair) {
+    fn show_pictures(&mut self, ctx: &egui::Context, mut pair: LoadedPair) {
         // Another pair of the same folder belongs to the same session.
         let turns = pair.restored.is_none() && self.model.is_of_open_folder(pair.folder.as_ref());
-        if pair.is_calibrated {
-            // Points stay where they are in the pictures.
-            self.start_pairs = self.model.pairs_in_pictures();
-        }
-        let set_aside = !turns && !pair.is_calibrated && self.set_aside();
+        let before = self.model.document.clone();
+        let calibrated = pair.calibration.take().zip(self.model.open.pictures.clone());
+        let set_aside = !turns && calibrated.is_none() && self.set_aside();
         self.note_recent(&pair);
         for (pane, opened) in self.view.panes.iter_mut().zip(&pair.pictures) {
             pane.set_picture(ctx, opened);
@@ -87,6 +87,9 @@ impl Inspector {
                 self.model.open.folder = folder;
             }
         }
+        if let Some((calibration, pictures)) = calibrated {
+            return self.take_over(before, &pictures, &calibration);
+        }
         let pairs = std::mem::take(&mut self.start_pairs);
         let pairs: Vec<PointPair> = pairs.iter().filter_map(|pair| self.model.open.points_of(pair)).collect();
         let document = &mut self.model.document;
@@ -97,18 +100,45 @@ impl Inspector {
                 && frame2.is_some_and(|frame| frame.contains(pair.point2))
         });
         document.set_pairs(inside, PairOrigin::Imported);
-        if !outside.is_empty() {
-            self.model.messages.tell(format!(
-                "{} of the point pairs given lie outside the images and were left out. Click these \
-                 points instead.",
-                outside.len()
-            ));
-        }
+        self.tell_of_pairs_outside(outside.len());
         if let Some(restored) = pair.restored {
             self.restore(*restored);
         }
         if set_aside {
             self.offer_left_behind();
+        }
+    }
+
+    /// Continues a document with a new calibration of its pictures. Points stay where they are in the
+    /// pictures. A pose of the calibration becomes the imported geometry.
+    fn take_over(&mut self, before: Document, [left, right]: &[Opened; 2], calibration: &NewCalibration) {
+        let Model { open, document, .. } = &mut self.model;
+        let count = before.pairs.len();
+        let (pictures, truth) = (document.pictures.take(), document.truth.take());
+        let here = Document { pictures, truth, ..before };
+        *document = here.placed(|points| {
+            let (point1, point2) = (left.pixel(points.point1)?, right.pixel(points.point2)?);
+            open.points_of(&PointPair { point1, point2 })
+        });
+        let name = &calibration.name;
+        document.imported = open.views().zip(calibration.pose).and_then(|(views, pose)| {
+            let fundamental = pose.fundamental(&views.calibrations())?;
+            let reading = "pose of the calibration".to_owned();
+            let cameras = views.posed(&pose);
+            Some(Imported { fundamental, cameras, file: name.clone(), reading, check: None })
+        });
+        let judged = if document.imported.is_some() { ". Compare judges its pose" } else { "" };
+        open.done.tell(format!("Lens calibrated by {name}{judged}"));
+        let outside = count - document.pairs.len();
+        self.tell_of_pairs_outside(outside);
+    }
+
+    fn tell_of_pairs_outside(&mut self, count: usize) {
+        if count > 0 {
+            self.model.messages.tell(format!(
+                "{count} of the point pairs lie outside the images and were left out. Click these points \
+                 instead."
+            ));
         }
     }
 
@@ -119,9 +149,12 @@ impl Inspector {
             self.refuse(format!("{name} is a calibration, which sequences cannot use. Nothing was changed."));
             return;
         }
-        let cameras = cameras.each_ref().map(|camera| camera.model);
-        self.open(Wanted::Calibrated(Box::new((pictures, cameras))));
-        self.model.open.done.tell(format!("Lens calibrated by {name}"));
+        let calibration = NewCalibration {
+            name: name.to_owned(),
+            cameras: cameras.each_ref().map(|camera| camera.model),
+            pose: CalibratedCamera::relative_pose(cameras).map(|(pose, _)| pose),
+        };
+        self.open(Wanted::Calibrated(Box::new((pictures, calibration))));
     }
 
     /// Opens the dialog for focal lengths, unless a calibration undoes the distortion of a lens.

@@ -104,7 +104,7 @@ pub struct ComparisonQuestion {
     pub result: Option<FundamentalMatrix>,
     /// Geometry shown by the window.
     pub shown: Option<FundamentalMatrix>,
-    pub imported: Option<FundamentalMatrix>,
+    pub imported: Option<GivenGeometry>,
     /// The clicked pairs.
     pub pairs: Vec<PointPair>,
     /// Places of the excluded pairs among the clicked ones.
@@ -207,7 +207,7 @@ impl ComparisonQuestion {
             }
             Contestant::Imported => {
                 let none = || "nothing was imported".to_owned();
-                self.imported.as_ref().map(|f| known(f, 0)).ok_or_else(none)
+                self.imported.as_ref().map(|given| known(&given.fundamental, 0)).ok_or_else(none)
             }
             Contestant::Truth => {
                 let none = || "not known or not in use".to_owned();
@@ -241,8 +241,7 @@ impl ComparisonQuestion {
 
     /// Judges the imported geometry by the result and its matches.
     fn judgement(&self) -> Option<(FundamentalMatrix, Judgement)> {
-        let imported = self.imported?;
-        let given = GivenGeometry { fundamental: imported, cameras: None };
+        let given = self.imported?;
         let fundamental = self.result?;
         let reference = Reference {
             fundamental,
@@ -251,7 +250,7 @@ impl ComparisonQuestion {
             is_trusted: self.is_trusted,
             covariance: self.covariance,
         };
-        judge(&given, &reference, LIMIT).map(|judgement| (imported, judgement))
+        judge(&given, &reference, LIMIT).map(|judgement| (given.fundamental, judgement))
     }
 
     fn points(&self, set: PointSet) -> Vec<PointPair> {
@@ -326,7 +325,7 @@ mod tests {
         ComparisonQuestion {
             result: Some(sample.truth.fundamental),
             shown: Some(sample.truth.fundamental),
-            imported: Some(sample.truth.fundamental),
+            imported: Some(GivenGeometry { fundamental: sample.truth.fundamental, cameras: None }),
             pairs: sample.show_me.to_vec(),
             excluded: Vec::new(),
             used: sample.show_me.to_vec(),
@@ -414,7 +413,9 @@ mod tests {
         // They judge what was imported.
         let finding = |question: &ComparisonQuestion| question.answer().judgement.unwrap().1.finding;
         assert_eq!(finding(&question), Finding::Fits);
-        question.imported = question.imported.map(|f| f.swapped());
+        question.imported = question
+            .imported
+            .map(|given| GivenGeometry { fundamental: given.fundamental.swapped(), ..given });
         assert_eq!(finding(&question), Finding::DoesNotFit);
         question.is_trusted = false;
         assert_eq!(finding(&question), Finding::Undecided);

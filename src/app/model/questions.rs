@@ -3,6 +3,7 @@
 use super::Model;
 use super::comparison::ComparisonQuestion;
 use super::computation::{EstimateRequest, Freshness};
+use super::document::Imported;
 use super::focus::Target;
 use super::ids::{StageId, TabId};
 use super::inspection::InspectionRequest;
@@ -88,7 +89,7 @@ impl Model {
         Some(ComparisonQuestion {
             result: self.open.computation.result().map(|(estimate, _)| *estimate.fundamental()),
             shown: self.shown().map(|shown| *shown.fundamental),
-            imported: document.imported.as_ref().map(|imported| imported.fundamental),
+            imported: document.imported.as_ref().map(Imported::geometry),
             pairs: document.pairs.clone(),
             excluded: document.excluded.iter().copied().collect(),
             used: document.used().map(|pair| document.pairs[pair]).collect(),

@@ -6,8 +6,8 @@
 use std::sync::Arc;
 
 use super::opening::{
-    LoadedPair, Opening, OpeningFailure, PairReading, calibrated, open_folder, open_views, sample,
-    sample_sequences,
+    LoadedPair, NewCalibration, Opening, OpeningFailure, PairReading, calibrated, open_folder, open_views,
+    sample, sample_sequences,
 };
 use super::session_opening::open_session;
 use super::task::{Task, Waiting};
@@ -15,7 +15,6 @@ use super::waker::Waker;
 use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::picture::Opened;
 use crate::app::model::session::OpenSession;
-use crate::camera::CameraModel;
 use crate::cancel::CancelFlag;
 
 /// Pictures to open.
@@ -28,7 +27,7 @@ pub enum Wanted {
     /// A session with its pictures.
     Session(OpenSession),
     /// Open pictures, with their calibrated cameras.
-    Calibrated(Box<([Opened; 2], [CameraModel; 2])>),
+    Calibrated(Box<([Opened; 2], NewCalibration)>),
 }
 
 impl Wanted {
@@ -42,9 +41,10 @@ impl Wanted {
             Self::Views(folder, views) => open_views(&folder, views, &mut reading),
             Self::Session(session) => open_session(session, &mut reading),
             Self::Calibrated(both) => {
-                let (pictures, cameras) = *both;
-                calibrated(pictures, &cameras)
-                    .map(|pictures| LoadedPair { is_calibrated: true, ..LoadedPair::of(pictures) })
+                let (pictures, calibration) = *both;
+                let pictures = calibrated(pictures, &calibration.cameras);
+                pictures
+                    .map(|pictures| LoadedPair { calibration: Some(calibration), ..LoadedPair::of(pictures) })
             }
         };
         found.map(|pair| LoadedPair { notes: reading.notes, ..pair })

@@ -11,7 +11,7 @@ use crate::app::model::recording::Recording;
 use crate::app::model::sample::{OpenedSample, sample_pair, sample_recordings};
 use crate::app::model::session::{Relocation, Restored};
 use crate::app::model::truth::KnownTruth;
-use crate::camera::CameraModel;
+use crate::camera::{CameraModel, RelativePose};
 use crate::cancel::CancelFlag;
 use crate::geometry::PointPair;
 use crate::image::Picture;
@@ -32,6 +32,16 @@ pub enum Opening {
     Session(PathBuf),
 }
 
+/// Calibration of open pictures.
+#[derive(Clone)]
+pub struct NewCalibration {
+    /// Name of its file.
+    pub name: String,
+    pub cameras: [CameraModel; 2],
+    /// Pose of the second camera, if the file tells it.
+    pub pose: Option<RelativePose>,
+}
+
 /// Result of an opening.
 pub struct LoadedPair {
     /// The two pictures.
@@ -48,8 +58,8 @@ pub struct LoadedPair {
     pub restored: Option<Box<Restored>>,
     /// Remarks about the pictures, one or two sentences each.
     pub notes: Vec<String>,
-    /// Whether the pictures were open before, and only their calibration is new. Point pairs stay.
-    pub is_calibrated: bool,
+    /// The calibration, if the pictures were open before and only that is new. Point pairs stay.
+    pub calibration: Option<NewCalibration>,
 }
 
 /// Reason why nothing was opened.
@@ -79,7 +89,7 @@ impl LoadedPair {
             uses_truth: false,
             restored: None,
             notes: Vec::new(),
-            is_calibrated: false,
+            calibration: None,
         }
     }
 }

@@ -37,6 +37,7 @@ pub(in crate::estimate) struct GivenMatches {
     pub fundamental: FundamentalMatrix,
     /// Matches that the geometry explains.
     pub inliers: Vec<PointPair>,
+    pub all: Vec<Match>,
 }
 
 /// Least longer side of a pyramid level, px. Parameters that ask for smaller images get the
@@ -61,8 +62,9 @@ impl PreparedPair {
         }
     }
 
-    /// Adds matches from elsewhere. The geometry that they agree on competes with the program's own; the
-    /// images judge it as strictly. It is the result where the images alone show none.
+    /// Adds matches from another program. The geometry that they agree on competes with the program's
+    /// own; the images judge it as strictly. It is the result where the images alone show none.
+    /// Matches near the lines of the result weigh in its final fit, by their own noise.
     ///
     /// # Errors
     /// Those of [`estimate_fundamental`]; nothing is added then.
@@ -70,7 +72,7 @@ impl PreparedPair {
         let fit = estimate_fundamental(matches, self.frames(), seed)?;
         let inliers = matches.iter().zip(&fit.inlier_probabilities).filter(|(_, right)| **right > 0.5);
         let inliers = inliers.map(|(found, _)| found.pair).collect();
-        self.given = Some(GivenMatches { fundamental: fit.fundamental, inliers });
+        self.given = Some(GivenMatches { fundamental: fit.fundamental, inliers, all: matches.to_vec() });
         Ok(())
     }
 

@@ -47,6 +47,9 @@ const RIVAL_SCALES: [f64; 3] = [0.5, 1.0, 2.0];
 /// Matches to be explained, with the clicks and the images.
 pub(in crate::estimate) struct Evidence<'a> {
     pub matches: &'a [Match],
+    /// Matches from another program. Their noise is estimated apart from that of `matches`. They weigh
+    /// in every fit, but propose no geometry.
+    pub given: &'a [Match],
     /// Clicked pairs with their standard deviation, px.
     pub clicks: &'a [Observation],
     /// Sizes of the images.
@@ -60,7 +63,9 @@ pub(in crate::estimate) struct Evidence<'a> {
 pub(in crate::estimate) struct Fitted {
     pub fundamental: FundamentalMatrix,
     pub noise: Noise,
-    /// Log-likelihood of the matches and clicks, less that of outliers alone.
+    /// Noise of the matches from another program.
+    given_noise: Noise,
+    /// Log-likelihood of all matches and clicks, less that of outliers alone.
     pub log_likelihood: f64,
 }
 
@@ -87,7 +92,7 @@ impl Evidence<'_> {
     pub fn fitted(&self, start: &FundamentalMatrix) -> Option<Fitted> {
         let mut best = self.explained(start);
         for _ in 0..ROUNDS {
-            let observations = self.observations(&best.noise);
+            let observations = self.observations(&best);
             let fit = fit_fundamental(&best.fundamental, &observations, 1.0)?;
             let next = self.explained(&fit.fundamental);
             let gain = next.log_likelihood - best.log_likelihood;
@@ -103,27 +108,34 @@ impl Evidence<'_> {
 
     /// Returns a geometry as it is, with the noise of the matches.
     pub fn explained(&self, f: &FundamentalMatrix) -> Fitted {
-        let residuals = residuals(f, self.matches);
-        let noise = Noise::of(&residuals, self.spread);
+        let [(noise, of_matches), (given_noise, of_given)] = [self.matches, self.given].map(|matches| {
+            let residuals = residuals(f, matches);
+            let noise = Noise::of(&residuals, self.spread);
+            (noise, noise.log_likelihood(&residuals))
+        });
         let cost = |c: &Observation| (0.5 * (sampson_distance(f, &c.pair) / c.sigma).powi(2)).ln_1p();
         let of_clicks: f64 = self.clicks.iter().map(cost).sum();
-        Fitted { fundamental: *f, noise, log_likelihood: noise.log_likelihood(&residuals) - of_clicks }
+        Fitted { fundamental: *f, noise, given_noise, log_likelihood: of_matches + of_given - of_clicks }
     }
 
     /// Returns matches and clicks with their scales, for a Cauchy loss of scale 1. Near its centre, the
     /// Cauchy distribution of a click equals a Gaussian one of its σ.
-    fn observations(&self, noise: &Noise) -> Vec<Observation> {
-        let matches = self.matches.iter().map(|m| Observation { pair: m.pair, sigma: m.sigma * noise.scale });
-        let clicks = self.clicks.iter().map(|c| Observation { sigma: SQRT_2 * c.sigma, ..*c });
-        matches.chain(clicks).collect()
+    fn observations(&self, fitted: &Fitted) -> Vec<Observation> {
+        let of = |matches: &[Match], noise: Noise| -> Vec<Observation> {
+            matches.iter().map(|m| Observation { pair: m.pair, sigma: m.sigma * noise.scale }).collect()
+        };
+        let mut all = of(self.matches, fitted.noise);
+        all.extend(of(self.given, fitted.given_noise));
+        all.extend(self.clicks.iter().map(|c| Observation { sigma: SQRT_2 * c.sigma, ..*c }));
+        all
     }
 
     /// Returns the covariance of the nine entries of a fitted geometry, row by row. Matches of one region
     /// of image 1 share their error ([`region`]); clicks are independent. `None` if the matches do not
     /// determine all seven degrees of freedom.
     pub fn covariance(&self, fitted: &Fitted) -> Option<Matrix9> {
-        let observations = self.observations(&fitted.noise);
-        let (matches, clicks) = observations.split_at(self.matches.len());
+        let observations = self.observations(fitted);
+        let (matches, clicks) = observations.split_at(self.matches.len() + self.given.len());
         let of_match = |o: &Observation| GroupedObservation {
             observation: *o,
             deviation: deviation(o.sigma, self.frames[0]),

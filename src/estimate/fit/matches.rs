@@ -82,7 +82,7 @@ pub fn estimate_fundamental(
     }
     let cancel = CancelFlag::default();
     let side = frames[0].longer_side().max(frames[1].longer_side());
-    let all = Evidence { matches, clicks: &[], frames, spread: side };
+    let all = Evidence { matches, given: &[], clicks: &[], frames, spread: side };
     let scales: Vec<f64> = std::iter::successors(Some(FINEST), |scale| Some(STEP * scale))
         .take_while(|scale| *scale <= (COARSEST * side).max(FINEST))
         .collect();
@@ -166,6 +166,21 @@ mod tests {
             all.push(PointPair { point2: crate::geometry::Point::new(x, y), ..pair }.into());
         }
         all
+    }
+
+    #[test]
+    fn given_matches_count_as_much_as_their_own_noise_says() {
+        let scene = ExactScene::aside();
+        let [precise, loose] =
+            [(0.02, 1), (0.5, 2)].map(|(scale, seed)| matches(&scene, 200, 0, scale, seed));
+        let error = |matches: &[Match], given: &[Match]| {
+            let evidence = Evidence { matches, given, clicks: &[], frames: [FRAME; 2], spread: 8.0 };
+            scene.error(&evidence.fitted(&scene.disturbed(0.5)).unwrap().fundamental)
+        };
+        let [of_precise, of_loose] = [error(&precise, &[]), error(&loose, &[])];
+        assert!(of_loose > 5.0 * of_precise, "{of_loose} {of_precise}");
+        let both = [error(&precise, &loose), error(&loose, &precise)];
+        assert!(both.iter().all(|both| *both < 1.5 * of_precise), "{both:?} {of_precise}");
     }
 
     #[test]

@@ -60,7 +60,7 @@ impl FeatureProposals {
         record.cancel().check()?;
         let frames = prepared.frames();
         let mut given_view = None;
-        if let Some(GivenMatches { fundamental, inliers }) = prepared.given() {
+        if let Some(GivenMatches { fundamental, inliers, .. }) = prepared.given() {
             let own = hypotheses.first().map_or(0.0, |best| best.score);
             let matches = inliers.clone();
             hypotheses.insert(0, FeatureHypothesis { fundamental: *fundamental, score: own, matches });

@@ -88,6 +88,7 @@ pub(super) fn refine_best(
             .iter()
             .map(|pair| Observation { pair: *pair, sigma: parameters.click_sigma })
             .collect::<Vec<_>>(),
+        given: viewed.prepared.given().map_or(&[][..], |given| &given.all),
         allows: &|f| !clicked.prefer(&best.fundamental, f),
         seed: parameters.seed,
     };

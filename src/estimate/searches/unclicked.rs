@@ -56,7 +56,7 @@ pub(in crate::estimate) fn search(
     let best = select(&all, &clicked).map(|k| all.swap_remove(k));
     let of_given = || {
         // The images alone show nothing, so the matches from elsewhere decide.
-        let GivenMatches { fundamental, inliers } = prepared.given()?;
+        let GivenMatches { fundamental, inliers, .. } = prepared.given()?;
         let found = Found {
             fundamental: *fundamental,
             hypotheses: Vec::new(),
@@ -128,10 +128,12 @@ mod tests {
             }
             estimate_prepared(&prepared, &[], &Parameters::default(), &Monitor::silent()).unwrap()
         };
-        let right = run(&scene.pairs(60));
-        assert!(scene.error(right.fundamental()) < 0.3);
+        let (right, alone) = (run(&scene.pairs(60)), run(&[]));
+        let [with, without] = [&right, &alone].map(|found| scene.error(found.fundamental()));
+        // Sixty exact matches have less noise than the patches of the images.
+        assert!(with < without && without < 0.3, "{with} px, {without} px without");
         let verdict = |found: &Estimate| found.assessment.trust.as_ref().unwrap().verdict;
-        assert_eq!(verdict(&right), verdict(&run(&[])), "as strict as without");
+        assert_eq!(verdict(&right), verdict(&alone), "as strict as without");
         // Matches of another motion agree with each other, and not with the images.
         let other = ExactScene::moved([0.3, 0.02, 0.3]);
         let misled = run(&other.pairs(60));

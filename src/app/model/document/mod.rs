@@ -6,6 +6,7 @@
 mod given;
 mod notes;
 mod parts;
+mod placed;
 #[cfg(test)]
 mod tests;
 

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, Point, PointPair};
+use crate::geometry::{Camera, Frame, FundamentalMatrix, HomogeneousPoint, Point, PointPair};
 use crate::image::Picture;
 use crate::io::PairOrigin;
+use crate::judge::GivenGeometry;
 
 /// One of the two images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -105,12 +106,22 @@ pub enum TruthSource {
 pub struct Imported {
     /// Matrix in the convention of this program.
     pub fundamental: FundamentalMatrix,
+    /// The cameras of the file, if they were read as they are. They allow more mistakes to be named.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cameras: Option<[Camera; 2]>,
     /// Name of the file, or names of both files.
     pub file: String,
     /// Convention in which the numbers of the file were read.
     pub reading: String,
     /// Check of the geometry by matches, if there was one.
     pub check: Option<Checked>,
+}
+
+impl Imported {
+    /// Returns the geometry to be judged.
+    pub fn geometry(&self) -> GivenGeometry {
+        GivenGeometry { fundamental: self.fundamental, cameras: self.cameras }
+    }
 }
 
 /// Check of an imported geometry by matches.

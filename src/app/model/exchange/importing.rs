@@ -6,7 +6,7 @@ use super::{ImportSource, is_archive};
 use crate::app::model::rectified::MatchesAtHand;
 use crate::convention::{ConventionCheck, FEWEST_MATCHES, check_convention};
 use crate::estimate::{Match, estimate_fundamental};
-use crate::geometry::{Frame, FundamentalMatrix, PointPair};
+use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
 use crate::io::{CalibratedCamera, Calibration, Format, GeometryFile, read_camera, read_matches};
 
 /// Maximum number of placed pairs. More handles hide the image and cost time in every frame, and nobody
@@ -60,6 +60,8 @@ pub struct ImportQuestion {
 pub struct ImportedMatrix {
     /// The matrix as its format defines it.
     pub fundamental: FundamentalMatrix,
+    /// The cameras of the file.
+    pub cameras: Option<[Camera; 2]>,
     /// Check by matches; `None` with too few.
     pub check: Option<ConventionCheck>,
     /// Name of the matches.
@@ -163,7 +165,7 @@ impl ImportQuestion {
         if geometry.is_none() && pairs.is_empty() {
             return Err("none of its point pairs lies on the open images".to_owned());
         }
-        let matrix = geometry.map(|fundamental| self.checked(fundamental, &pairs));
+        let matrix = geometry.map(|fundamental| self.checked(fundamental, file.cameras, &pairs));
         let (mut pairs, mut matches) = (pairs, Vec::new());
         if pairs.len() > MOST_PAIRS {
             matches = std::mem::take(&mut pairs).into_iter().map(Match::from).collect();
@@ -204,7 +206,12 @@ impl ImportQuestion {
 
     /// Checks a matrix with the available matches, or with the pairs of the file if these are too
     /// few.
-    fn checked(&self, fundamental: FundamentalMatrix, own: &[PointPair]) -> ImportedMatrix {
+    fn checked(
+        &self,
+        fundamental: FundamentalMatrix,
+        cameras: Option<[Camera; 2]>,
+        own: &[PointPair],
+    ) -> ImportedMatrix {
         let at_hand = self.matches.pairs();
         let (matches, pairs) = if at_hand.len() < FEWEST_MATCHES && own.len() >= FEWEST_MATCHES {
             ("point pairs of the file itself", own)
@@ -214,7 +221,7 @@ impl ImportQuestion {
         let check = check_convention(&fundamental, pairs).ok();
         // A check without any finite reading leaves nothing to choose from.
         let check = check.filter(|check| !check.readings.is_empty());
-        ImportedMatrix { fundamental, check, matches, count: pairs.len() }
+        ImportedMatrix { fundamental, cameras, check, matches, count: pairs.len() }
     }
 }
 

@@ -69,14 +69,14 @@ pub fn import_facts(imported: &Imported) -> Vec<Fact> {
     ]
 }
 
-/// Returns how many matches from elsewhere fit a result.
+/// Returns how many given matches fit a result.
 fn given_fact(given: &Given, estimate: &Estimate) -> Fact {
     let fits = |pair: &&PointPair| sampson_distance(estimate.fundamental(), pair) < GIVEN_FIT;
     Fact::new(
         "Given matches",
         format!("{} of {} fit to {GIVEN_FIT} px", given.pairs().filter(fits).count(), given.matches.len()),
-        "Imported matches near their epipolar lines (Sampson distance). Their geometry competed with that of the \
-         images; the verdict rests on the images.",
+        "Imported matches near their epipolar lines (Sampson distance). They weigh in the fit by their own noise; \
+         the verdict rests on the images.",
     )
 }
 

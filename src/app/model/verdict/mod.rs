@@ -41,9 +41,7 @@ pub struct VerdictInWords {
 /// Returns a warning about an imported geometry.
 pub fn import_warning(imported: &Imported) -> Option<&'static str> {
     match &imported.check {
-        None => Some(
-            "Unchecked: its convention could not be confirmed. Import it again when there are 8 matches.",
-        ),
+        None => Some("Unchecked: there were too few matches when it was imported. Compare judges it now."),
         Some(check) if !check.fits => {
             Some("It does not fit the matches of these images. It may belong to other images.")
         }

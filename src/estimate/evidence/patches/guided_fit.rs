@@ -46,9 +46,18 @@ pub(super) struct GuidedMatcher<'a> {
 pub(in crate::estimate) struct Settling<'a> {
     /// Clicked pairs with their standard deviation, full-size pixels.
     pub clicks: &'a [Observation],
+    /// Matches from another program, full-size pixels.
+    pub given: &'a [Match],
     /// Returns whether the clicks leave another geometry (full size) open.
     pub allows: &'a (dyn Fn(&FundamentalMatrix) -> bool + Sync),
     pub seed: u64,
+}
+
+/// Observations that do not depend on the geometry, in pixels of the level.
+struct Fixed {
+    clicks: Vec<Observation>,
+    /// Matches from another program, near the lines of the start.
+    given: Vec<Match>,
 }
 
 /// A geometry fitted to the matches along its own lines.
@@ -76,19 +85,23 @@ impl GuidedMatcher<'_> {
             })
             .collect();
         let start = start.rescaled(s1, s2)?;
+        let given = settling.given.iter().map(|m| Match { pair: self.level.resized(&m.pair), ..*m });
+        // Those of another geometry lie anywhere, so few of them are near these lines.
+        let given = given.filter(|m| is_within(&start, &m.pair, WIDEST)).collect();
+        let fixed = Fixed { clicks, given };
         let mut pool = Pool::default();
         pool.add(self.matches(&start, WIDEST));
-        let noise = self.evidence(&pool.observed(), &clicks, WIDEST).fitted(&start)?.noise;
+        let noise = self.evidence(&pool.observed(), &fixed, WIDEST).fitted(&start)?.noise;
         // One band for all, as likelihoods are compared.
         let band = noise.reach().min(WIDEST);
-        let mut best = self.followed(&start, &clicks, band)?;
+        let mut best = self.followed(&start, &fixed, band)?;
         for round in 0..ROUNDS {
             if cancel.is_cancelled() {
                 return None;
             }
             pool.add(self.matches(&best.fitted.fundamental, WIDEST));
             let matches = pool.observed();
-            let evidence = self.evidence(&matches, &clicks, WIDEST);
+            let evidence = self.evidence(&matches, &fixed, WIDEST);
             let (start, scales) = ([best.fitted.fundamental], best.fitted.rival_scales());
             let agreed = evidence.consensus(&start, &scales, settling.seed, round, cancel);
             let rivals: Vec<Followed> = agreed
@@ -96,7 +109,7 @@ impl GuidedMatcher<'_> {
                 .map(|agreed| &agreed.fundamental)
                 .filter(|f| evidence.tells_apart(f, &best.fitted))
                 .filter(|f| f.rescaled(1.0 / s1, 1.0 / s2).is_some_and(|f| (settling.allows)(&f)))
-                .filter_map(|f| self.followed(f, &clicks, band))
+                .filter_map(|f| self.followed(f, &fixed, band))
                 .collect();
             let likelier =
                 |a: &Followed, b: &Followed| a.fitted.log_likelihood.total_cmp(&b.fitted.log_likelihood);
@@ -112,7 +125,7 @@ impl GuidedMatcher<'_> {
         let f = best.fitted.fundamental;
         let matches = densified(self.level, best.matches, &f, band);
         let many = observed(&matches);
-        let evidence = self.evidence(&many, &clicks, band);
+        let evidence = self.evidence(&many, &fixed, band);
         let fitted = evidence.fitted(&f)?;
         // The further matches may favour a neighbouring geometry.
         let agreed =
@@ -127,7 +140,7 @@ impl GuidedMatcher<'_> {
                 fitted,
                 |best, rival| if rival.log_likelihood > best.log_likelihood { rival } else { best },
             );
-        self.refined(Followed { matches, fitted }, &clicks, band)
+        self.refined(Followed { matches, fitted }, &fixed, band)
     }
 
     fn matches(&self, f: &FundamentalMatrix, band: f64) -> Vec<LevelMatch> {
@@ -136,34 +149,34 @@ impl GuidedMatcher<'_> {
         found
     }
 
-    fn evidence<'e>(&self, matches: &'e [Match], clicks: &'e [Observation], band: f64) -> Evidence<'e> {
+    fn evidence<'e>(&self, matches: &'e [Match], fixed: &'e Fixed, band: f64) -> Evidence<'e> {
         let frames = self.level.planes.map(GrayPlane::frame);
-        Evidence { matches, clicks, frames, spread: 2.0 * band }
+        Evidence { matches, given: &fixed.given, clicks: &fixed.clicks, frames, spread: 2.0 * band }
     }
 
     /// Fits a geometry to the matches along its lines, with bands that narrow to `band`.
-    fn followed(&self, f: &FundamentalMatrix, clicks: &[Observation], band: f64) -> Option<Followed> {
+    fn followed(&self, f: &FundamentalMatrix, fixed: &Fixed, band: f64) -> Option<Followed> {
         let mut current = *f;
         for band in [WIDEST, band] {
             let matches = observed(&self.matches(&current, band));
             if matches.len() < LEAST_MATCHES {
                 return None;
             }
-            current = self.evidence(&matches, clicks, band).fitted(&current)?.fundamental;
+            current = self.evidence(&matches, fixed, band).fitted(&current)?.fundamental;
         }
         let matches = self.matches(&current, band);
         if matches.len() < LEAST_MATCHES {
             return None;
         }
-        let fitted = self.evidence(&observed(&matches), clicks, band).fitted(&current)?;
+        let fitted = self.evidence(&observed(&matches), fixed, band).fitted(&current)?;
         Some(Followed { matches, fitted })
     }
 
     /// Returns the geometry with the matches that count as right, and its covariance.
-    fn refined(&self, followed: Followed, clicks: &[Observation], band: f64) -> Option<Refined> {
+    fn refined(&self, followed: Followed, fixed: &Fixed, band: f64) -> Option<Refined> {
         let Followed { mut matches, fitted } = followed;
         let evidence_matches = observed(&matches);
-        let covariance = self.evidence(&evidence_matches, clicks, band).covariance(&fitted);
+        let covariance = self.evidence(&evidence_matches, fixed, band).covariance(&fitted);
         let (f, noise) = (fitted.fundamental, fitted.noise);
         let right =
             |m: &LevelMatch| sampson_distance(&f, &m.found.pair) < noise.reach() * m.sigma / MATCH_SIGMA;
