@@ -36,7 +36,7 @@ fn measure(scene: &KnownScene, every: usize, with_f: bool, tally: &mut Tally) {
                 &prepared,
                 point,
                 clicked,
-                &Known { fundamental: f.copied(), view: None },
+                &Known { fundamental: f.copied(), ..Known::default() },
                 &SuggestParameters::default(),
             );
             tally.milliseconds.push(begun.elapsed().as_secs_f64() * 1e3);

@@ -11,7 +11,7 @@ use super::arguments::{ImagePair, on_threads, pixels, point, threads};
 use super::output::Output;
 use crate::estimate::PreparedPair;
 use crate::geometry::{FundamentalMatrix, Point};
-use crate::io::{read_fundamental, refuse_clashes};
+use crate::io::{GeometryFile, refuse_clashes};
 use crate::suggest::{ClickedImage, Known, SuggestParameters, Suggestions, suggest};
 
 /// Suggest the match of a point in the other image
@@ -26,8 +26,8 @@ pub(super) struct SuggestArguments {
     /// Image that contains the point
     #[arg(long = "in", value_enum, default_value_t = ImageSide::Left, value_name = "IMAGE")]
     side: ImageSide,
-    /// Search along the epipolar line of this fundamental matrix: a result of estimate, nine
-    /// numbers, or any other format
+    /// Search along the epipolar line of this fundamental matrix: a result of estimate, whose matches
+    /// help too, nine numbers, or any other format
     #[arg(long, value_name = "FILE")]
     fundamental: Option<PathBuf>,
     /// Half width of the band searched around the epipolar line, pixels
@@ -64,13 +64,16 @@ pub(super) fn run(arguments: &SuggestArguments) -> Result<(), CliError> {
     let output = Output::prepare(arguments.json.as_deref())?;
     let inputs: Vec<&Path> = arguments.images.files().chain(arguments.fundamental.as_deref()).collect();
     refuse_clashes(&output.file().into_iter().collect::<Vec<_>>(), &inputs)?;
-    let fundamental = arguments.fundamental.as_deref().map(read_fundamental).transpose()?;
+    let file = arguments.fundamental.as_deref().map(GeometryFile::read_geometry).transpose()?;
+    let fundamental = file.as_ref().and_then(|(file, _)| file.geometry());
+    let matches = file.map_or_else(Vec::new, |(file, _)| file.found);
     let ([image1, image2], _) = arguments.images.load()?;
     let parameters = SuggestParameters { band: arguments.band, ..SuggestParameters::default() };
     let clicked = ClickedImage::from(arguments.side);
     let found = on_threads(arguments.threads, || {
         let prepared = PreparedPair::new(&image1.gray, &image2.gray);
-        suggest(&prepared, arguments.at, clicked, &Known { fundamental, view: None }, &parameters)
+        let known = Known { fundamental, view: None, matches: &matches };
+        suggest(&prepared, arguments.at, clicked, &known, &parameters)
     })??;
     let result = SuggestionFile {
         at: arguments.at,

@@ -12,7 +12,7 @@ use std::path::Path;
 use zip::ZipArchive;
 
 use super::geometry_file::{GeometryFile, read_point_pairs};
-use super::npy::Array;
+use super::npy::{Array, rows_as_text};
 use super::read::{ReadError, read_bytes, text_of};
 use crate::estimate::Match;
 use crate::geometry::{Point, PointPair};
@@ -27,6 +27,9 @@ pub fn read_matches(path: &Path) -> Result<Vec<Match>, ReadError> {
     let bytes = read_bytes(path)?;
     if bytes.starts_with(b"PK") {
         return archive(bytes).map_err(|problem| ReadError::content(path, problem));
+    }
+    if rows_as_text(&bytes).is_some() {
+        return Ok(read_point_pairs(path)?.into_iter().map(Match::from).collect());
     }
     // A result of this program has its matches under another name than its clicks.
     let text = text_of(path, bytes)?;

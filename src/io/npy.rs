@@ -95,6 +95,27 @@ impl Array {
     }
 }
 
+/// Returns the rows of an array of one or two dimensions as text. `None` for a file of another kind.
+///
+/// # Errors
+/// A clause for the user.
+pub(super) fn rows_as_text(file: &[u8]) -> Option<Result<String, String>> {
+    if !file.starts_with(b"\x93NUMPY") {
+        return None;
+    }
+    let text = |array: Array| match array.shape[..] {
+        [columns] | [_, columns] if columns > 0 => {
+            let row = |row: &[f64]| row.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
+            Ok(array.numbers.chunks_exact(columns).map(row).collect::<Vec<_>>().join("\n"))
+        }
+        _ => Err(format!(
+            "the array has the shape {:?}. Expected are 3×3 for a fundamental matrix, or N×4 for point pairs",
+            array.shape
+        )),
+    };
+    Some(Array::parse(file).and_then(text))
+}
+
 /// Conversion of the bytes of a number.
 type Conversion = fn(&[u8]) -> f64;
 
@@ -126,6 +147,17 @@ fn number_of(kind: &str) -> Result<(usize, Conversion), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_are_read_as_text_and_other_shapes_are_refused() {
+        let text = |shape: &[usize], numbers: &[f64]| rows_as_text(&array_as_npy(shape, numbers)).unwrap();
+        assert_eq!(
+            text(&[2, 4], &[1.0, 2.5, -3.0, 4.0, 5.0, 6.0, 7.0, 1e-9]).unwrap(),
+            "1 2.5 -3 4\n5 6 7 0.000000001"
+        );
+        assert!(text(&[1, 2, 2], &[1.0; 4]).unwrap_err().contains("[1, 2, 2]"));
+        assert_eq!(rows_as_text(b"1 2 3"), None);
+    }
 
     #[test]
     fn arrays_come_back_and_damaged_ones_are_refused() {

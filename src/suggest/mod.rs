@@ -17,6 +17,7 @@
 //! A suggestion is *clear* under three conditions. Its correlation is high. No competitor comes
 //! near, measured by the ratio of mismatches (after Lowe 2004); competitors are the second-best
 //! position in the other image and of the reverse search. And the reverse search ends at the click.
+//! With the matches of a result, it is also clear at the place where the nearest of them expect it.
 //! [`SuggestParameters`] holds the limits, set on real pairs so that nearly all clear suggestions
 //! are right. `cargo run --release -p epiline-lab --example measure-suggest` prints the fractions.
 //!
@@ -32,6 +33,7 @@
 mod alignment;
 mod correlation;
 mod error;
+mod expected;
 mod next_click;
 mod parameters;
 mod result;
@@ -50,6 +52,7 @@ pub use view::view_at;
 use crate::estimate::PreparedPair;
 use crate::geometry::{FundamentalMatrix, Line, Point, PointPair};
 use crate::image::RelativeView;
+use expected::Expected;
 use search::{FoundPlace, Quest, SearchView};
 use template::Pose;
 
@@ -60,18 +63,24 @@ const SMALLEST_SIDE: usize = 24;
 const NOISE: f64 = 1e-3;
 /// Step between searched rotations, radians.
 const ROTATION_STEP: f64 = std::f64::consts::PI / 12.0;
+/// Least correlation of a clear suggestion at the place that its neighbours expect. Surfaces turned away
+/// look less alike, and few other places are so near.
+const EXPECTED_CORRELATION: f64 = 0.6;
 /// Ratio between searched scales.
 const SCALE_STEP: f64 = 1.19;
 
 /// Known relations between the two images; none by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Known {
+pub struct Known<'a> {
     /// Fundamental matrix from image 1 to image 2, whichever was clicked. With it, only the
     /// epipolar line is searched.
     pub fundamental: Option<FundamentalMatrix>,
     /// Relative rotation and scale of the images. Without it the search starts upright, and tries
     /// the view estimated from features if no match is clear.
     pub view: Option<RelativeView>,
+    /// Matches of a result. The place that the nearest ones expect decides between candidates that look
+    /// alike.
+    pub matches: &'a [PointPair],
 }
 
 /// Suggests matches of a point clicked in one image, in full-size pixels.
@@ -86,7 +95,7 @@ pub fn suggest(
     parameters: &SuggestParameters,
 ) -> Result<Suggestions, SuggestError> {
     check(prepared, point, clicked)?;
-    let search = |view| seen(prepared, point, clicked, known.fundamental.as_ref(), view, parameters);
+    let search = |view| seen(prepared, point, clicked, known, view, parameters);
     if let Some(view) = known.view {
         return search(view);
     }
@@ -114,11 +123,12 @@ fn seen(
     prepared: &PreparedPair,
     point: Point,
     clicked: ClickedImage,
-    fundamental: Option<&FundamentalMatrix>,
+    known: &Known,
     view: RelativeView,
     parameters: &SuggestParameters,
 ) -> Result<Suggestions, SuggestError> {
     let other = clicked.other();
+    let fundamental = known.fundamental.as_ref();
     let line = match fundamental {
         Some(f) => {
             let line = epipolar_line(f, clicked, point).ok_or(SuggestError::AtEpipole)?;
@@ -135,7 +145,15 @@ fn seen(
     }
     let poses = poses(forth.usual_pose(), 2);
     let band = |line: Line| (line, parameters.band.max(0.0));
-    let found = forth.candidates(&Quest { at: point, poses: &poses, band: line.map(band) });
+    let mut found = forth.candidates(&Quest { at: point, poses: &poses, band: line.map(band) });
+    let side = prepared.frames()[other.index()].longer_side();
+    let expected = Expected::of(known.matches, point, clicked, side, forth.resolution());
+    let is_expected = |candidate: &FoundPlace| {
+        candidate.correlation >= EXPECTED_CORRELATION
+            && expected.is_some_and(|place| (candidate.placement.at - place.at).norm() <= place.reach)
+    };
+    // The order is stable, so the best comes first among those that are expected.
+    found.sort_by_key(|candidate| !is_expected(candidate));
     let Some(best) = found.first() else {
         return Err(SuggestError::NothingAlike { image: other.number() });
     };
@@ -153,7 +171,11 @@ fn seen(
     let ambiguity = (mismatch(best.correlation) / mismatch(competitor)).clamp(0.0, 1.0);
     let return_distance = back.first().map(|b| (b.placement.at - point).norm());
     let longer_side = prepared.frames()[clicked.index()].longer_side();
-    let verdict = parameters.verdict(best.correlation, ambiguity, return_distance, longer_side);
+    let verdict = if is_expected(best) {
+        Clarity::Clear
+    } else {
+        parameters.verdict(best.correlation, ambiguity, return_distance, longer_side)
+    };
     let candidates = found
         .iter()
         .take(parameters.candidates.max(1))

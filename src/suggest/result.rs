@@ -66,7 +66,8 @@ pub struct Suggestions {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Clarity {
-    /// The best candidate is unrivalled, and the reverse search ends at the click.
+    /// The best candidate is unrivalled and the reverse search ends at the click, or the nearest known
+    /// matches expect it.
     Clear,
     /// The best candidate does not look much like the click.
     Weak,
@@ -86,7 +87,7 @@ impl Suggestions {
 impl fmt::Display for Clarity {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self {
-            Self::Clear => "Clear: one place fits far better than all others, and searching back from it ends at the point",
+            Self::Clear => "Clear: no other place fits nearly as well, and searching back ends at the point, or the matches around it expect this place",
             Self::Weak => "Unclear: the best place looks little like the surroundings of the point",
             Self::Ambiguous => "Unclear: other places look nearly as good",
             Self::NoReturn => "Unclear: searching back from the best place does not end at the point",

@@ -128,8 +128,9 @@ impl<'a> SearchView<'a> {
         self.usual
     }
 
-    fn longer_side(&self) -> f64 {
-        self.full.to.frame().longer_side()
+    /// Returns the distance below which two candidates are one place, full-size px.
+    pub fn resolution(&self) -> f64 {
+        SEPARATION * self.full.to.frame().longer_side()
     }
 
     /// Returns whether the surroundings of a point are too uniform for a search.
@@ -149,7 +150,7 @@ impl<'a> SearchView<'a> {
             starts.par_iter().filter_map(|(k, start)| self.followed(quest, *k, *start)).collect();
         // A stable sort: equal candidates keep an order that does not depend on threads.
         found.sort_by(|a, b| b.correlation.total_cmp(&a.correlation));
-        let apart = SEPARATION * self.longer_side();
+        let apart = self.resolution();
         let mut separate: Vec<FoundPlace> = Vec::new();
         for candidate in found {
             let near = |c: &FoundPlace| (c.placement.at - candidate.placement.at).norm() < apart;

@@ -46,8 +46,8 @@ fn turned(degrees: f64, scale: f64) -> (PreparedPair, impl Fn(Point) -> Point) {
     (PreparedPair::new(&image1, &image2), move |p| middle + forth * (p - middle))
 }
 
-fn known(f: Option<&FundamentalMatrix>) -> Known {
-    Known { fundamental: f.copied(), view: None }
+fn known(f: Option<&FundamentalMatrix>) -> Known<'static> {
+    Known { fundamental: f.copied(), ..Known::default() }
 }
 
 fn free(prepared: &PreparedPair, point: Point, clicked: ClickedImage) -> Result<Suggestions, SuggestError> {
@@ -79,7 +79,7 @@ fn large_rotations_and_scales_are_found_by_features_a_view_or_a_placed_pair() {
         let at_pair = view_at(&prepared, &[pair]).unwrap();
         let exact = RelativeView { scale: Some(scale), rotation: f64::to_radians(degrees) };
         for view in [None, Some(exact), Some(at_pair)] {
-            let known = Known { fundamental: None, view };
+            let known = Known { view, ..Known::default() };
             for (clicked, from, to) in
                 [(ClickedImage::First, point, there(point)), (ClickedImage::Second, there(point), point)]
             {
@@ -186,4 +186,37 @@ fn impossible_points_are_refused() {
         let plane = GrayPlane::from_fn(Frame::new(size, 24), |x, y| blobs(x as f64, y as f64));
         let _ = free(&PreparedPair::new(&plane, &plane), Point::new(3.0, 20.0), ClickedImage::First);
     }
+}
+
+#[test]
+fn matches_around_a_point_decide_between_places_that_look_alike() {
+    // A pattern that repeats after 60 px, moved by 14 px.
+    let frame = Frame::new(480, 360);
+    let pattern = |x: f64, y: f64| blobs(x.rem_euclid(60.0), y);
+    let [image1, image2] =
+        [0.0, 14.0].map(|shift| GrayPlane::from_fn(frame, |x, y| pattern(x as f64 - shift, y as f64)));
+    let prepared = PreparedPair::new(&image1, &image2);
+    let pair = |x: f64, y: f64| PointPair::new(x, y, x + 14.0, y);
+    let around: Vec<PointPair> =
+        [(200.0, 150.0), (230.0, 210.0), (270.0, 160.0), (220.0, 130.0), (260.0, 215.0)]
+            .map(|(x, y)| pair(x, y))
+            .to_vec();
+    let rows = nalgebra::Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);
+    let fundamental = Some(FundamentalMatrix::from_rank_two(rows).unwrap());
+    let view = Some(RelativeView::UPRIGHT);
+    let at = pair(240.0, 180.0);
+    let run = |matches: &[PointPair], clicked: ClickedImage| {
+        let known = Known { fundamental, view, matches };
+        suggest(&prepared, click(&at, clicked).0, clicked, &known, &SuggestParameters::default()).unwrap()
+    };
+    for clicked in BOTH {
+        assert_eq!(run(&[], clicked).verdict, Clarity::Ambiguous);
+        let found = run(&around, clicked);
+        let place = found.clear().unwrap().position;
+        assert!((place - click(&at, clicked).1).norm() < 0.3, "{found:?}");
+    }
+    // Neighbours that do not agree decide nothing.
+    let mut apart = around.clone();
+    apart[0].point2.x += 90.0;
+    assert_eq!(run(&apart, ClickedImage::First).verdict, Clarity::Ambiguous);
 }

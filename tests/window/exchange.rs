@@ -466,6 +466,15 @@ fn f_is_exported_for_numpy() {
     window.get_by_label_contains("Exported F as a NumPy array to");
     let written = std::fs::read(&path).unwrap();
     assert_eq!(written, epiline::io::matrix_as_npy(f.matrix()));
+    // It can be read again, like an array of point pairs.
+    assert_eq!(epiline::io::read_fundamental(&path).unwrap(), f);
+    drop_files(&mut window, &[path]);
+    settle(&mut window);
+    assert!(
+        window.state().messages().next().is_none(),
+        "{:?}",
+        window.state().messages().collect::<Vec<_>>()
+    );
 }
 
 #[test]

@@ -26,7 +26,7 @@ fn moving() -> Services {
         repair: Box::new(|question| match question.how {
             Repair::Refine => Ok(question.points.point2 + Vector::new(0.4, -0.3)),
             Repair::Rematch => {
-                assert!(question.known.fundamental.is_some());
+                assert!(question.found.is_some());
                 Ok(Point::new(200.0, 150.0))
             }
         }),

@@ -4,7 +4,7 @@ use crate::support::*;
 
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Shape, TouchPhase, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::camera::{CameraModel, RelativePose, ViewPair};
 use epiline::estimate::{Estimate, RefinedMatch};
 use epiline::geometry::{Frame, Point, PointPair};
@@ -168,10 +168,14 @@ fn typed_focal_lengths_give_a_scene_and_leave_the_geometry() {
 }
 
 #[test]
-fn the_scene_is_offered_only_with_cameras_and_goes_with_its_pictures() {
+fn the_scene_asks_for_cameras_and_goes_with_its_pictures() {
     let mut window = sample();
+    assert!(window.get_by_label("3-D").accesskit_node().is_disabled(), "without a geometry");
     click_two_pairs(&mut window);
-    assert!(window.query_by_label("3-D").is_none());
+    window.get_by_label("3-D").click();
+    settle(&mut window);
+    assert_eq!(stage(&window), StageId::Pictures);
+    window.get_by_label("Focal lengths");
     press(&mut window, Key::Escape);
 
     let mut window = calibrated(exact());

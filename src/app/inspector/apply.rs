@@ -305,10 +305,10 @@ impl Inspector {
             }
         } else if self.view.dialogs.close_top() {
             // The dialog is closed.
+        } else if std::mem::take(&mut model.open.alone) {
+            // The bars and the dock are back, and messages with them.
         } else if model.messages.dismiss_top() {
             // The message is dismissed.
-        } else if std::mem::take(&mut model.open.alone) {
-            // The bars and the dock are back.
         } else if model.document.half.is_some() {
             model.edit(|document| document.remove(document.pairs.len()));
         } else if model.open.measuring.take().is_some() {

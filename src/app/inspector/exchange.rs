@@ -235,7 +235,9 @@ impl Inspector {
         // Matches of a file are places in the pictures.
         let placed = |found: Match| Some(Match { pair: open.points_of(&found.pair)?, ..found });
         let given = Given::new(name, matches.into_iter().filter_map(placed).collect());
-        self.model.open.done.tell(format!("Imported {} matches from {}", given.matches.len(), given.file));
+        let count = given.matches.len();
+        let text = format!("{count} matches from {}: blue rings fit to 1 px, red ones do not", given.file);
+        self.model.open.done.tell(text);
         self.model.edit(|document| {
             document.unclicked |= document.parameters.search == Search::Patches;
             document.given = Some(given);

@@ -10,11 +10,11 @@ use super::inspection::InspectionRequest;
 use super::picture::Pictures;
 use super::rectified::{MatchesAtHand, RectifyQuestion};
 use super::scene::{Scene, SceneQuestion};
+use super::shared::Shared;
 use super::suggesting::{NextClickQuestion, SuggestQuestion};
 use crate::convention::FEWEST_MATCHES;
 use crate::estimate::{Estimate, Search, Verdict};
 use crate::geometry::PointPair;
-use crate::suggest::Known;
 
 impl Model {
     /// Returns the request for a scene: for a result on calibrated pictures.
@@ -119,13 +119,13 @@ impl Model {
         if self.compares_barcodes() {
             return None;
         }
-        let known = self.known();
-        let placed = if known.fundamental.is_none() {
+        let found = self.trusted_result();
+        let placed = if found.is_none() {
             self.document.used().map(|pair| self.document.pairs[pair]).collect()
         } else {
             Vec::new()
         };
-        Some(SuggestQuestion { half: self.document.half?, pictures: self.open.pictures()?, known, placed })
+        Some(SuggestQuestion { half: self.document.half?, pictures: self.open.pictures()?, found, placed })
     }
 
     /// Returns the request for the next click: for a doubtful result of a search that uses all
@@ -138,7 +138,7 @@ impl Model {
         {
             return None;
         }
-        let (found, _) = self.open.computation.shared_result().filter(|(_, of)| *of == Freshness::Final)?;
+        let found = self.final_result()?;
         let trust = found.assessment.trust.as_ref().filter(|trust| trust.verdict != Verdict::Reliable)?;
         // If the verdict only names clicked pairs, these should be corrected first.
         if trust.doubts_clicks_alone() {
@@ -147,14 +147,13 @@ impl Model {
         Some(NextClickQuestion { pictures: self.open.pictures()?, found, placed: document.pairs.clone() })
     }
 
-    /// Returns geometry and relative view from the final result, unless it is unreliable.
-    pub fn known(&self) -> Known {
-        let is_trusted = |estimate: &&Estimate| {
-            let trust = estimate.assessment.trust.as_ref();
+    /// Returns the final result, unless it is unreliable.
+    pub fn trusted_result(&self) -> Option<Shared<Estimate>> {
+        let is_trusted = |found: &Shared<Estimate>| {
+            let trust = found.assessment.trust.as_ref();
             trust.is_none_or(|trust| trust.verdict != Verdict::Unreliable)
         };
-        let found = self.final_result().filter(is_trusted);
-        Known { fundamental: found.map(|estimate| *estimate.fundamental()), view: found.map(Estimate::view) }
+        self.final_result().filter(is_trusted)
     }
 
     /// Returns whether the rectified pair is visible.
@@ -203,8 +202,8 @@ impl Model {
         found.map_or(MatchesAtHand::Clicked(clicked), |(found, _)| MatchesAtHand::Found(found))
     }
 
-    fn final_result(&self) -> Option<&Estimate> {
-        let (estimate, freshness) = self.open.computation.result()?;
-        (freshness == Freshness::Final).then_some(estimate)
+    fn final_result(&self) -> Option<Shared<Estimate>> {
+        let (found, freshness) = self.open.computation.shared_result()?;
+        (freshness == Freshness::Final).then_some(found)
     }
 }

@@ -13,12 +13,17 @@ impl Model {
     /// Returns the request to repair a pair. `None` for an unfinished pair, for sequences compared
     /// by barcodes, and for a rematch without a reliable geometry.
     pub fn repair_question(&self, pair: usize, how: Repair) -> Option<RepairQuestion> {
-        let known = self.known();
-        if self.compares_barcodes() || how == Repair::Rematch && known.fundamental.is_none() {
+        let found = self.trusted_result();
+        if self.compares_barcodes() || how == Repair::Rematch && found.is_none() {
             return None;
         }
         let points = *self.document.pairs.get(pair)?;
-        Some(RepairQuestion { pictures: self.open.pictures()?, pair, points, how, known })
+        Some(RepairQuestion { pictures: self.open.pictures()?, pair, points, how, found })
+    }
+
+    /// Returns whether no clear match of a pair was found.
+    pub fn has_no_match(&self, pair: usize) -> bool {
+        self.open.unmatched.is_some() && self.open.unmatched == self.document.pairs.get(pair).copied()
     }
 
     /// Moves the point of a repaired pair and reports it, unless the pair changed meanwhile.

@@ -6,7 +6,7 @@ use super::picture::Pictures;
 use super::shared::Shared;
 use crate::estimate::Estimate;
 use crate::geometry::{Point, PointPair};
-use crate::suggest::{Known, SuggestError, Suggestions};
+use crate::suggest::{SuggestError, Suggestions};
 
 /// Request for a suggested match.
 #[derive(Clone, PartialEq)]
@@ -15,8 +15,8 @@ pub struct SuggestQuestion {
     pub pictures: Pictures,
     /// The first click.
     pub half: HalfPair,
-    /// Geometry and relative view from the result, unless the result is unreliable.
-    pub known: Known,
+    /// The final result, unless it is unreliable.
+    pub found: Option<Shared<Estimate>>,
     /// Pairs that tell rotation and scale between the images while there is no such result.
     pub placed: Vec<PointPair>,
 }
@@ -55,8 +55,8 @@ pub struct RepairQuestion {
     pub points: PointPair,
     /// Method of the repair.
     pub how: Repair,
-    /// Geometry and relative view from the result, unless the result is unreliable.
-    pub known: Known,
+    /// The final result, unless it is unreliable.
+    pub found: Option<Shared<Estimate>>,
 }
 
 /// New place of the right point, or the reason why there is none: a sentence without its full stop.

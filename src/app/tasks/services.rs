@@ -14,6 +14,8 @@ use crate::app::model::suggesting::{
 use crate::app::model::verdict::capitalised;
 use crate::cancel::CancelFlag;
 use crate::estimate::{Estimate, EstimateError, Match, Monitor, PreparedPair, estimate_prepared, follow};
+use crate::geometry::{Point, PointPair};
+use crate::image::RelativeView;
 use crate::io::{IMAGE_EXTENSIONS, VIDEO_EXTENSIONS};
 use crate::motion::MotionError;
 use crate::suggest::{
@@ -89,9 +91,9 @@ impl Default for Services {
                     Side::Left => ClickedImage::First,
                     Side::Right => ClickedImage::Second,
                 };
-                let view = question.known.view.or_else(|| view_at(&prepared, &question.placed));
-                let known = Known { view, ..question.known };
-                suggest(&prepared, question.half.point, clicked, &known, &SuggestParameters::default())
+                let view = || view_at(&prepared, &question.placed);
+                let at = question.half.point;
+                suggested(&prepared, at, clicked, question.found.as_deref(), view)
             }),
             next_click: Box::new(move |question| {
                 let prepared = advising.get(&question.pictures);
@@ -108,18 +110,36 @@ impl Default for Services {
     }
 }
 
+/// Suggests matches of a point with the geometry, the view and the matches of a result. Without a result,
+/// `view` may tell how the images are turned.
+fn suggested(
+    prepared: &PreparedPair,
+    at: Point,
+    clicked: ClickedImage,
+    found: Option<&Estimate>,
+    view: impl FnOnce() -> Option<RelativeView>,
+) -> Suggested {
+    let matches: Vec<PointPair> =
+        found.iter().flat_map(|found| found.matches()).map(|found| found.pair).collect();
+    let fundamental = found.map(|found| *found.fundamental());
+    let known = Known { fundamental, view: found.map(Estimate::view).or_else(view), matches: &matches };
+    suggest(prepared, at, clicked, &known, &SuggestParameters::default())
+}
+
 /// Returns a better place for the right point of a pair.
 fn repaired(prepared: &PreparedPair, question: &RepairQuestion) -> RepairOutcome {
-    let RepairQuestion { points, how, known, .. } = question;
-    let parameters = SuggestParameters::default();
+    let RepairQuestion { points, how, found, .. } = question;
+    let found = found.as_deref();
     let told = |error: SuggestError| capitalised(&error.to_string());
     match how {
         Repair::Refine => {
-            refine(prepared, points, known.view, &parameters).map(|found| found.position).map_err(told)
+            let view = found.map(Estimate::view);
+            let refined = refine(prepared, points, view, &SuggestParameters::default());
+            refined.map(|found| found.position).map_err(told)
         }
         Repair::Rematch => {
             let found =
-                suggest(prepared, points.point1, ClickedImage::First, known, &parameters).map_err(told)?;
+                suggested(prepared, points.point1, ClickedImage::First, found, || None).map_err(told)?;
             found.clear().map(|clear| clear.position).ok_or_else(|| found.verdict.to_string())
         }
     }

@@ -34,9 +34,10 @@ use std::path::Path;
 use self::content::BareNumbers;
 use self::coordinates::WrittenGeometry;
 use self::fields::Fields;
+use super::npy::rows_as_text;
 use super::number::rows;
 use super::output::{OutputFile, WriteError};
-use super::read::{ReadError, read_text};
+use super::read::{ReadError, read_bytes, text_of};
 use crate::geometry::{FundamentalMatrix, PointPair};
 
 pub use self::content::{CalibratedNote, GeometryFile, ImageNote, Problem};
@@ -94,7 +95,7 @@ impl GeometryFile {
     }
 
     fn read_for(path: &Path, wanted: BareNumbers) -> Result<(Self, Format), ReadError> {
-        Self::parse_for(&read_text(path)?, wanted).map_err(|problem| problem.of_file(path))
+        Self::parse_for(&geometry_text(path)?, wanted).map_err(|problem| problem.of_file(path))
     }
 
     fn parse_for(text: &str, wanted: BareNumbers) -> Result<(Self, Format), Problem> {
@@ -133,11 +134,20 @@ pub fn read_fundamental(path: &Path) -> Result<FundamentalMatrix, ReadError> {
     file.geometry().ok_or_else(missing)
 }
 
+/// Reads a text, or the rows of a NumPy array as one.
+fn geometry_text(path: &Path) -> Result<String, ReadError> {
+    let bytes = read_bytes(path)?;
+    match rows_as_text(&bytes) {
+        Some(text) => text.map_err(|problem| ReadError::content(path, problem)),
+        None => text_of(path, bytes),
+    }
+}
+
 /// Reads the point pairs of a file of any [`Format`]; at least one.
 pub fn read_point_pairs(path: &Path) -> Result<Vec<PointPair>, ReadError> {
     let none = || ReadError::content(path, "no point pairs found. Expected are rows of x1 y1 x2 y2");
     // A pipe can be read only once.
-    let text = read_text(path)?;
+    let text = geometry_text(path)?;
     let (file, _) = match GeometryFile::parse(&text) {
         // An empty file needs no list of field names.
         Err(_) if rows(&text).next().is_none() => return Err(none()),

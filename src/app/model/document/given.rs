@@ -1,10 +1,10 @@
-//! Matches from elsewhere.
+//! Matches of another program.
 
 use serde::{Deserialize, Serialize};
 
 use crate::app::model::shared::Shared;
 use crate::estimate::Match;
-use crate::geometry::PointPair;
+use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
 
 /// Sampson distance below which a given match fits a geometry, px: the limit of `epiline judge`.
 pub const GIVEN_FIT: f64 = crate::judge::LIMIT;
@@ -30,6 +30,11 @@ struct Written {
 impl Given {
     pub fn new(file: String, matches: Vec<Match>) -> Self {
         Self { file, matches: Shared::new(matches) }
+    }
+
+    /// Returns how many matches fit a geometry.
+    pub fn fitting(&self, f: &FundamentalMatrix) -> usize {
+        self.pairs().filter(|pair| sampson_distance(f, pair) < GIVEN_FIT).count()
     }
 
     /// Returns the pairs of the matches, in their order.

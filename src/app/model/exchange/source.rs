@@ -33,7 +33,7 @@ impl ImportSource {
 /// too.
 pub fn is_importable(path: &Path) -> bool {
     // The import refuses XML and suggests a way around.
-    const OTHERS: [&str; 5] = ["csv", "tsv", "dat", "xml", "toml"];
+    const OTHERS: [&str; 6] = ["csv", "tsv", "dat", "npy", "xml", "toml"];
     let extension = |known: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(known));
     Format::of_path(path).is_some()
         || is_camera(path)

@@ -15,11 +15,13 @@ pub struct CardAction {
     pub label: String,
     /// Command of the button.
     pub command: Command,
+    /// Whether it can still help. A button that did not help stays in its place.
+    pub enabled: bool,
 }
 
 impl CardAction {
     fn new(label: impl Into<String>, command: Command) -> Self {
-        Self { label: label.into(), command }
+        Self { label: label.into(), command, enabled: true }
     }
 }
 
@@ -43,16 +45,12 @@ impl Model {
             _ => None,
         });
         if let Some(pair) = off.filter(|pair| self.repair_question(*pair, Repair::Rematch).is_some()) {
-            if self.open.unmatched.is_some() && self.open.unmatched == self.document.pairs.get(pair).copied()
-            {
-                let label = format!("Leave out {}", pair_name(pair));
-                return Some(CardAction::new(label, Command::IncludePair(pair, false)));
-            }
             let label = format!("Move {} to its match", pair_name(pair));
-            return Some(CardAction::new(label, Command::Repair(pair, Repair::Rematch)));
+            let action = CardAction::new(label, Command::Repair(pair, Repair::Rematch));
+            return Some(CardAction { enabled: !self.has_no_match(pair), ..action });
         }
         // One more pair seldom determines the epipole of a plane or of a turned camera.
-        if estimate.assessment.plane.is_some() {
+        if estimate.assessment.plane.is_some() && self.tone() != Tone::Bad {
             let command = ExchangeCommand::ShowPlaneExport.into();
             return Some(CardAction::new("Export the homography…", command));
         }

@@ -12,8 +12,7 @@ use crate::estimate::{
     Determined, EpipoleBearing, EpipoleCertainty, Estimate, LineScore, Reason, RefinedMatch,
 };
 use crate::geometry::{
-    Frame, FundamentalMatrix, HomogeneousPoint, Point, PointPair, Vector, finite_point, sampson_distance,
-    symmetric_epipolar_distance,
+    Frame, FundamentalMatrix, HomogeneousPoint, Point, Vector, finite_point, symmetric_epipolar_distance,
 };
 use crate::presentation::{Scale, interval_in_words};
 
@@ -71,10 +70,9 @@ pub fn import_facts(imported: &Imported) -> Vec<Fact> {
 
 /// Returns how many given matches fit a result.
 fn given_fact(given: &Given, estimate: &Estimate) -> Fact {
-    let fits = |pair: &&PointPair| sampson_distance(estimate.fundamental(), pair) < GIVEN_FIT;
     Fact::new(
         "Given matches",
-        format!("{} of {} fit to {GIVEN_FIT} px", given.pairs().filter(fits).count(), given.matches.len()),
+        format!("{} of {} fit to {GIVEN_FIT} px", given.fitting(estimate.fundamental()), given.matches.len()),
         "Imported matches near their epipolar lines (Sampson distance). They weigh in the fit by their own noise; \
          the verdict rests on the images.",
     )

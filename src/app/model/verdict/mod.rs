@@ -123,9 +123,10 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     let is_final = freshness == Freshness::Final;
     let checked = is_final.then(|| contradicting_check(document, estimate.fundamental())).flatten();
     // The probability is that of the geometry. Beside a doubt about a click it would contradict the
-    // word, and it knows nothing of pairs that are only checked.
+    // word, and it knows nothing of pairs that are only checked. Nor is there anything to promise of an
+    // unreliable one.
     let of_clicks = assessment.trust.as_ref().is_some_and(Trust::doubts_clicks_alone);
-    let states = is_final && checked.is_none() && !of_clicks;
+    let states = is_final && checked.is_none() && !of_clicks && tone != Tone::Bad;
     let likely = Some(assessment).filter(|_| states).and_then(|assessment| {
         let frames = document.pictures.as_ref()?.each_ref().map(|picture| picture.frame);
         let side = frames[0].longer_side().max(frames[1].longer_side());
@@ -156,7 +157,9 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
             };
             let checks = if assessment.trust.is_some() { ". All checks passed." } else { "" };
             let sentence = warnings.first().cloned();
-            let sentence = sentence.unwrap_or_else(|| format!("Estimated from {}{checks}", used(document)));
+            let sentence = sentence.unwrap_or_else(|| {
+                format!("Estimated from {}{checks}", used(document, estimate.fundamental()))
+            });
             (word, sentence)
         }
     };
@@ -179,11 +182,20 @@ fn waiting(document: &Document) -> String {
 /// Maximum number of listed names. More pairs are only counted.
 const MOST_NAMES: usize = 4;
 
-/// Returns the used pairs in words: `pairs p and q`, or `12 pairs`.
-fn used(document: &Document) -> String {
+/// Returns the used pairs in words: `pairs p and q`, or `12 pairs`, with the given matches that fit.
+fn used(document: &Document, f: &FundamentalMatrix) -> String {
+    let pairs = match &document.given {
+        Some(_) if document.is_unclicked() && document.used().count() == 0 => "the images".to_owned(),
+        _ => used_pairs(document),
+    };
+    document.given.as_ref().map_or(pairs.clone(), |given| {
+        format!("{pairs} and {} of {} given matches", given.fitting(f), given.matches.len())
+    })
+}
+
+fn used_pairs(document: &Document) -> String {
     if document.is_unclicked() {
         return match document.used().count() {
-            0 if document.given.is_some() => "the images and the given matches".into(),
             0 => "the images alone, without clicks".into(),
             _ => "the images and one pair".into(),
         };

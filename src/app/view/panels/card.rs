@@ -1,6 +1,6 @@
 //! The card of the verdict: one word, one sentence, at most four figures, one button.
 
-use egui::{Align, Label, Layout, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui, pos2, vec2};
+use egui::{Align, Button, Label, Layout, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui, pos2, vec2};
 
 use super::dialog::named;
 use super::gauge::{self, tone_color};
@@ -154,8 +154,8 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if action.is_some() {
         ui.horizontal_wrapped(|ui| {
             let others = model.card_alternative().into_iter().chain(switch);
-            for CardAction { label, command } in action.into_iter().chain(others) {
-                let button = ui.button(label);
+            for CardAction { label, command, enabled } in action.into_iter().chain(others) {
+                let button = ui.add_enabled(enabled, Button::new(label));
                 finish_button(ui, button, command, commands);
             }
         });

@@ -33,7 +33,8 @@ pub fn pair_menu(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Com
     }
     if pair < document.pairs.len() {
         for how in [Repair::Refine, Repair::Rematch] {
-            offer(ui, Command::Repair(pair, how), model.repair_question(pair, how).is_some());
+            let enabled = how == Repair::Refine || !model.has_no_match(pair);
+            offer(ui, Command::Repair(pair, how), enabled && model.repair_question(pair, how).is_some());
         }
         ui.separator();
         let only = document.role(pair) == Role::Used;
@@ -75,6 +76,11 @@ pub fn place_menu(ui: &mut Ui, model: &Model, side: Side, point: Point, commands
         Some(_) => format!("Move {next} here"),
         None => format!("Add pair {next} here"),
     };
+    if document.given.is_some()
+        && command_button(ui, ExchangeCommand::RemoveGiven.into(), true, commands).clicked()
+    {
+        ui.close();
+    }
     let has_lines = model.shown().is_some();
     let pin = Command::Pin(LineSource::Through { side, point });
     for (text, enabled, tooltip, command) in [

@@ -246,7 +246,8 @@ fn unfolded(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>
             finish_button(ui, button, command, commands);
         };
         for how in [Repair::Refine, Repair::Rematch] {
-            offer(ui, Command::Repair(pair, how), model.repair_question(pair, how).is_some());
+            let enabled = how == Repair::Refine || !model.has_no_match(pair);
+            offer(ui, Command::Repair(pair, how), enabled && model.repair_question(pair, how).is_some());
         }
         offer(ui, Command::DeletePair(pair), true);
     });

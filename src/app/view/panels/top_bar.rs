@@ -75,9 +75,9 @@ fn icons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// Returns the stages of the switch. The scene is offered only while there is one.
+/// Returns the stages of the switch. Sequences have no scene.
 fn stages(model: &Model) -> impl Iterator<Item = StageId> {
-    let has_scene = model.offers_scene();
+    let has_scene = !model.compares_barcodes();
     StageId::ALL.into_iter().filter(move |stage| *stage != StageId::Scene || has_scene)
 }
 
@@ -86,7 +86,7 @@ fn switch(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.x = 2.0;
     for stage in stages(model) {
         let shown = model.stage() == stage;
-        let enabled = stage != StageId::Rectified || model.can_rectify();
+        let enabled = stage == StageId::Pictures || model.can_rectify();
         let button = Button::selectable(shown, stage.title()).min_size(vec2(STAGE, 26.0));
         let response = ui.add_enabled(enabled, button);
         finish_button(ui, response, Command::ShowStage(stage), commands);

@@ -237,8 +237,15 @@ fn from(model: &Model, comparison: &Comparison, contestant: Contestant) -> Strin
         PointSet::Pairs | PointSet::TrueMatches => "pairs",
     };
     match contestant {
-        Contestant::Result if fit.pairs == 0 => "the images alone".to_owned(),
-        Contestant::Result => format!("{} pairs and the images", fit.pairs),
+        Contestant::Result => {
+            let images =
+                if model.document.given.is_some() { "the images and given matches" } else { "the images" };
+            match fit.pairs {
+                0 if model.document.given.is_none() => "the images alone".to_owned(),
+                0 => images.to_owned(),
+                pairs => format!("{pairs} pairs and {images}"),
+            }
+        }
         Contestant::SevenPoint => {
             let which = match comparison.fitted {
                 PointSet::Pairs => "first 7 pairs",
