@@ -318,6 +318,7 @@ fn matches_of_another_program_are_searched_with_shown_and_kept() {
     window.get_by_label("Given").click();
     settle(&mut window);
     window.get_by_label("Given match 1");
+    window.get_by_label_contains("distances of the given matches that fit");
     let comparison = window.state().model().open.comparison.as_ref().unwrap();
     assert_eq!((comparison.measured, comparison.points.len()), (PointSet::Given, 400));
     let session = files.0.path().join("s.json");

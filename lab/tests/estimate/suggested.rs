@@ -25,7 +25,7 @@ fn tally(scenes: &[KnownScene], every: usize, with_f: bool) -> (usize, usize, us
         for m in scene.matches.iter().step_by(every) {
             for clicked in BOTH {
                 let (point, truth) = click(m, clicked);
-                let known = Known { fundamental: with_f.then_some(scene.truth), view: None };
+                let known = Known { fundamental: with_f.then_some(scene.truth), ..Known::default() };
                 clicks += 1;
                 let found = suggest(&prepared, point, clicked, &known, &SuggestParameters::default());
                 let Ok(found) = found else { continue };

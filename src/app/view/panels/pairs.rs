@@ -11,7 +11,7 @@ use super::dialog::named;
 use super::gauge;
 use super::{command_button, finish_button, pair_menu};
 use crate::app::model::Model;
-use crate::app::model::command::Command;
+use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::document::{PointRef, Role, Side, pair_name};
 use crate::app::model::focus::Target;
 use crate::app::model::point_table::{Choosing, ChosenEdit, PointsCommand};
@@ -105,6 +105,9 @@ fn list_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
     ui.separator();
     command_button(ui, Command::ClearPairs, any || model.document.half.is_some(), commands);
+    if model.document.given.is_some() {
+        command_button(ui, ExchangeCommand::RemoveGiven.into(), true, commands);
+    }
 }
 
 /// Returns how a click chooses rows, by the modifier keys.

@@ -53,8 +53,12 @@ pub fn measured<'a>(ui: &mut Ui, model: &'a Model, commands: &mut Vec<Command>) 
 
 fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(comparison) = measured(ui, model, commands) else { return };
-    if model.look.shows(OverlayId::MagnifiedResiduals) && has_matches(model) {
-        ui.weak("Strokes in the pictures: distances of the matches from their lines, 50 times enlarged");
+    let of_given = comparison.measured == PointSet::Given;
+    if model.look.shows(OverlayId::MagnifiedResiduals) && (of_given || has_matches(model)) {
+        let which = if of_given { "given matches that fit" } else { "matches" };
+        ui.weak(format!(
+            "Strokes in the pictures: distances of the {which} from their lines, 50 times enlarged"
+        ));
     }
     let width = ui.available_width().max(LEAST_WIDTH);
     ScrollArea::horizontal().id_salt("residual table").auto_shrink([false, false]).show(ui, |ui| {
