@@ -166,6 +166,11 @@ fn corpus() -> Vec<Sample> {
     }
     add("database.db", include_bytes!("mutations/database.db").to_vec(), Reader::Database);
     add("matches.npz", include_bytes!("mutations/matches.npz").to_vec(), Reader::Matches);
+    let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 4), }\n";
+    let mut array =
+        [b"\x93NUMPY\x01\x00".as_slice(), &(header.len() as u16).to_le_bytes(), header.as_bytes()].concat();
+    array.extend([1.0_f64, 2.5, -3.0, 4.0, 5.0, 6.0, 7.0, 1e-9].map(f64::to_le_bytes).concat());
+    add("pairs.npy", array, Reader::Matches);
     let reference = |path: &str| ImageReference {
         source: ImageSource::File { path: path.to_owned(), sha256: "ab".repeat(32) },
         frame: FRAME,
