@@ -170,7 +170,9 @@ fn line(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.x = 6.0;
     ui.add_space(4.0);
     let (swatch, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
-    ui.painter().circle_filled(swatch.center(), 4.5, theme::pair_color(pair));
+    // The outline shows pale colours on a light background.
+    let outline = Stroke::new(1.0, ui.visuals().weak_text_color());
+    ui.painter().circle(swatch.center(), 4.5, theme::pair_color(pair), outline);
     let text = ui.add(Label::new(RichText::new(&name).strong()).selectable(false));
     if pair >= document.pairs.len() {
         ui.weak("incomplete");
