@@ -11,9 +11,9 @@ use std::path::Path;
 
 use zip::ZipArchive;
 
-use super::geometry_file::{GeometryFile, read_point_pairs};
-use super::npy::{Array, rows_as_text};
-use super::read::{ReadError, read_bytes, text_of};
+use super::geometry_file::{GeometryFile, read_point_pairs, text_or_rows};
+use super::npy::Array;
+use super::read::{ReadError, read_bytes};
 use crate::estimate::Match;
 use crate::geometry::{Point, PointPair};
 
@@ -28,11 +28,8 @@ pub fn read_matches(path: &Path) -> Result<Vec<Match>, ReadError> {
     if bytes.starts_with(b"PK") {
         return archive(bytes).map_err(|problem| ReadError::content(path, problem));
     }
-    if rows_as_text(&bytes).is_some() {
-        return Ok(read_point_pairs(path)?.into_iter().map(Match::from).collect());
-    }
     // A result of this program has its matches under another name than its clicks.
-    let text = text_of(path, bytes)?;
+    let text = text_or_rows(path, bytes)?;
     if let Ok((file, _)) = GeometryFile::parse(&text)
         && !file.found.is_empty()
     {

@@ -7,7 +7,7 @@ use egui::Context;
 use super::Inspector;
 use crate::app::model::command::{ExchangeCommand, PickPurpose};
 use crate::app::model::comparison::Contestant;
-use crate::app::model::document::{Checked, Given, Imported, Side, counted};
+use crate::app::model::document::{Checked, GIVEN_FIT, Given, Imported, Side, counted};
 use crate::app::model::exchange::{
     ExportContent, ExportKind, ExportOrder, ImportFound, ImportQuestion, ImportSource, ImportedFile,
     ImportedMatrix, PendingImport, ViewPart, content, sources, trust_note,
@@ -236,7 +236,8 @@ impl Inspector {
         let placed = |found: Match| Some(Match { pair: open.points_of(&found.pair)?, ..found });
         let given = Given::new(name, matches.into_iter().filter_map(placed).collect());
         let count = given.matches.len();
-        let text = format!("{count} matches from {}: blue rings fit to 1 px, red ones do not", given.file);
+        let text =
+            format!("{count} matches from {}: blue rings fit to {GIVEN_FIT} px, red ones do not", given.file);
         self.model.open.done.tell(text);
         self.model.edit(|document| {
             document.unclicked |= document.parameters.search == Search::Patches;
@@ -263,7 +264,7 @@ impl Inspector {
         let read = ranked.map_or(*fundamental, |ranked| ranked.fundamental);
         let imported = Imported {
             fundamental: read,
-            // Read in another convention, the matrix is not that of the cameras.
+            // In another convention the matrix no longer belongs to the cameras.
             cameras: cameras.filter(|_| read == *fundamental),
             file: name.clone(),
             reading: ranked.map_or_else(|| "as read".to_owned(), |ranked| ranked.reading.to_string()),

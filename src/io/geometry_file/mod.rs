@@ -95,7 +95,8 @@ impl GeometryFile {
     }
 
     fn read_for(path: &Path, wanted: BareNumbers) -> Result<(Self, Format), ReadError> {
-        Self::parse_for(&geometry_text(path)?, wanted).map_err(|problem| problem.of_file(path))
+        Self::parse_for(&text_or_rows(path, read_bytes(path)?)?, wanted)
+            .map_err(|problem| problem.of_file(path))
     }
 
     fn parse_for(text: &str, wanted: BareNumbers) -> Result<(Self, Format), Problem> {
@@ -134,9 +135,8 @@ pub fn read_fundamental(path: &Path) -> Result<FundamentalMatrix, ReadError> {
     file.geometry().ok_or_else(missing)
 }
 
-/// Reads a text, or the rows of a NumPy array as one.
-fn geometry_text(path: &Path) -> Result<String, ReadError> {
-    let bytes = read_bytes(path)?;
+/// Returns the text of a file, or the rows of a NumPy array as text.
+pub(super) fn text_or_rows(path: &Path, bytes: Vec<u8>) -> Result<String, ReadError> {
     match rows_as_text(&bytes) {
         Some(text) => text.map_err(|problem| ReadError::content(path, problem)),
         None => text_of(path, bytes),
@@ -147,7 +147,7 @@ fn geometry_text(path: &Path) -> Result<String, ReadError> {
 pub fn read_point_pairs(path: &Path) -> Result<Vec<PointPair>, ReadError> {
     let none = || ReadError::content(path, "no point pairs found. Expected are rows of x1 y1 x2 y2");
     // A pipe can be read only once.
-    let text = geometry_text(path)?;
+    let text = text_or_rows(path, read_bytes(path)?)?;
     let (file, _) = match GeometryFile::parse(&text) {
         // An empty file needs no list of field names.
         Err(_) if rows(&text).next().is_none() => return Err(none()),

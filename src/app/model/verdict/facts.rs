@@ -73,8 +73,8 @@ fn given_fact(given: &Given, estimate: &Estimate) -> Fact {
     Fact::new(
         "Given matches",
         format!("{} of {} fit to {GIVEN_FIT} px", given.fitting(estimate.fundamental()), given.matches.len()),
-        "Imported matches near their epipolar lines (Sampson distance). They weigh in the fit by their own noise; \
-         the verdict rests on the images.",
+        "Imported matches near their epipolar lines (Sampson distance). The robust search weighs them by their \
+         own noise; the verdict rests on the images.",
     )
 }
 

@@ -9,7 +9,7 @@ mod tests;
 mod tone;
 
 use crate::app::model::computation::{Computation, EstimateFailure, Freshness};
-use crate::app::model::document::{Document, Imported, Role, pair_name};
+use crate::app::model::document::{Document, GIVEN_FIT, Imported, Role, pair_name};
 use crate::estimate::{self, CLICK_DEVIATIONS, Estimate, Reason, Trust, Warning};
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
 use crate::presentation::{error_in_words, probability_in_words, reason_in_words, warning_in_words};
@@ -157,9 +157,13 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
             };
             let checks = if assessment.trust.is_some() { ". All checks passed." } else { "" };
             let sentence = warnings.first().cloned();
-            let sentence = sentence.unwrap_or_else(|| {
-                format!("Estimated from {}{checks}", used(document, estimate.fundamental()))
+            let given = document.given.as_ref().map_or(String::new(), |given| {
+                let (fit, all) = (given.fitting(estimate.fundamental()), given.matches.len());
+                format!(" {fit} of {all} given matches fit to {GIVEN_FIT} px.")
             });
+            let stop = if checks.is_empty() && !given.is_empty() { "." } else { checks };
+            let sentence =
+                sentence.unwrap_or_else(|| format!("Estimated from {}{stop}{given}", used(document)));
             (word, sentence)
         }
     };
@@ -182,20 +186,11 @@ fn waiting(document: &Document) -> String {
 /// Maximum number of listed names. More pairs are only counted.
 const MOST_NAMES: usize = 4;
 
-/// Returns the used pairs in words: `pairs p and q`, or `12 pairs`, with the given matches that fit.
-fn used(document: &Document, f: &FundamentalMatrix) -> String {
-    let pairs = match &document.given {
-        Some(_) if document.is_unclicked() && document.used().count() == 0 => "the images".to_owned(),
-        _ => used_pairs(document),
-    };
-    document.given.as_ref().map_or(pairs.clone(), |given| {
-        format!("{pairs} and {} of {} given matches", given.fitting(f), given.matches.len())
-    })
-}
-
-fn used_pairs(document: &Document) -> String {
+/// Returns the used pairs in words: `pairs p and q`, or `12 pairs`.
+fn used(document: &Document) -> String {
     if document.is_unclicked() {
         return match document.used().count() {
+            0 if document.given.is_some() => "the images".into(),
             0 => "the images alone, without clicks".into(),
             _ => "the images and one pair".into(),
         };

@@ -124,7 +124,7 @@ fn sentences_use_the_names_of_pairs() {
     assert_eq!(named("through point pair 12: choose"), "through point pair 13: choose");
     assert_eq!(named("point pairs 2 and 10 are only 2 px"), "point pairs r and 11 are only 2 px");
     assert_eq!(named("3 point pairs are needed, 2 given"), "3 point pairs are needed, 2 given");
-    assert_eq!(used_pairs(&document), "13 pairs");
+    assert_eq!(used(&document), "13 pairs");
 }
 
 #[test]

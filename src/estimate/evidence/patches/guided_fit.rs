@@ -86,7 +86,7 @@ impl GuidedMatcher<'_> {
             .collect();
         let start = start.rescaled(s1, s2)?;
         let given = settling.given.iter().map(|m| Match { pair: self.level.resized(&m.pair), ..*m });
-        // Those of another geometry lie anywhere, so few of them are near these lines.
+        // Matches of another geometry lie anywhere, so few of them are near these lines.
         let given = given.filter(|m| is_within(&start, &m.pair, WIDEST)).collect();
         let fixed = Fixed { clicks, given };
         let mut pool = Pool::default();

@@ -237,15 +237,10 @@ fn from(model: &Model, comparison: &Comparison, contestant: Contestant) -> Strin
         PointSet::Pairs | PointSet::TrueMatches => "pairs",
     };
     match contestant {
-        Contestant::Result => {
-            let images =
-                if model.document.given.is_some() { "the images and given matches" } else { "the images" };
-            match fit.pairs {
-                0 if model.document.given.is_none() => "the images alone".to_owned(),
-                0 => images.to_owned(),
-                pairs => format!("{pairs} pairs and {images}"),
-            }
-        }
+        Contestant::Result if fit.pairs > 0 => format!("{} pairs and the images", fit.pairs),
+        // Given matches may have taken part.
+        Contestant::Result if model.document.given.is_some() => "the images".to_owned(),
+        Contestant::Result => "the images alone".to_owned(),
         Contestant::SevenPoint => {
             let which = match comparison.fitted {
                 PointSet::Pairs => "first 7 pairs",

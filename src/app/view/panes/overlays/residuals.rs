@@ -29,8 +29,8 @@ pub fn draw(canvas: &Canvas) {
     }
 }
 
-/// Returns the matches whose distances are drawn: those of the geometry, or the given ones that fit it while
-/// the tab measures on the given ones.
+/// Returns the matches whose distances are drawn: the matches of the geometry, or the given matches that fit
+/// it while the tab measures on given matches.
 fn measured(model: &Model, estimate: &Estimate) -> Vec<PointPair> {
     let of_given = model.open.comparison.as_ref().is_some_and(|found| found.measured == PointSet::Given);
     match &model.document.given {
