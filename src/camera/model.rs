@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::lens::{Lens, Projection};
+use super::lens::{Lens, Projection, Radial};
 use crate::geometry::{Frame, Point};
 
 /// A camera model: calibration matrix and lens. The centre of the top-left pixel is (0, 0).
@@ -19,7 +19,8 @@ pub struct CameraModel {
     lens: Lens,
     /// Undistorted radius at which the lens folds back.
     fold: f64,
-    /// Relative standard deviation of the focal length; 0 for a calibration.
+    /// Relative standard deviation of the focal length; 0 for a calibration, infinite if the focal length is
+    /// unknown.
     focal_deviation: f64,
 }
 
@@ -38,13 +39,21 @@ struct Written {
     /// Calibration matrix as nested rows.
     matrix: [[f64; 3]; 3],
     lens: Lens,
-    #[serde(default)]
-    focal_deviation: f64,
+    /// `None` for an unknown focal length.
+    #[serde(default = "exact")]
+    focal_deviation: Option<f64>,
+}
+
+/// Returns the deviation of a calibration.
+#[expect(clippy::unnecessary_wraps, reason = "serde asks for the type of the field")]
+fn exact() -> Option<f64> {
+    Some(0.0)
 }
 
 impl From<CameraModel> for Written {
     fn from(camera: CameraModel) -> Self {
-        let CameraModel { lens, focal_deviation, .. } = camera;
+        let lens = camera.lens;
+        let focal_deviation = camera.focal_deviation();
         Self { matrix: camera.calibration().transpose().data.0, lens, focal_deviation }
     }
 }
@@ -54,9 +63,10 @@ impl TryFrom<Written> for CameraModel {
 
     fn try_from(Written { matrix, lens, focal_deviation }: Written) -> Result<Self, Self::Error> {
         let calibration = Matrix3::from_fn(|row, column| matrix[row][column]);
-        let is_deviation = (0.0..1.0).contains(&focal_deviation);
+        let is_deviation = focal_deviation.is_none_or(|deviation| (0.0..1.0).contains(&deviation));
         let camera = Self::new(&calibration, lens).filter(|_| is_deviation);
-        Ok(Self { focal_deviation, ..camera.ok_or("the calibration of a camera is impossible")? })
+        let camera = camera.ok_or("the calibration of a camera is impossible")?;
+        Ok(Self { focal_deviation: focal_deviation.unwrap_or(f64::INFINITY), ..camera })
     }
 }
 
@@ -87,9 +97,38 @@ impl CameraModel {
         Some(Self { focal_deviation: deviation, ..camera })
     }
 
-    /// Returns the relative standard deviation of the focal length: 0 for a calibration.
-    pub fn focal_deviation(&self) -> f64 {
-        self.focal_deviation
+    /// Returns a camera of unknown focal length with radial distortion by the division model, its middle in
+    /// the middle of its pictures. `lambda` belongs to radii in half diagonals of a picture. `None` unless it
+    /// is finite and above −1, where corners would have no place.
+    pub fn of_division(lambda: f64, frame: Frame) -> Option<Self> {
+        let half = 0.5 * frame.diagonal();
+        let camera = Self::of_focal_length(FocalLength { pixels: half, deviation: 0.0 }, frame)?;
+        let lens = Lens::perspective(Radial::Division { lambda });
+        let camera = Self::new(&camera.calibration(), lens).filter(|_| lambda > -1.0)?;
+        Some(Self { focal_deviation: f64::INFINITY, ..camera })
+    }
+
+    /// Returns the camera with another focal length, which leaves its pictures without distortion as they
+    /// are. `None` for an impossible focal length, and for a lens whose calibration includes the focal length.
+    pub fn with_focal_length(&self, focal: FocalLength) -> Option<Self> {
+        let by = focal.pixels / self.focal[0];
+        let lens = match self.lens.radial {
+            // The coefficient belongs to radii in focal lengths.
+            Radial::Division { lambda } => {
+                Lens { radial: Radial::Division { lambda: lambda * by * by }, ..self.lens }
+            }
+            _ if self.lens.is_ideal() => self.lens,
+            _ => return None,
+        };
+        let calibration = self.calibration() * Matrix3::from_diagonal(&Vector3::new(by, by, 1.0));
+        let camera = Self::new(&calibration, lens).filter(|_| (0.0..1.0).contains(&focal.deviation))?;
+        Some(Self { focal_deviation: focal.deviation, ..camera })
+    }
+
+    /// Returns the relative standard deviation of the focal length: 0 for a calibration, `None` if the focal
+    /// length is unknown.
+    pub fn focal_deviation(&self) -> Option<f64> {
+        self.focal_deviation.is_finite().then_some(self.focal_deviation)
     }
 
     /// Returns the calibration matrix `K`.

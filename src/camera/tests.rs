@@ -275,3 +275,40 @@ fn outliers_do_not_move_a_pose_and_few_matches_give_none() {
     let flat = FundamentalMatrix::from_rank_two(Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0));
     assert!(fit_pose(&flat.unwrap(), &calibrations, &matches, FRAME).is_some(), "a poor start is no panic");
 }
+
+#[test]
+fn distortion_without_a_focal_length_takes_one_later_and_leaves_the_view() {
+    let bent = CameraModel::of_division(-0.2, FRAME).unwrap();
+    assert_eq!(bent.focal_deviation(), None);
+    let view = UndistortedView::new(&bent, FRAME).unwrap();
+    // λ belongs to half diagonals: a corner lies at 1 / (1 − 0.2) of its distance from the middle.
+    let corner = Point::new(FRAME.right(), FRAME.bottom());
+    let middle = view.undistorted_from_original(FRAME.centre()).unwrap();
+    let moved = view.undistorted_from_original(corner).unwrap() - middle;
+    let expected = (corner - FRAME.centre()).norm()
+        / (1.0 - 0.2 * ((corner - FRAME.centre()).norm() / (0.5 * FRAME.diagonal())).powi(2));
+    assert!((moved.norm() - expected).abs() < 1e-6, "{} {expected}", moved.norm());
+    let focal = FocalLength { pixels: 700.0, deviation: 0.05 };
+    let known = view.with_focal_length(focal).unwrap();
+    assert!((known.camera().calibration()[(0, 0)] - 700.0).abs() < 1e-9);
+    assert_eq!((known.camera().focal_deviation(), known.frame()), (Some(0.05), view.frame()));
+    for pixel in [corner, Point::new(30.0, 400.0), Point::new(500.0, 20.0)] {
+        let [before, after] = [&view, &known].map(|view| view.undistorted_from_original(pixel).unwrap());
+        assert!((before - after).norm() < 1e-8, "{before} {after}");
+    }
+    // A pose needs the focal lengths.
+    let (_, _, matches) = scene(1, 0.1);
+    let pair = |view: UndistortedView| ViewPair { views: [view; 2] };
+    let f = crate::geometry::eight_point(&matches).unwrap();
+    assert!(!pair(view).has_focal_lengths() && pair(view).fit_pose(&f, &matches).is_none());
+    assert!(pair(known).has_focal_lengths());
+    for impossible in [f64::NAN, -1.5] {
+        assert!(CameraModel::of_division(impossible, FRAME).is_none());
+    }
+    let calibrated = CameraModel::from_colmap("SIMPLE_RADIAL", &[500.0, 320.0, 240.0, -0.1]).unwrap();
+    assert!(calibrated.with_focal_length(focal).is_none(), "its calibration tells the focal length");
+    for camera in [bent, *known.camera()] {
+        let written = serde_json::to_string(&camera).unwrap();
+        assert_eq!(serde_json::from_str::<CameraModel>(&written).unwrap(), camera, "{written}");
+    }
+}

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
 use serde::ser::{SerializeStruct, Serializer};
 
-use super::model::CameraModel;
+use super::model::{CameraModel, FocalLength};
 use super::names::calibration;
 use crate::geometry::{Frame, Point};
 
@@ -81,6 +81,16 @@ impl UndistortedView {
         );
         let inverse = calibration.try_inverse()?;
         Some(Self { camera: *camera, original, calibration, inverse, frame })
+    }
+
+    /// Returns the same view, by a camera with another focal length. `None` as for
+    /// [`CameraModel::with_focal_length`].
+    #[must_use]
+    pub fn with_focal_length(&self, focal: FocalLength) -> Option<Self> {
+        let camera = self.camera.with_focal_length(focal)?;
+        let by = camera.calibration()[(0, 0)] / self.camera.calibration()[(0, 0)];
+        let calibration = self.calibration * Matrix3::from_diagonal(&Vector3::new(by, by, 1.0));
+        Some(Self { camera, calibration, inverse: calibration.try_inverse()?, ..*self })
     }
 
     /// Returns the camera of the original pictures.

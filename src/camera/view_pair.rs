@@ -30,6 +30,11 @@ impl ViewPair {
         self.views.iter().any(|view| !view.is_original())
     }
 
+    /// Returns whether the focal lengths of both cameras are known or guessed.
+    pub fn has_focal_lengths(&self) -> bool {
+        self.views.iter().all(|view| view.camera().focal_deviation().is_some())
+    }
+
     /// Returns the calibration matrices of the views.
     pub fn calibrations(&self) -> [Matrix3<f64>; 2] {
         self.views.each_ref().map(|view| *view.calibration())
@@ -53,10 +58,11 @@ impl ViewPair {
     /// in pixels with a Cauchy loss whose scale is the median distance. The uncertainty covers the noise of
     /// the matches and guessed focal lengths; equal guesses are taken as off alike.
     ///
-    /// `None` for fewer than 10 matches, or without a pose.
+    /// `None` for fewer than 10 matches, without a pose, and if a focal length is unknown.
     pub fn fit_pose(&self, fundamental: &FundamentalMatrix, matches: &[PointPair]) -> Option<PoseFit> {
         let calibrations = self.calibrations();
         let [first, second] = self.views.each_ref().map(|view| view.camera().focal_deviation());
+        let (first, second) = (first?, second?);
         let fit =
             |calibrations: &[Matrix3<f64>; 2]| fit_pose(fundamental, calibrations, matches, self.frames()[0]);
         let mut found = fit(&calibrations)?;

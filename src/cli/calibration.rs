@@ -35,6 +35,34 @@ pub(super) struct CameraArguments {
     /// a photograph. The principal point is taken to be in the middle, and the lens without distortion
     #[arg(long, num_args = 1..=2, value_name = "PX")]
     focal_length: Option<Vec<TypedFocal>>,
+    /// Radial distortion of both images or of each without a calibration: λ of the division model, with
+    /// radii in half diagonals from the middle; negative for barrel distortion. "auto" fits it to the matches
+    #[arg(
+        long, num_args = 1..=2, value_name = "LAMBDA", conflicts_with = "calibration",
+        allow_negative_numbers = true
+    )]
+    division: Option<Vec<TypedDivision>>,
+}
+
+/// Distortion of the command line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum TypedDivision {
+    /// A coefficient.
+    Lambda(f64),
+    /// The fit to the matches.
+    Auto,
+}
+
+impl FromStr for TypedDivision {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text.parse() {
+            Ok(lambda) if (-0.9..=0.9).contains(&lambda) => Ok(Self::Lambda(lambda)),
+            _ if text == "auto" => Ok(Self::Auto),
+            _ => Err("a coefficient is a number from -0.9 to 0.9, or auto"),
+        }
+    }
 }
 
 /// A focal length of the command line.
@@ -100,39 +128,73 @@ impl CameraArguments {
         self.calibration.read()
     }
 
-    /// Returns the calibrated cameras, or those of the given focal lengths.
+    /// Returns whether any camera is given.
+    pub(super) fn is_given(&self) -> bool {
+        self.calibration.calibration.is_some() || self.focal_length.is_some() || self.division.is_some()
+    }
+
+    /// Returns whether the distortion is to be fitted to the matches.
+    pub(super) fn fits_lens(&self) -> bool {
+        self.division.iter().flatten().any(|division| *division == TypedDivision::Auto)
+    }
+
+    /// Returns the calibrated cameras, or those of the given focal lengths and distortion. `fitted` is the
+    /// distortion of each image that was fitted to the matches.
     pub(super) fn of_pictures(
         &self,
         calibrated: Option<CalibratedPair>,
         pictures: &[Picture; 2],
+        fitted: Option<[f64; 2]>,
     ) -> Result<Option<CalibratedPair>, CliError> {
-        let Some(lengths) = &self.focal_length else { return Ok(calibrated) };
-        let camera = |k: usize| -> Result<CalibratedCamera, CliError> {
-            let (picture, side) = (&pictures[k], ["left", "right"][k]);
-            let frame = picture.frame();
-            let focal = match lengths[k.min(lengths.len() - 1)] {
-                TypedFocal::Pixels(pixels) => Some(FocalLength { pixels, deviation: 0.0 }),
-                TypedFocal::Exif => {
-                    picture.path.as_deref().and_then(|path| focal_length_from_exif(path, frame))
-                }
+        let camera = |k: usize| -> Result<Option<CalibratedCamera>, CliError> {
+            let frame = pictures[k].frame();
+            let lambda = match of_image(self.division.as_deref(), k) {
+                Some(TypedDivision::Lambda(lambda)) => Some(lambda),
+                Some(TypedDivision::Auto) => fitted.map(|lambdas| lambdas[k]),
+                None => None,
             };
-            let model = focal.and_then(|focal| CameraModel::of_focal_length(focal, frame));
-            let untold = || {
-                CliError::Arguments(format!(
-                    "the EXIF data of the {side} image do not tell its focal length. Give it in pixels \
-                     (--focal-length PX)"
-                ))
+            let lens = lambda.and_then(|lambda| CameraModel::of_division(lambda, frame));
+            let focal = self.focal_length(&pictures[k], k)?;
+            let model = match (lens, focal) {
+                (Some(lens), Some(focal)) => lens.with_focal_length(focal),
+                (None, Some(focal)) => CameraModel::of_focal_length(focal, frame),
+                (lens, None) => lens,
             };
-            Ok(CalibratedCamera {
-                name: side.to_owned(),
-                model: model.ok_or_else(untold)?,
-                frame: Some(frame),
-                pose: None,
-                unit: LengthUnit::Baseline,
-            })
+            let name = SIDES[k].to_owned();
+            let (frame, unit) = (Some(frame), LengthUnit::Baseline);
+            Ok(model.map(|model| CalibratedCamera { name, model, frame, pose: None, unit }))
         };
-        Ok(Some(CalibratedPair { cameras: [camera(0)?, camera(1)?] }))
+        let [first, second] = [camera(0)?, camera(1)?];
+        let of_options = first.zip(second).map(|(first, second)| CalibratedPair { cameras: [first, second] });
+        Ok(calibrated.or(of_options))
     }
+
+    /// Returns the given focal length of an image, 0 or 1.
+    fn focal_length(&self, picture: &Picture, image: usize) -> Result<Option<FocalLength>, CliError> {
+        let side = SIDES[image];
+        match of_image(self.focal_length.as_deref(), image) {
+            None => Ok(None),
+            Some(TypedFocal::Pixels(pixels)) => Ok(Some(FocalLength { pixels, deviation: 0.0 })),
+            Some(TypedFocal::Exif) => {
+                let path = picture.path.as_deref();
+                let guess = path.and_then(|path| focal_length_from_exif(path, picture.frame()));
+                guess.map(Some).ok_or_else(|| {
+                    CliError::Arguments(format!(
+                        "the EXIF data of the {side} image do not tell its focal length. Give it in pixels \
+                         (--focal-length PX)"
+                    ))
+                })
+            }
+        }
+    }
+}
+
+const SIDES: [&str; 2] = ["left", "right"];
+
+/// Returns the value of an image, given one for both or one for each.
+fn of_image<T: Copy>(values: Option<&[T]>, image: usize) -> Option<T> {
+    let values = values?;
+    values.get(image).or(values.first()).copied()
 }
 
 impl CalibratedPair {

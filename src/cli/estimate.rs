@@ -13,12 +13,13 @@ use super::console::tell;
 use super::overrides::Overrides;
 use super::result_output::{Beside, ResultArguments};
 use crate::estimate::{
-    CancelFlag, Estimate, EstimateError, Method, Monitor, PreparedPair, Preset, Progress, Search, estimate,
-    estimate_prepared,
+    CancelFlag, DivisionFit, Estimate, EstimateError, Match, Method, Monitor, Parameters, PreparedPair,
+    Preset, Progress, Reason, Search, estimate, estimate_prepared, find_lens,
 };
 use crate::geometry::PointPair;
 use crate::image::Picture;
 use crate::io::{CalibratedCamera, read_matches};
+use crate::presentation::lens_in_words;
 
 /// Estimate the fundamental matrix of two images from point pairs, or from none
 #[derive(Debug, Args)]
@@ -77,7 +78,13 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     let calibrated = arguments.cameras.read()?;
     let mut given = arguments.matches.as_deref().map(read_matches).transpose()?;
     let mut input = input(arguments, parameters.pairs_needed(), parameters.method)?;
-    let calibrated = arguments.cameras.of_pictures(calibrated, &input.pictures)?;
+    let lens = if arguments.cameras.fits_lens() {
+        on_threads(arguments.threads, || fitted_lens(&input, given.as_deref(), &parameters))??
+    } else {
+        None
+    };
+    let lambdas = lens.map(|lens| lens.lambdas);
+    let calibrated = arguments.cameras.of_pictures(calibrated, &input.pictures, lambdas)?;
     let baseline = calibrated.as_ref().and_then(|calibrated| CalibratedCamera::baseline(&calibrated.cameras));
     let views = calibrated.map(|calibrated| calibrated.views(&input.pictures)).transpose()?;
     if let Some(views) = &views {
@@ -90,16 +97,43 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
         let Some(given) = &given else {
             return estimate(&image1.gray, &image2.gray, &input.pairs, &parameters, monitor);
         };
-        let mut prepared = PreparedPair::new(&image1.gray, &image2.gray);
-        if let Err(error) = prepared.add_matches(given, parameters.seed) {
-            tell(format_args!("warning: the matches are not used: {error}"));
-        }
+        let prepared = prepared(&input.pictures, Some(given), parameters.seed);
         estimate_prepared(&prepared, &input.pairs, &parameters, monitor)
     };
     let found = on_threads(arguments.threads, || watched(compute))??;
+    let reasons = found.assessment.trust.iter().flat_map(|trust| &trust.reasons);
+    let may_be_bent = |reason: &Reason| matches!(reason, Reason::Pattern { .. });
+    if !arguments.cameras.is_given() && reasons.clone().any(may_be_bent) {
+        tell("a lens may bend the images: --division auto tries one");
+    }
     let given: Vec<PointPair> = given.iter().flatten().map(|found| found.pair).collect();
     let beside = Beside { views: views.as_ref(), baseline, given: &given, ..Beside::default() };
     output.write(&found, &input.pairs, &input.pictures, &parameters, beside)
+}
+
+/// Prepares the images, with matches from elsewhere.
+fn prepared(pictures: &[Picture; 2], given: Option<&[Match]>, seed: u64) -> PreparedPair {
+    let mut prepared = PreparedPair::new(&pictures[0].gray, &pictures[1].gray);
+    if let Some(Err(error)) = given.map(|given| prepared.add_matches(given, seed)) {
+        tell(format_args!("warning: the matches are not used: {error}"));
+    }
+    prepared
+}
+
+/// Fits the distortion of the lens to the matches of a first estimate, and tells it.
+fn fitted_lens(
+    input: &EstimateInput,
+    given: Option<&[Match]>,
+    parameters: &Parameters,
+) -> Result<Option<DivisionFit>, CliError> {
+    let prepared = prepared(&input.pictures, given, parameters.seed);
+    let found = estimate_prepared(&prepared, &input.pairs, parameters, &Monitor::silent())?;
+    let lens = find_lens(&prepared, &found);
+    match &lens {
+        Some(lens) => tell(lens_in_words(lens, prepared.frames())),
+        None => tell("no lens explains the matches clearly better: the images are taken as they are"),
+    }
+    Ok(lens)
 }
 
 /// Reads the images after checking the number of pairs, which is faster. A built-in pair has its

@@ -73,10 +73,16 @@ struct Posed {
 pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let calibrated = arguments.cameras.read()?;
     let given = arguments.matches.as_deref().map(read_point_pairs).transpose()?;
-    let fundamental = arguments.fundamental.as_deref().map(|path| read_result(path, calibrated.is_some()));
+    if arguments.cameras.fits_lens() {
+        let unknown = "without an estimate there is nothing to fit the distortion to. Give the coefficient that \
+                       `epiline estimate --division auto` prints";
+        return Err(CliError::Arguments(unknown.into()));
+    }
+    let is_calibrated = arguments.cameras.is_given();
+    let fundamental = arguments.fundamental.as_deref().map(|path| read_result(path, is_calibrated));
     let (pictures, known) = arguments.images.load()?;
     let mut matches = given.or(known).unwrap_or_default();
-    let calibrated = arguments.cameras.of_pictures(calibrated, &pictures)?;
+    let calibrated = arguments.cameras.of_pictures(calibrated, &pictures, None)?;
     let views = calibrated.as_ref().map(|calibrated| calibrated.views(&pictures)).transpose()?;
     let fundamental = fundamental.transpose()?;
     if let Some(views) = &views {
@@ -145,7 +151,8 @@ fn read_result(path: &Path, is_calibrated: bool) -> Result<(FundamentalMatrix, V
     let fundamental = file.geometry().ok_or_else(missing)?;
     if file.is_undistorted && !is_calibrated {
         return Err(CliError::Arguments(format!(
-            "{} belongs to views without distortion. Give the calibration that it was made with (--calibration)",
+            "{} belongs to views without distortion. Give the calibration or \
+             the distortion that it was made with (--calibration, --division)",
             shown_path(path)
         )));
     }
@@ -165,6 +172,10 @@ fn posed(
         let (pose, baseline) = own.ok_or_else(no_pose)?;
         return Ok(Posed { pose, baseline: Some(baseline) });
     };
+    if !views.has_focal_lengths() {
+        let missing = "a pose needs the focal lengths. Give them (--focal-length)";
+        return Err(CliError::Arguments(missing.into()));
+    }
     let calibrations = views.calibrations();
     let fit = views.fit_pose(fundamental, matches);
     let pose = fit

@@ -109,9 +109,11 @@ impl ResultOutput {
         }
         if let Some(views) = views {
             result = result.calibrated(views, pose.as_ref(), baseline);
-            words += &pose
-                .as_ref()
-                .map_or_else(|| "Relative pose: too few matches for one\n".to_owned(), pose_in_words);
+            words += &match &pose {
+                Some(pose) => pose_in_words(pose),
+                None if views.has_focal_lengths() => "Relative pose: too few matches for one\n".to_owned(),
+                None => String::new(),
+            };
             words += &guess_in_words(views);
             if views.is_undistorted() {
                 words += "All coordinates are those of the views without distortion\n";
@@ -135,7 +137,8 @@ fn given_in_words(found: &Estimate, given: &[PointPair]) -> String {
 /// Tells guessed focal lengths; empty for a calibration.
 fn guess_in_words(views: &ViewPair) -> String {
     let cameras = views.views.each_ref().map(UndistortedView::camera);
-    let Some(deviation) = cameras.iter().map(|camera| camera.focal_deviation()).find(|d| *d > 0.0) else {
+    let Some(deviation) = cameras.iter().filter_map(|camera| camera.focal_deviation()).find(|d| *d > 0.0)
+    else {
         return String::new();
     };
     let [left, right] = cameras.map(|camera| camera.calibration()[(0, 0)]);

@@ -15,6 +15,7 @@ mod evidence;
 mod exact;
 mod fit;
 mod follow;
+mod lens;
 mod monitor;
 mod parameters;
 mod sampling;
@@ -32,10 +33,11 @@ pub use evidence::lines::{Candidate, ComparedPencils, Construction, LineFigures,
 pub use evidence::patches::{PatchSupport, RefinedMatch, Refinement};
 pub use evidence::prepared::PreparedPair;
 pub use fit::{
-    EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Match, MatchFit, MatchFitError, Noise, Uncertainty,
-    estimate_fundamental,
+    DivisionFit, EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Match, MatchFit, MatchFitError, Noise,
+    Uncertainty, estimate_fundamental,
 };
 pub use follow::follow;
+pub use lens::find_lens;
 pub use monitor::{Monitor, Progress};
 pub use parameters::{
     BarcodeParameters, FeatureParameters, LineRefinementParameters, LineScore, LinesAloneParameters, Method,

@@ -7,6 +7,7 @@
 mod epipoles;
 mod errors;
 mod judgement;
+mod lens;
 mod parameters;
 mod pose;
 mod probability;
@@ -16,6 +17,7 @@ mod scale;
 pub use epipoles::interval_in_words;
 pub use errors::error_in_words;
 pub use judgement::{change_in_words, judgement_in_words, rows_in_words};
+pub use lens::lens_in_words;
 #[doc(hidden)]
 pub use parameters::{ShownParameter, parameters_as_markdown, shown_parameters};
 pub use pose::{pose_difference_in_words, pose_in_words};

@@ -58,8 +58,13 @@ impl LensPair {
 
     /// Median distance of the true matches from the lines of a result between views, px.
     fn error(&self, result: &Value) -> f64 {
+        self.error_through(&self.camera, result)
+    }
+
+    /// The same for the views of another camera.
+    fn error_through(&self, camera: &CameraModel, result: &Value) -> f64 {
         let frame = epiline::image::Picture::open(&self.pictures.path("near.png")).unwrap().frame();
-        let view = UndistortedView::new(&self.camera, frame).unwrap();
+        let view = UndistortedView::new(camera, frame).unwrap();
         let entry = |r: usize, c: usize| result["fundamental"][r][c].as_f64().unwrap();
         let f = FundamentalMatrix::from_rank_two(Matrix3::from_fn(entry)).unwrap();
         let flat = |p: Point| view.undistorted_from_original(p).unwrap();
@@ -221,4 +226,36 @@ fn matches_of_another_program_are_measured_and_bad_ones_are_not_used() {
     pictures.write("few.txt", "1 2 3 4\n5 6 7 8\n");
     let output = run(&["estimate", "--sample", "courtyard", "--matches", &pictures.text("few.txt")]);
     assert!(output.status.success() && text(&output.stderr).contains("the matches are not used"));
+}
+
+#[test]
+fn a_lens_without_a_calibration_is_fitted_to_the_matches() {
+    let lens = LensPair::new();
+    let [near, far, json] = ["near.png", "far.png", "fitted.json"].map(|name| lens.pictures.text(name));
+    let output = run(&["estimate", &near, &far, "--division", "auto", "--json", &json]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("a lens explains the matches clearly better"));
+    let result: Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+    let view = &result["calibrated"]["views"][0];
+    let lambda = view["lens"]["radial"]["division"]["lambda"].as_f64().unwrap();
+    let frame = epiline::image::Picture::open(&lens.pictures.path("near.png")).unwrap().frame();
+    let fitted = CameraModel::of_division(lambda, frame).unwrap();
+    let error = lens.error_through(&fitted, &result);
+    assert!(error < 0.3, "λ {lambda}: {error} px");
+    // No focal length, no pose.
+    assert!(result["calibrated"]["pose"].is_null() && view["focal_deviation"].is_null());
+    // The result is rectified with the same coefficient, which cannot be fitted there.
+    let folder = lens.pictures.text("rectified");
+    let rectify = ["rectify", &near, &far, "--fundamental", &json, "--output", &folder];
+    fails(&rectify, 2, "--division");
+    fails(&[&rectify[..], &["--division", "auto"]].concat(), 2, "epiline estimate --division auto");
+    let coefficient = lambda.to_string();
+    let output = run(&[&rectify[..], &["--division", &coefficient]].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    fails(&["estimate", &near, &far, "--division", "7"], 2, "a number from -0.9 to 0.9, or auto");
+    // Without distortion there is nothing to fit.
+    let straight = run(&["estimate", "--sample", "courtyard", "--division", "auto"]);
+    let told = text(&straight.stderr);
+    assert!(told.contains("no lens explains the matches clearly better"), "{told}");
+    assert!(!text(&straight.stdout).contains("without distortion"));
 }

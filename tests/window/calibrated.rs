@@ -1,12 +1,15 @@
 //! A calibration in the window: pictures as they are, lines as curves.
 
-use egui::{Event, PointerButton, Pos2, Shape, vec2};
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, Shape, vec2};
+use egui_kittest::kittest::Queryable;
+use epiline::estimate::DivisionFit;
 use epiline::geometry::{Frame, Point, PointPair};
 use epiline::internals::app::model::document::Side;
-use epiline::internals::app::{Opening, Start};
+use epiline::internals::app::model::suggesting::LensQuestion;
+use epiline::internals::app::{Opening, Services, Start};
 
 use crate::support::{
-    ESTIMATED, Files, Window, click, drag, drop_files, pane, save_as, services, settle, window,
+    ESTIMATED, Files, Window, click, drag, drop_files, pane, press, save_as, services, settle, window,
 };
 
 const FRAME: Frame = Frame { width: 320, height: 240 };
@@ -191,4 +194,44 @@ fn the_pose_of_a_calibration_is_an_imported_geometry_with_its_cameras() {
     // The second camera of a rectified pair is to the right, so lines are rows.
     let line = imported.fundamental.line2_from_point1(Point::new(10.0, 50.0)).unwrap();
     assert!(line.distance(Point::new(300.0, 50.0)) < 1e-6);
+}
+
+#[test]
+fn a_lens_that_explains_the_matches_better_is_offered_used_and_removed() {
+    let files = Files::new();
+    let opening = Opening::Files(files.image("a.png", 320, 240), files.image("b.png", 320, 240));
+    let lens = |question: &LensQuestion| {
+        Some(DivisionFit {
+            lambdas: [-0.2; 2],
+            deviations: [0.01; 2],
+            is_same: true,
+            fundamental: *question.found.fundamental(),
+            gain: 40.0,
+        })
+    };
+    let services = Services { lens: Box::new(lens), ..services() };
+    let mut window = window(Start { opening, imports: Vec::new(), pairs: pairs().to_vec() }, services);
+    settle(&mut window);
+    window.get_by_label("Details").click();
+    settle(&mut window);
+    assert!(window.query_by_label_contains("λ -0.200 ± 0.010").is_some());
+    window.get_by_label("Undo the lens distortion").click();
+    settle(&mut window);
+    let frame = window.state().document().frame(Side::Left).unwrap();
+    assert!(frame.width > 320, "{frame:?}");
+    for (found, given) in window.state().model().pairs_in_pictures().iter().zip(&pairs()) {
+        assert!(is_near(found, given, 1e-6), "{found:?}");
+    }
+    assert!(window.query_by_label("Undo the lens distortion").is_none(), "it is undone");
+    // The focal lengths are unknown, so a scene asks for them, and the lines stay where they are.
+    assert!(window.state().model().scene_question().is_none());
+    assert!(window.state().model().open.takes_focal_lengths());
+    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
+    settle(&mut window);
+    window.get_by_label("Search commands").type_text("Remove the calibration");
+    settle(&mut window);
+    press(&mut window, Key::Enter);
+    let document = window.state().document();
+    assert_eq!(document.frame(Side::Left), Some(FRAME));
+    assert!(document.pairs.iter().zip(&pairs()).all(|(found, given)| is_near(found, given, 1e-6)));
 }

@@ -167,6 +167,7 @@ pub fn services() -> Services {
         follow: Box::new(|_, _| None),
         suggest: Box::new(|_| Err(SuggestError::Flat)),
         next_click: Box::new(|_| None),
+        lens: Box::new(|_| None),
         repair: Box::new(|_| Err("Nothing is alike".into())),
         pick_file: Arc::new(|| None),
         pick_folder: Arc::new(|| None),

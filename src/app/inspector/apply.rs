@@ -183,12 +183,14 @@ impl Inspector {
                 }
             }
             Command::ShowStage(StageId::Scene) if !model.offers_scene() => {
-                if model.open.views().is_none() {
+                if model.open.posed_views().is_none() {
                     self.apply(ctx, Command::ShowFocalLengths);
                 } else {
                     model.messages.tell(NO_SCENE);
                 }
             }
+            Command::UseLens => self.use_lens(),
+            Command::RemoveCalibration => self.remove_calibration(),
             Command::ShowFocalLengths => self.ask_for_focal_lengths(),
             Command::SetFocalLengths(lengths) => self.set_focal_lengths(lengths),
             Command::ShowStage(stage) => model.look.stage = stage,

@@ -15,7 +15,7 @@ use crate::app::model::session::{OpenSession, has_session_extension};
 use crate::app::model::truth::NO_TRUTH;
 use crate::app::tasks::{LoadedPair, NewCalibration, Opening, OpeningFailure, Wanted};
 use crate::app::view::{FocalDialog, OpenDialog, RelocateDialog};
-use crate::camera::FocalLength;
+use crate::camera::{CameraModel, FocalLength};
 use crate::geometry::PointPair;
 use crate::io::{CalibratedCamera, PairOrigin, is_sequence};
 
@@ -120,15 +120,18 @@ impl Inspector {
             let (point1, point2) = (left.pixel(points.point1)?, right.pixel(points.point2)?);
             open.points_of(&PointPair { point1, point2 })
         });
-        let name = &calibration.name;
         document.imported = open.views().zip(calibration.pose).and_then(|(views, pose)| {
             let fundamental = pose.fundamental(&views.calibrations())?;
             let reading = "pose of the calibration".to_owned();
-            let cameras = views.posed(&pose);
-            Some(Imported { fundamental, cameras, file: name.clone(), reading, check: None })
+            let (cameras, file) = (views.posed(&pose), calibration.name.clone()?);
+            Some(Imported { fundamental, cameras, file, reading, check: None })
         });
         let judged = if document.imported.is_some() { ". Compare judges its pose" } else { "" };
-        open.done.tell(format!("Lens calibrated by {name}{judged}"));
+        open.done.tell(match (&calibration.name, &calibration.cameras) {
+            (Some(name), _) => format!("Lens calibrated by {name}{judged}"),
+            (None, Some(_)) => "Lens distortion undone. Lines are curves in the pictures now".to_owned(),
+            (None, None) => "Pictures taken as they are, without a calibration".to_owned(),
+        });
         let outside = count - document.pairs.len();
         self.tell_of_pairs_outside(outside);
     }
@@ -150,17 +153,34 @@ impl Inspector {
             return;
         }
         let calibration = NewCalibration {
-            name: name.to_owned(),
-            cameras: cameras.each_ref().map(|camera| camera.model),
+            name: Some(name.to_owned()),
+            cameras: Some(cameras.each_ref().map(|camera| camera.model)),
             pose: CalibratedCamera::relative_pose(cameras).map(|(pose, _)| pose),
         };
+        self.open(Wanted::Calibrated(Box::new((pictures, calibration))));
+    }
+
+    /// Undoes the distortion of the lens that was fitted to the matches.
+    pub(super) fn use_lens(&mut self) {
+        let open = &self.model.open;
+        let Some((Some(lens), pictures)) = open.lens.zip(open.pictures.clone()) else { return };
+        let camera = |k: usize| CameraModel::of_division(lens.lambdas[k], pictures[k].shown().frame());
+        let Some(cameras) = camera(0).zip(camera(1)).map(Into::into) else { return };
+        let calibration = NewCalibration { name: None, cameras: Some(cameras), pose: None };
+        self.open(Wanted::Calibrated(Box::new((pictures, calibration))));
+    }
+
+    /// Takes the pictures as they are, without their calibration.
+    pub(super) fn remove_calibration(&mut self) {
+        let Some(pictures) = self.model.open.pictures.clone() else { return };
+        let calibration = NewCalibration { name: None, cameras: None, pose: None };
         self.open(Wanted::Calibrated(Box::new((pictures, calibration))));
     }
 
     /// Opens the dialog for focal lengths, unless a calibration undoes the distortion of a lens.
     pub(super) fn ask_for_focal_lengths(&mut self) {
         let Some(pictures) = &self.model.open.pictures else { return };
-        if self.model.open.undistorted().is_some() {
+        if !self.model.open.takes_focal_lengths() {
             self.refuse("The calibration of these pictures tells their focal lengths.".to_owned());
             return;
         }

@@ -161,6 +161,10 @@ pub enum Command {
     /// A command about the rectified pair.
     Rectified(RectifiedCommand),
     ShowStage(StageId),
+    /// Undo the distortion of the lens that was fitted to the matches.
+    UseLens,
+    /// Take the pictures as they are, without their calibration.
+    RemoveCalibration,
     /// Ask for the focal lengths of the pictures.
     ShowFocalLengths,
     /// Give the pictures focal lengths in place of a calibration.

@@ -19,7 +19,7 @@ use super::suggesting::Suggested;
 use super::tones::{Tones, TonesCommand};
 use super::truth::KnownTruth;
 use crate::camera::{CameraModel, FocalLength, ViewPair};
-use crate::estimate::Estimate;
+use crate::estimate::{DivisionFit, Estimate};
 use crate::geometry::{Frame, Point, PointPair};
 use crate::suggest::NextClick;
 
@@ -64,6 +64,9 @@ pub struct OpenPair {
     pub suggestion: Option<Suggested>,
     /// Most useful place for one more pair, once known. The inner `None`: no place stands out.
     pub next_click: Option<Option<NextClick>>,
+    /// Lens that explains the matches clearly better than the result without it, once sought. The inner
+    /// `None`: there is no such lens.
+    pub lens: Option<Option<DivisionFit>>,
     /// The pair whose match was last sought in vain.
     pub unmatched: Option<PointPair>,
     /// The rectified pair, while it is visible. The old one stays until the new one is made.
@@ -158,15 +161,22 @@ impl OpenPair {
         Some([*left?.view.camera(), *right?.view.camera()])
     }
 
-    /// Gives pictures that are shown without a lens their focal lengths. All coordinates stay, and so does
-    /// the result.
+    /// Returns the views of cameras with focal lengths, which a pose needs.
+    pub fn posed_views(&self) -> Option<ViewPair> {
+        self.views().filter(ViewPair::has_focal_lengths)
+    }
+
+    /// Returns whether focal lengths can be given: no calibration includes them.
+    pub fn takes_focal_lengths(&self) -> bool {
+        self.pictures.is_some()
+            && (self.undistorted().is_none() || self.views().is_some_and(|views| !views.has_focal_lengths()))
+    }
+
+    /// Gives the pictures their focal lengths. All coordinates stay, and so does the result.
     pub fn set_focal_lengths(&mut self, lengths: [FocalLength; 2]) {
-        let Some(pictures) = self.pictures.clone().filter(|_| self.undistorted().is_none()) else { return };
+        let Some(pictures) = self.pictures.clone().filter(|_| self.takes_focal_lengths()) else { return };
         let mut lengths = lengths.into_iter();
-        let [left, right] = pictures.map(|opened| {
-            let camera = CameraModel::of_focal_length(lengths.next()?, opened.picture.frame())?;
-            opened.calibrated(&camera)
-        });
+        let [left, right] = pictures.map(|opened| opened.with_focal_length(lengths.next()?));
         self.pictures = left.zip(right).map(Into::into).or(self.pictures.take());
     }
 

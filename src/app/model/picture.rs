@@ -68,6 +68,18 @@ impl Opened {
         Some(Self { picture, lens: Some(Arc::new(LensPicture { original, view })), ..self })
     }
 
+    /// Returns the picture with a focal length. All coordinates stay. `None` for an impossible focal length,
+    /// and where a calibration tells another one.
+    #[must_use]
+    pub fn with_focal_length(self, focal: FocalLength) -> Option<Self> {
+        let Some(lens) = &self.lens else {
+            let camera = CameraModel::of_focal_length(focal, self.picture.frame())?;
+            return self.calibrated(&camera);
+        };
+        let (original, view) = (lens.original.clone(), lens.view.with_focal_length(focal)?);
+        Some(Self { lens: Some(Arc::new(LensPicture { original, view })), ..self })
+    }
+
     /// Returns the picture of the camera without its calibration.
     #[must_use]
     pub fn without_calibration(self) -> Self {

@@ -11,9 +11,9 @@ use super::picture::Pictures;
 use super::rectified::{MatchesAtHand, RectifyQuestion};
 use super::scene::{Scene, SceneQuestion};
 use super::shared::Shared;
-use super::suggesting::{NextClickQuestion, SuggestQuestion};
+use super::suggesting::{LensQuestion, NextClickQuestion, SuggestQuestion};
 use crate::convention::FEWEST_MATCHES;
-use crate::estimate::{Estimate, Search, Verdict};
+use crate::estimate::{DivisionFit, Estimate, Search, Verdict};
 use crate::geometry::PointPair;
 
 impl Model {
@@ -21,7 +21,7 @@ impl Model {
     pub fn scene_question(&self) -> Option<SceneQuestion> {
         let (found, _) = self.open.computation.shared_result()?;
         let left = self.open.pictures.as_ref()?[0].picture.clone();
-        Some(SceneQuestion { left, found, views: self.open.views()? })
+        Some(SceneQuestion { left, found, views: self.open.posed_views()? })
     }
 
     /// Returns the scene of the present result. A scene of another result or of other views is never
@@ -145,6 +145,20 @@ impl Model {
             return None;
         }
         Some(NextClickQuestion { pictures: self.open.pictures()?, found, placed: document.pairs.clone() })
+    }
+
+    /// Returns the lens that explains the matches of the result clearly better.
+    pub fn offered_lens(&self) -> Option<&DivisionFit> {
+        self.open.lens.as_ref()?.as_ref().filter(|_| self.lens_question().is_some())
+    }
+
+    /// Returns the request for a lens: for a result of pictures without a calibration.
+    pub fn lens_question(&self) -> Option<LensQuestion> {
+        let is_wanted = self.document.parameters.search == Search::Patches
+            && !self.compares_barcodes()
+            && self.open.views().is_none();
+        let found = self.final_result().filter(|_| is_wanted)?;
+        Some(LensQuestion { pictures: self.open.pictures()?, found })
     }
 
     /// Returns the final result, unless it is unreliable.

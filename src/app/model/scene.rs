@@ -63,7 +63,11 @@ impl Scene {
 
     /// Returns whether a focal length is a guess.
     pub fn has_guess(&self) -> bool {
-        self.question.views.views.iter().any(|view| view.camera().focal_deviation() > 0.0)
+        self.question
+            .views
+            .views
+            .iter()
+            .any(|view| view.camera().focal_deviation().is_some_and(|deviation| deviation > 0.0))
     }
 
     /// Returns the scene point of a match.

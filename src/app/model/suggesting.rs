@@ -1,5 +1,5 @@
-//! Questions about the match of one point: suggestions for the second click, and repair of a placed
-//! pair.
+//! Questions about the pictures beside the search: the match of one point, the repair of a placed pair, the
+//! next click, and the distortion of the lens.
 
 use super::document::HalfPair;
 use super::picture::Pictures;
@@ -33,6 +33,15 @@ pub struct NextClickQuestion {
     pub found: Shared<Estimate>,
     /// The pairs placed so far.
     pub placed: Vec<PointPair>,
+}
+
+/// Request for the distortion of a lens that explains the matches clearly better than a result.
+#[derive(Clone, PartialEq)]
+pub struct LensQuestion {
+    /// The two pictures.
+    pub pictures: Pictures,
+    /// The result without a lens.
+    pub found: Shared<Estimate>,
 }
 
 /// Method of repairing a placed pair.

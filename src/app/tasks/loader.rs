@@ -42,7 +42,7 @@ impl Wanted {
             Self::Session(session) => open_session(session, &mut reading),
             Self::Calibrated(both) => {
                 let (pictures, calibration) = *both;
-                let pictures = calibrated(pictures, &calibration.cameras);
+                let pictures = calibrated(pictures, calibration.cameras.as_ref());
                 pictures
                     .map(|pictures| LoadedPair { calibration: Some(calibration), ..LoadedPair::of(pictures) })
             }

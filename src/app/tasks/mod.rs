@@ -34,7 +34,10 @@ use super::model::picture::Pictures;
 use super::model::recording::{OffsetFound, Recordings};
 use super::model::rectified::{Rectified, RectifyQuestion};
 use super::model::scene::{Scene, SceneQuestion};
-use super::model::suggesting::{NextClickQuestion, RepairQuestion, Repaired, SuggestQuestion, Suggested};
+use super::model::suggesting::{
+    LensQuestion, NextClickQuestion, RepairQuestion, Repaired, SuggestQuestion, Suggested,
+};
+use crate::estimate::DivisionFit;
 use crate::motion::{MOST_OFFSET, find_offset};
 use crate::suggest::NextClick;
 use saver::{SaveJob, Written};
@@ -52,6 +55,7 @@ pub struct Tasks {
     inspecting: Following<InspectionRequest, Inspection>,
     suggesting: Following<SuggestQuestion, Suggested>,
     advising: Following<NextClickQuestion, Option<NextClick>>,
+    straightening: Following<LensQuestion, Option<DivisionFit>>,
     /// Repair of pairs.
     pub repairing: Task<RepairQuestion, Repaired>,
     /// Search for the time offset of sequences.
@@ -85,6 +89,7 @@ impl Tasks {
             follow,
             mut suggest,
             mut next_click,
+            mut lens,
             mut repair,
             pick_file,
             pick_folder,
@@ -112,6 +117,7 @@ impl Tasks {
         let suggesting = Task::answering("suggest", waker.clone(), move |question| Some(suggest(&question)));
         let advising =
             Task::answering("next click", waker.clone(), move |question| Some(next_click(&question)));
+        let straightening = Task::answering("lens", waker.clone(), move |question| Some(lens(&question)));
         let repairing =
             Task::new("repair", waker.clone(), Waiting::Newest, move |question: RepairQuestion, _| {
                 let outcome = repair(&question);
@@ -140,6 +146,7 @@ impl Tasks {
             inspecting: Following::keeping(inspecting),
             suggesting: Following::strict(suggesting),
             advising: Following::strict(advising),
+            straightening: Following::strict(straightening),
             repairing,
             aligning,
             rectifying: Following::keeping(rectifying),
@@ -169,6 +176,7 @@ impl Tasks {
         self.triangulating.take(&mut open.scene);
         self.suggesting.take(&mut open.suggestion);
         self.advising.take(&mut open.next_click);
+        self.straightening.take(&mut open.lens);
         open.follow_result();
     }
 
@@ -182,6 +190,8 @@ impl Tasks {
         self.suggesting.follow(question, &mut model.open.suggestion);
         let question = model.next_click_question();
         self.advising.follow(question, &mut model.open.next_click);
+        let question = model.lens_question();
+        self.straightening.follow(question, &mut model.open.lens);
         let request = model.inspection_request(exports);
         self.inspecting.follow(request, &mut model.open.inspection);
         let question = model.comparison_question();
@@ -200,6 +210,7 @@ impl Tasks {
         self.inspecting.forget();
         self.suggesting.forget();
         self.advising.forget();
+        self.straightening.forget();
         self.repairing.forget();
         self.aligning.forget();
         self.rectifying.forget();
@@ -218,6 +229,7 @@ impl Tasks {
             || self.thumbnailing.is_busy()
             || self.suggesting.is_busy()
             || self.advising.is_busy()
+            || self.straightening.is_busy()
             || self.repairing.is_busy()
             || self.aligning.is_busy()
             || self.inspecting.is_busy()

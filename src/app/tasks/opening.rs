@@ -35,9 +35,10 @@ pub enum Opening {
 /// Calibration of open pictures.
 #[derive(Clone)]
 pub struct NewCalibration {
-    /// Name of its file.
-    pub name: String,
-    pub cameras: [CameraModel; 2],
+    /// Name of its file, if it has one.
+    pub name: Option<String>,
+    /// The cameras; `None` takes the pictures as they are.
+    pub cameras: Option<[CameraModel; 2]>,
     /// Pose of the second camera, if the file tells it.
     pub pose: Option<RelativePose>,
 }
@@ -94,9 +95,14 @@ impl LoadedPair {
     }
 }
 
-/// Gives open pictures their calibrated cameras.
-pub fn calibrated(pictures: [Opened; 2], cameras: &[CameraModel; 2]) -> Result<[Opened; 2], OpeningFailure> {
-    let [left, right] = pictures.map(Opened::without_calibration);
+/// Gives open pictures their calibrated cameras, or none.
+pub fn calibrated(
+    pictures: [Opened; 2],
+    cameras: Option<&[CameraModel; 2]>,
+) -> Result<[Opened; 2], OpeningFailure> {
+    let pictures = pictures.map(Opened::without_calibration);
+    let Some(cameras) = cameras else { return Ok(pictures) };
+    let [left, right] = pictures;
     match (left.calibrated(&cameras[0]), right.calibrated(&cameras[1])) {
         (Some(left), Some(right)) => Ok([left, right]),
         _ => Err(OpeningFailure::Text(

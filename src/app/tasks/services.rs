@@ -9,11 +9,13 @@ use crate::app::model::picture::Pictures;
 use crate::app::model::recording::Synchronised;
 use crate::app::model::shared::Shared;
 use crate::app::model::suggesting::{
-    NextClickQuestion, Repair, RepairOutcome, RepairQuestion, SuggestQuestion, Suggested,
+    LensQuestion, NextClickQuestion, Repair, RepairOutcome, RepairQuestion, SuggestQuestion, Suggested,
 };
 use crate::app::model::verdict::capitalised;
 use crate::cancel::CancelFlag;
-use crate::estimate::{Estimate, EstimateError, Match, Monitor, PreparedPair, estimate_prepared, follow};
+use crate::estimate::{
+    DivisionFit, Estimate, EstimateError, Match, Monitor, PreparedPair, estimate_prepared, find_lens, follow,
+};
 use crate::geometry::{Point, PointPair};
 use crate::image::RelativeView;
 use crate::io::{IMAGE_EXTENSIONS, VIDEO_EXTENSIONS};
@@ -36,6 +38,9 @@ pub type PrepareFn = dyn FnMut(&Pictures, &CancelFlag) + Send;
 /// Finds the most useful place for one more pair.
 pub type NextClickFn = dyn FnMut(&NextClickQuestion) -> Option<NextClick> + Send;
 
+/// Finds the distortion of the lens.
+pub type LensFn = dyn FnMut(&LensQuestion) -> Option<DivisionFit> + Send;
+
 /// Asks for a path with a dialog of the system, and returns when the dialog is closed.
 pub type PickFn = dyn Fn() -> Option<PathBuf> + Send + Sync;
 
@@ -54,6 +59,8 @@ pub struct Services {
     pub suggest: Box<dyn FnMut(&SuggestQuestion) -> Suggested + Send>,
     /// Most useful place for one more pair, within milliseconds.
     pub next_click: Box<NextClickFn>,
+    /// Distortion of the lens, within some tenths of a second.
+    pub lens: Box<LensFn>,
     /// Better place for a placed pair, within some hundredths of a second.
     pub repair: Box<dyn FnMut(&RepairQuestion) -> RepairOutcome + Send>,
     /// System dialog for a file; `None` when cancelled or unable to open.
@@ -69,7 +76,7 @@ pub struct Services {
 impl Default for Services {
     fn default() -> Self {
         let searching = PreparedCache::default();
-        let [preparing, following, suggesting, advising, repairing] =
+        let [preparing, following, suggesting, advising, straightening, repairing] =
             std::array::from_fn(|_| searching.clone());
         Self {
             prepare: Box::new(move |pictures, cancel| preparing.get(pictures).make_ready(cancel)),
@@ -100,6 +107,9 @@ impl Default for Services {
                 let found = &question.found;
                 let matches: Vec<_> = found.matches().iter().map(|found| found.pair).collect();
                 next_click(&prepared, found.fundamental(), &Rival::of(found), &question.placed, &matches)
+            }),
+            lens: Box::new(move |question| {
+                find_lens(&straightening.get(&question.pictures), &question.found)
             }),
             repair: Box::new(move |question| repaired(&repairing.get(&question.pictures), question)),
             pick_file: Arc::new(pick_file),

@@ -61,7 +61,7 @@ pub fn open_session(session: OpenSession, reading: &mut PairReading) -> Result<L
         );
     }
     if let Some(cameras) = &file.content.cameras {
-        pair.pictures = calibrated(pair.pictures, cameras)?;
+        pair.pictures = calibrated(pair.pictures, Some(cameras))?;
     }
     let frames = pair.pictures.each_ref().map(|opened| opened.picture.frame());
     let pairs = file.content.document.pairs.len();

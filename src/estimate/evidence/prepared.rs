@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::estimate::evidence::features::MatchedFeatures;
+use crate::estimate::evidence::features::{MatchedFeatures, putative};
 use crate::estimate::evidence::lazy::Lazy;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::PatchLevels;
@@ -142,6 +142,13 @@ impl PreparedPair {
             FeatureViews::Frontal => frontal(),
             FeatureViews::Slanted => self.slanted.get_or_make(|| frontal().with_slanted(&self.pyramids)),
         }
+    }
+
+    /// Returns the matches of covariant features as observations for a fit. They were found without any
+    /// geometry, and many may be wrong.
+    pub(in crate::estimate) fn putative_matches(&self) -> Vec<Match> {
+        let MatchedFeatures { sets, matches } = self.features(FeatureViews::Frontal);
+        putative(sets.each_ref(), matches, self.frames())
     }
 
     /// Returns the patches of the upright view, without features.

@@ -4,6 +4,7 @@
 //! uses the same parts, and matches again along the lines of each geometry.
 
 mod consensus;
+mod division;
 mod matches;
 mod noise;
 mod scoring;
@@ -11,11 +12,13 @@ mod uncertainty;
 
 use crate::geometry::PointPair;
 
+pub use division::DivisionFit;
 pub use matches::{MatchFit, MatchFitError, estimate_fundamental};
 pub use noise::Noise;
 pub use uncertainty::{EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Uncertainty};
 
 pub(super) use consensus::{Evidence, Fitted};
+pub(super) use division::fit_division;
 pub(super) use scoring::{BAND, Consensus, Units, Witness, residual};
 
 /// A putative match.

@@ -8,6 +8,9 @@ use crate::app::model::document::pair_name;
 use crate::app::model::suggesting::Repair;
 use crate::estimate::{Reason, Verdict};
 
+/// Text of the button that undoes the distortion of the lens.
+pub const USE_LENS: &str = "Undo the lens distortion";
+
 /// A button of the verdict.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CardAction {
@@ -49,6 +52,10 @@ impl Model {
             let action = CardAction::new(label, Command::Repair(pair, Repair::Rematch));
             return Some(CardAction { enabled: !self.has_no_match(pair), ..action });
         }
+        let lens = self.offered_lens().map(|_| CardAction::new(USE_LENS, Command::UseLens));
+        if reasons.clone().any(|reason| matches!(reason, Reason::Pattern { .. })) && lens.is_some() {
+            return lens;
+        }
         // One more pair seldom determines the epipole of a plane or of a turned camera.
         if estimate.assessment.plane.is_some() && self.tone() != Tone::Bad {
             let command = ExchangeCommand::ShowPlaneExport.into();
@@ -57,7 +64,7 @@ impl Model {
         if matches!(self.open.next_click, Some(Some(_))) {
             return Some(CardAction::new("Add a pair at the mark", Command::PlaceAtMark));
         }
-        self.lines_switch()
+        self.lines_switch().or(lens)
     }
 
     /// Returns the way out if a misplaced pair has no clear match.

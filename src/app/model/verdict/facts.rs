@@ -9,7 +9,7 @@ use crate::app::model::document::{Document, GIVEN_FIT, Given, Imported};
 use crate::camera::{PoseFit, PoseUncertainty};
 use crate::comparison::median;
 use crate::estimate::{
-    Determined, EpipoleBearing, EpipoleCertainty, Estimate, LineScore, Reason, RefinedMatch,
+    Determined, DivisionFit, EpipoleBearing, EpipoleCertainty, Estimate, LineScore, Reason, RefinedMatch,
 };
 use crate::geometry::{
     Frame, FundamentalMatrix, HomogeneousPoint, Point, Vector, finite_point, symmetric_epipolar_distance,
@@ -75,6 +75,20 @@ fn given_fact(given: &Given, estimate: &Estimate) -> Fact {
         format!("{} of {} fit to {GIVEN_FIT} px", given.fitting(estimate.fundamental()), given.matches.len()),
         "Imported matches near their epipolar lines (Sampson distance). The robust search weighs them by their \
          own noise; the verdict rests on the images.",
+    )
+}
+
+/// Returns the distortion of a lens that explains the matches better, for images of these sizes.
+pub fn lens_fact(lens: &DivisionFit, frames: [Frame; 2]) -> Fact {
+    let coefficient = |k: usize| format!("{:.3} ± {:.3}", lens.lambdas[k], lens.deviations[k]);
+    let coefficients =
+        if lens.is_same { coefficient(0) } else { format!("{} and {}", coefficient(0), coefficient(1)) };
+    Fact::new(
+        "Lens",
+        format!("λ {coefficients}, corners move by {:.0} px", lens.corner_shift(frames)),
+        "Radial distortion that explains the matches clearly better: coefficient of the division model with its \
+         standard deviation, for radii in half diagonals from the middle. Negative for barrel distortion. \
+         \"Undo the lens distortion\" uses it.",
     )
 }
 

@@ -14,9 +14,11 @@ use crate::estimate::{self, CLICK_DEVIATIONS, Estimate, Reason, Trust, Warning};
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
 use crate::presentation::{error_in_words, probability_in_words, reason_in_words, warning_in_words};
 
-pub use action::{CardAction, LineLook};
+pub use action::{CardAction, LineLook, USE_LENS};
 use facts::facts;
-pub use facts::{Fact, card_facts, epipole_text, epipoles, hypothesis_facts, import_facts, pose_facts};
+pub use facts::{
+    Fact, card_facts, epipole_text, epipoles, hypothesis_facts, import_facts, lens_fact, pose_facts,
+};
 pub use gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text};
 pub use standing::Standing;
 pub use tone::Tone;

@@ -11,6 +11,7 @@ use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::{RectifiedCommand, RectifiedLayout};
 use crate::app::model::tones::TonesCommand;
+use crate::app::model::verdict::USE_LENS;
 use crate::estimate::{Method, Preset};
 use crate::io::Notation;
 use crate::rectify::RectifyMethod;
@@ -104,7 +105,22 @@ pub fn by_name() -> Vec<Action> {
             "Give the focal lengths of pictures without a calibration, for 3-D points and the pose of the cameras.",
         )
         .listed(|_| "Focal lengths… (for 3-D points)")
-        .when(|model| model.document.pictures.is_some() && model.open.undistorted().is_none()),
+        .when(|model| model.open.takes_focal_lengths()),
+        action(
+            Command::UseLens,
+            USE_LENS,
+            "Undo the radial distortion that explains the matches clearly better, and estimate again. The pictures \
+             stay as they are; their epipolar lines are curves then.",
+        )
+        .listed(|_| USE_LENS)
+        .when(|model| model.offered_lens().is_some()),
+        action(
+            Command::RemoveCalibration,
+            "Remove the calibration",
+            "Take the pictures as they are, without the lens and the focal lengths that were given or fitted.",
+        )
+        .listed(|_| "Remove the calibration of the lens")
+        .when(|model| model.open.views().is_some()),
         action(
             Command::KeepMatches,
             "Turn matches into point pairs",

@@ -13,7 +13,7 @@ use crate::app::model::ids::OverlayId;
 use crate::app::model::messages::MessageKind;
 use crate::app::model::verdict::{
     CardAction, Fact, Tone, VerdictInWords, card_facts, epipoles, hypothesis_facts, import_facts,
-    import_warning, pose_facts, verdict,
+    import_warning, lens_fact, pose_facts, verdict,
 };
 use crate::app::view::theme;
 
@@ -148,7 +148,8 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         }
     });
     let warnings: Vec<String> = warnings.into_iter().filter(|warning| *warning != sentence).collect();
-    ui.add(Label::new(sentence).wrap());
+    let lens = if model.offered_lens().is_some() { " A lens bends these images." } else { "" };
+    ui.add(Label::new(sentence + lens).wrap());
     let action = model.card_action();
     let switch = model.lines_switch().filter(|switch| action.as_ref() != Some(switch));
     if action.is_some() {
@@ -161,7 +162,9 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         });
     }
     let pose = model.scene().map(|scene| pose_facts(&scene.fit)).unwrap_or_default();
-    let facts: Vec<Fact> = true_error(model).into_iter().chain(facts).chain(pose).collect();
+    let frames = model.document.pictures.as_ref().map(|pictures| pictures.each_ref().map(|of| of.frame));
+    let lens = model.offered_lens().zip(frames).map(|(lens, frames)| lens_fact(lens, frames));
+    let facts: Vec<Fact> = true_error(model).into_iter().chain(facts).chain(pose).chain(lens).collect();
     list(ui, card_facts(&facts).cloned());
     let is_on_card = |fact: &Fact| card_facts(&facts).any(|other| other.name == fact.name);
     let others: Vec<Fact> = facts.iter().filter(|fact| !is_on_card(fact)).cloned().collect();

@@ -76,11 +76,6 @@ pub fn place_menu(ui: &mut Ui, model: &Model, side: Side, point: Point, commands
         Some(_) => format!("Move {next} here"),
         None => format!("Add pair {next} here"),
     };
-    if document.given.is_some()
-        && command_button(ui, ExchangeCommand::RemoveGiven.into(), true, commands).clicked()
-    {
-        ui.close();
-    }
     let has_lines = model.shown().is_some();
     let pin = Command::Pin(LineSource::Through { side, point });
     for (text, enabled, tooltip, command) in [
@@ -103,6 +98,14 @@ pub fn place_menu(ui: &mut Ui, model: &Model, side: Side, point: Point, commands
         let entry = ui.add_enabled(enabled, Button::new(text)).on_hover_text(tooltip);
         if entry.on_disabled_hover_text("There is no geometry yet.").clicked() {
             commands.push(command);
+            ui.close();
+        }
+    }
+    for (command, is_there) in [
+        (ExchangeCommand::RemoveGiven.into(), document.given.is_some()),
+        (Command::RemoveCalibration, model.open.views().is_some()),
+    ] {
+        if is_there && command_button(ui, command, true, commands).clicked() {
             ui.close();
         }
     }

@@ -8,6 +8,7 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Ui, Widget
 use crate::app::model::Model;
 use crate::app::model::document::Side;
 use crate::app::view::theme;
+use crate::camera::UndistortedView;
 use crate::geometry::Frame;
 
 /// Writes a text on a dark ground.
@@ -25,7 +26,8 @@ pub struct Chip {
     pub rect: Rect,
     /// Size of the picture on the screen, px.
     pub size: Frame,
-    pub is_calibrated: bool,
+    /// The view without distortion, if a lens bends the picture.
+    pub lens: Option<UndistortedView>,
     pub is_turned: bool,
     /// Screen points per pixel; `None` if the whole image is visible.
     pub scale: Option<f64>,
@@ -38,8 +40,10 @@ impl Chip {
         let mut text = String::new();
         if let Some(picture) = model.document.pictures.as_ref().map(|p| &p[self.side.index()]) {
             text = format!("{}  {} × {}", picture.name, self.size.width, self.size.height);
-            if self.is_calibrated {
-                text += "  lens calibrated";
+            match self.lens {
+                Some(view) if view.camera().focal_deviation().is_none() => text += "  lens fitted",
+                Some(_) => text += "  lens calibrated",
+                None => {}
             }
             if self.is_turned {
                 text += "  view turned";

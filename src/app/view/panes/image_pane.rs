@@ -272,9 +272,8 @@ impl ImagePane {
         }
         if let Some(image) = &self.image {
             let scale = Some(image.transform(rect).scale).filter(|_| !image.view.fits());
-            let (is_calibrated, is_turned) =
-                (image.lens.is_some(), image.view.turn != QuarterTurns::default());
-            let chip = Chip { side, rect, size: image.shown, is_calibrated, is_turned, scale };
+            let (lens, is_turned) = (image.lens, image.view.turn != QuarterTurns::default());
+            let chip = Chip { side, rect, size: image.shown, lens, is_turned, scale };
             chip.show(ui, model);
         }
         hover

@@ -23,7 +23,7 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
-use crate::estimate::fit::{BAND, Consensus, Units, Witness, residual};
+use crate::estimate::fit::{BAND, Consensus, Match, Units, Witness, residual};
 use crate::estimate::sampling::{Draws, Purpose, Weighted, best, refitted};
 use crate::features::{Feature, FeatureMatch, FeatureSet, SIGMA_PER_SCALE};
 use crate::geometry::{
@@ -166,6 +166,22 @@ fn witnesses(evidence: &FeatureEvidence, matches: &[FeatureMatch], log_odds: &[f
             Witness { pair: m.pair, sigmas, gain: (log_odds.exp() / density).ln_1p(), clicked: false }
         })
         .collect()
+}
+
+/// Returns matches as observations for a fit, with the probability that each is right before any geometry
+/// is known.
+pub(in crate::estimate) fn putative(
+    sets: [&FeatureSet; 2],
+    matches: &[FeatureMatch],
+    frames: [Frame; 2],
+) -> Vec<Match> {
+    let log_odds = reliability::log_odds(sets, matches, frames, &[]);
+    let putative = |(m, log_odds): (&FeatureMatch, f64)| {
+        let scales = [sets[0].features()[m.feature1].scale, sets[1].features()[m.feature2].scale];
+        let [a, b] = [sigma(scales[0], frames[0]), sigma(scales[1], frames[1])];
+        Match { pair: m.pair, sigma: (0.5 * (a * a + b * b)).sqrt(), prior: 1.0 / (1.0 + (-log_odds).exp()) }
+    };
+    matches.iter().zip(log_odds).map(putative).collect()
 }
 
 /// Returns the probability that a witness is right, given its residual. The geometry is itself

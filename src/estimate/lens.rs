@@ -1,0 +1,19 @@
+//! Lens distortion of two images without a calibration.
+
+use super::evidence::prepared::PreparedPair;
+use super::fit::{DivisionFit, fit_division};
+use super::verdict::result::Estimate;
+use super::verdict::trust::Trust;
+
+/// Finds radial distortion that explains the matches of the images clearly better than the result without
+/// it does (arXiv 2410.05984: any solver will do, given a few coefficients to try). It costs about a tenth of
+/// a second beside the search.
+///
+/// Returns `None` if no lens is clear, and where the verdict says that one plane explains the matches:
+/// distortion can then not be told from parallax.
+pub fn find_lens(prepared: &PreparedPair, found: &Estimate) -> Option<DivisionFit> {
+    if found.assessment.trust.as_ref().is_some_and(Trust::says_one_plane) {
+        return None;
+    }
+    fit_division(&prepared.putative_matches(), found.fundamental(), prepared.frames())
+}
