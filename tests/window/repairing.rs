@@ -10,7 +10,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::estimate::{Trust, Verdict};
 use epiline::geometry::{Point, Vector, symmetric_epipolar_distance};
 use epiline::internals::app::model::document::{PointRef, Role, Side};
-use epiline::internals::app::model::suggesting::Repair;
+use epiline::internals::app::model::suggesting::{Repair, Slid};
 use epiline::internals::app::{Opening, Services, Start};
 
 const Q_RIGHT: PointRef = PointRef { pair: 1, side: Side::Right };
@@ -221,4 +221,30 @@ fn the_second_click_is_guided_in_a_turned_image() {
         let expected = Point::new(575.0 - place.y - 0.5, place.x - 12.0);
         assert!((found - expected).norm() < 5.0, "{found} for {expected}");
     }
+}
+
+#[test]
+fn a_pair_whose_match_lies_elsewhere_on_its_line_is_told_and_moved() {
+    let place = Point::new(200.0, 150.0);
+    let mut services = moving();
+    services.estimate = Box::new(|request, _| {
+        let mut estimate = fake_estimate(&request.pairs, &request.parameters)?;
+        estimate.assessment.trust = Some(Trust { verdict: Verdict::Reliable, reasons: Vec::new() });
+        Ok(estimate)
+    });
+    services.slid = Box::new(move |question| {
+        let pair = question.pairs[1];
+        if pair.point2 == place { Vec::new() } else { vec![Slid { pair, place }] }
+    });
+    let mut window = window(Start::default(), services);
+    click_two_pairs(&mut window);
+    assert!(window.query_by_label("off its match").is_some());
+    assert!(window.query_by_label_contains("The match of q lies elsewhere on its line.").is_some());
+    window.get_by_label("Move q to its match").click();
+    settle(&mut window);
+    assert_eq!(point(&window, Q_RIGHT), place);
+    assert!(window.query_by_label("off its match").is_none());
+    assert!(window.query_by_label_contains("lies elsewhere").is_none());
+    undo(&mut window);
+    assert!(window.query_by_label("off its match").is_some(), "it is checked again");
 }

@@ -15,7 +15,7 @@ use super::picture::{Opened, Pictures};
 use super::recording::Player;
 use super::rectified::{Rectified, Viewing};
 use super::scene::{Orbit, Scene};
-use super::suggesting::Suggested;
+use super::suggesting::{Slid, Suggested};
 use super::tones::{Tones, TonesCommand};
 use super::truth::KnownTruth;
 use crate::camera::{CameraModel, FocalLength, ViewPair};
@@ -67,6 +67,8 @@ pub struct OpenPair {
     /// Lens that explains the matches clearly better than the result without it, once sought. The inner
     /// `None`: there is no such lens.
     pub lens: Option<Option<DivisionFit>>,
+    /// Pairs whose matches lie elsewhere on their lines, once sought.
+    pub slid: Option<Vec<Slid>>,
     /// The pair whose match was last sought in vain.
     pub unmatched: Option<PointPair>,
     /// The rectified pair, while it is visible. The old one stays until the new one is made.

@@ -3,7 +3,9 @@
 use super::Model;
 use super::document::{PointRef, Side, pair_name};
 use super::messages::MessageKind;
-use super::suggesting::{Repair, RepairQuestion, Repaired};
+use super::suggesting::{Repair, RepairQuestion, Repaired, SlidQuestion};
+use crate::estimate::Verdict;
+use crate::geometry::PointPair;
 use crate::io::PairOrigin;
 
 /// A point that would move by less than this, px, stays.
@@ -19,6 +21,26 @@ impl Model {
         }
         let points = *self.document.pairs.get(pair)?;
         Some(RepairQuestion { pictures: self.open.pictures()?, pair, points, how, found })
+    }
+
+    /// Returns the request to check the places of the pairs along their lines, for a reliable result.
+    pub fn slid_question(&self) -> Option<SlidQuestion> {
+        let found = self.trusted_result()?;
+        let is_reliable =
+            found.assessment.trust.as_ref().is_some_and(|trust| trust.verdict == Verdict::Reliable);
+        let pairs: Vec<PointPair> = self.document.included().collect();
+        if !is_reliable || self.compares_barcodes() || pairs.is_empty() {
+            return None;
+        }
+        Some(SlidQuestion { pictures: self.open.pictures()?, found, pairs })
+    }
+
+    /// Returns how far the match of a pair lies from its right point, px, if it clearly lies elsewhere on the
+    /// epipolar line.
+    pub fn slid(&self, pair: usize) -> Option<f64> {
+        let points = self.document.pairs.get(pair)?;
+        let slid = self.open.slid.iter().flatten().find(|slid| slid.pair == *points)?;
+        Some((slid.place - points.point2).norm())
     }
 
     /// Returns whether no clear match of a pair was found.

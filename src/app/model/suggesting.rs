@@ -44,6 +44,26 @@ pub struct LensQuestion {
     pub found: Shared<Estimate>,
 }
 
+/// Request to check the places of pairs along their epipolar lines, which no distance from the lines shows.
+#[derive(Clone, PartialEq)]
+pub struct SlidQuestion {
+    /// The two pictures.
+    pub pictures: Pictures,
+    /// The result, which is reliable.
+    pub found: Shared<Estimate>,
+    /// The pairs that are not left out.
+    pub pairs: Vec<PointPair>,
+}
+
+/// A pair whose match clearly lies elsewhere on the epipolar line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slid {
+    /// The pair.
+    pub pair: PointPair,
+    /// Place of the match in the right image, px.
+    pub place: Point,
+}
+
 /// Method of repairing a placed pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Repair {

@@ -35,7 +35,7 @@ use super::model::recording::{OffsetFound, Recordings};
 use super::model::rectified::{Rectified, RectifyQuestion};
 use super::model::scene::{Scene, SceneQuestion};
 use super::model::suggesting::{
-    LensQuestion, NextClickQuestion, RepairQuestion, Repaired, SuggestQuestion, Suggested,
+    LensQuestion, NextClickQuestion, RepairQuestion, Repaired, Slid, SlidQuestion, SuggestQuestion, Suggested,
 };
 use crate::estimate::DivisionFit;
 use crate::motion::{MOST_OFFSET, find_offset};
@@ -56,6 +56,7 @@ pub struct Tasks {
     suggesting: Following<SuggestQuestion, Suggested>,
     advising: Following<NextClickQuestion, Option<NextClick>>,
     straightening: Following<LensQuestion, Option<DivisionFit>>,
+    checking: Following<SlidQuestion, Vec<Slid>>,
     /// Repair of pairs.
     pub repairing: Task<RepairQuestion, Repaired>,
     /// Search for the time offset of sequences.
@@ -90,6 +91,7 @@ impl Tasks {
             mut suggest,
             mut next_click,
             mut lens,
+            mut slid,
             mut repair,
             pick_file,
             pick_folder,
@@ -118,6 +120,8 @@ impl Tasks {
         let advising =
             Task::answering("next click", waker.clone(), move |question| Some(next_click(&question)));
         let straightening = Task::answering("lens", waker.clone(), move |question| Some(lens(&question)));
+        let checking =
+            Task::answering("places of pairs", waker.clone(), move |question| Some(slid(&question)));
         let repairing =
             Task::new("repair", waker.clone(), Waiting::Newest, move |question: RepairQuestion, _| {
                 let outcome = repair(&question);
@@ -147,6 +151,7 @@ impl Tasks {
             suggesting: Following::strict(suggesting),
             advising: Following::strict(advising),
             straightening: Following::strict(straightening),
+            checking: Following::strict(checking),
             repairing,
             aligning,
             rectifying: Following::keeping(rectifying),
@@ -177,6 +182,7 @@ impl Tasks {
         self.suggesting.take(&mut open.suggestion);
         self.advising.take(&mut open.next_click);
         self.straightening.take(&mut open.lens);
+        self.checking.take(&mut open.slid);
         open.follow_result();
     }
 
@@ -192,6 +198,8 @@ impl Tasks {
         self.advising.follow(question, &mut model.open.next_click);
         let question = model.lens_question();
         self.straightening.follow(question, &mut model.open.lens);
+        let question = model.slid_question();
+        self.checking.follow(question, &mut model.open.slid);
         let request = model.inspection_request(exports);
         self.inspecting.follow(request, &mut model.open.inspection);
         let question = model.comparison_question();
@@ -211,6 +219,7 @@ impl Tasks {
         self.suggesting.forget();
         self.advising.forget();
         self.straightening.forget();
+        self.checking.forget();
         self.repairing.forget();
         self.aligning.forget();
         self.rectifying.forget();
@@ -230,6 +239,7 @@ impl Tasks {
             || self.suggesting.is_busy()
             || self.advising.is_busy()
             || self.straightening.is_busy()
+            || self.checking.is_busy()
             || self.repairing.is_busy()
             || self.aligning.is_busy()
             || self.inspecting.is_busy()

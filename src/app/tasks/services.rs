@@ -9,7 +9,8 @@ use crate::app::model::picture::Pictures;
 use crate::app::model::recording::Synchronised;
 use crate::app::model::shared::Shared;
 use crate::app::model::suggesting::{
-    LensQuestion, NextClickQuestion, Repair, RepairOutcome, RepairQuestion, SuggestQuestion, Suggested,
+    LensQuestion, NextClickQuestion, Repair, RepairOutcome, RepairQuestion, Slid, SlidQuestion,
+    SuggestQuestion, Suggested,
 };
 use crate::app::model::verdict::capitalised;
 use crate::cancel::CancelFlag;
@@ -25,6 +26,10 @@ use crate::suggest::{
     view_at,
 };
 
+/// Distance of a match from the right point of a pair, as a share of the longer side, from which the pair
+/// counts as misplaced along its line: beyond it, a suggestion counts as wrong where the truth is known.
+const SLID: f64 = 0.01;
+
 /// Searches for a geometry. Tests replace the estimator of this library.
 pub type EstimateFn = dyn FnMut(&EstimateRequest, &Monitor) -> Result<Estimate, EstimateError> + Send;
 
@@ -37,6 +42,9 @@ pub type PrepareFn = dyn FnMut(&Pictures, &CancelFlag) + Send;
 
 /// Finds the most useful place for one more pair.
 pub type NextClickFn = dyn FnMut(&NextClickQuestion) -> Option<NextClick> + Send;
+
+/// Finds the pairs whose matches lie elsewhere on their lines.
+pub type SlidFn = dyn FnMut(&SlidQuestion) -> Vec<Slid> + Send;
 
 /// Finds the distortion of the lens.
 pub type LensFn = dyn FnMut(&LensQuestion) -> Option<DivisionFit> + Send;
@@ -61,6 +69,8 @@ pub struct Services {
     pub next_click: Box<NextClickFn>,
     /// Distortion of the lens, within some tenths of a second.
     pub lens: Box<LensFn>,
+    /// Pairs whose matches lie elsewhere on their lines, within some hundredths of a second for each.
+    pub slid: Box<SlidFn>,
     /// Better place for a placed pair, within some hundredths of a second.
     pub repair: Box<dyn FnMut(&RepairQuestion) -> RepairOutcome + Send>,
     /// System dialog for a file; `None` when cancelled or unable to open.
@@ -76,7 +86,7 @@ pub struct Services {
 impl Default for Services {
     fn default() -> Self {
         let searching = PreparedCache::default();
-        let [preparing, following, suggesting, advising, straightening, repairing] =
+        let [preparing, following, suggesting, advising, straightening, checking, repairing] =
             std::array::from_fn(|_| searching.clone());
         Self {
             prepare: Box::new(move |pictures, cancel| preparing.get(pictures).make_ready(cancel)),
@@ -111,6 +121,7 @@ impl Default for Services {
             lens: Box::new(move |question| {
                 find_lens(&straightening.get(&question.pictures), &question.found)
             }),
+            slid: Box::new(move |question| slid(&checking.get(&question.pictures), question)),
             repair: Box::new(move |question| repaired(&repairing.get(&question.pictures), question)),
             pick_file: Arc::new(pick_file),
             pick_folder: Arc::new(pick_folder),
@@ -134,6 +145,18 @@ fn suggested(
     let fundamental = found.map(|found| *found.fundamental());
     let known = Known { fundamental, view: found.map(Estimate::view).or_else(view), matches: &matches };
     suggest(prepared, at, clicked, &known, &SuggestParameters::default())
+}
+
+/// Returns the pairs whose match clearly lies elsewhere on the epipolar line.
+fn slid(prepared: &PreparedPair, question: &SlidQuestion) -> Vec<Slid> {
+    let least = SLID * prepared.frames()[1].longer_side();
+    let check = |pair: &PointPair| {
+        let found =
+            suggested(prepared, pair.point1, ClickedImage::First, Some(&question.found), || None).ok()?;
+        let place = found.clear()?.position;
+        ((place - pair.point2).norm() > least).then_some(Slid { pair: *pair, place })
+    };
+    question.pairs.iter().filter_map(check).collect()
 }
 
 /// Returns a better place for the right point of a pair.

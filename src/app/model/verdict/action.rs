@@ -47,7 +47,10 @@ impl Model {
             Reason::ClickOff { pair, .. } => self.document.used().nth(pair.checked_sub(1)?),
             _ => None,
         });
-        if let Some(pair) = off.filter(|pair| self.repair_question(*pair, Repair::Rematch).is_some()) {
+        if let Some(pair) = off
+            .or_else(|| self.slid_pair())
+            .filter(|pair| self.repair_question(*pair, Repair::Rematch).is_some())
+        {
             let label = format!("Move {} to its match", pair_name(pair));
             let action = CardAction::new(label, Command::Repair(pair, Repair::Rematch));
             return Some(CardAction { enabled: !self.has_no_match(pair), ..action });
@@ -65,6 +68,19 @@ impl Model {
             return Some(CardAction::new("Add a pair at the mark", Command::PlaceAtMark));
         }
         self.lines_switch().or(lens)
+    }
+
+    /// Returns what the images tell besides the verdict: sentences, each after a space.
+    pub fn card_remarks(&self) -> String {
+        let slid = self.slid_pair().map(pair_name);
+        let slid = slid.map(|name| format!(" The match of {name} lies elsewhere on its line."));
+        let lens = self.offered_lens().map(|_| " A lens bends these images.".to_owned());
+        slid.into_iter().chain(lens).collect()
+    }
+
+    /// Returns the first used pair that is misplaced along its line.
+    fn slid_pair(&self) -> Option<usize> {
+        self.document.used().find(|pair| self.slid(*pair).is_some())
     }
 
     /// Returns the way out if a misplaced pair has no clear match.

@@ -148,8 +148,7 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         }
     });
     let warnings: Vec<String> = warnings.into_iter().filter(|warning| *warning != sentence).collect();
-    let lens = if model.offered_lens().is_some() { " A lens bends these images." } else { "" };
-    ui.add(Label::new(sentence + lens).wrap());
+    ui.add(Label::new(sentence + &model.card_remarks()).wrap());
     let action = model.card_action();
     let switch = model.lines_switch().filter(|switch| action.as_ref() != Some(switch));
     if action.is_some() {

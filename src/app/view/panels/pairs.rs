@@ -203,6 +203,14 @@ fn line(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
                  images support the geometry. Check that both points are the same scene point."
             ));
         }
+        if let Some(distance) = model.slid(pair).filter(|_| model.outvoted(pair).is_none()) {
+            let text = RichText::new("off its match").color(theme::palette(ui.visuals()).caution);
+            ui.add(Label::new(text).selectable(false)).on_hover_text(format!(
+                "The images look alike {distance:.0} px from the right point, along the epipolar line. The \
+                 geometry hardly depends on the place along the line. Move the point to its match if both \
+                 points are not the same scene point."
+            ));
+        }
         let role = match document.role(pair) {
             Role::Used => "",
             Role::Check => "check",
