@@ -13,28 +13,33 @@ use crate::io::{Format, PictureFormat, StereoProgram};
 use crate::rectify::RectifyMethod;
 use crate::synthetic::{Sample, SamplePair};
 
-/// Parses four numbers separated by commas.
-pub(super) fn point_pair(text: &str) -> Result<PointPair, String> {
-    const EXPECTED: &str = "expected four numbers X1,Y1,X2,Y2 (pixels)";
-    let cells: Vec<&str> = text.split(',').map(str::trim).collect();
-    let [x1, y1, x2, y2] = cells[..] else { return Err(format!("{EXPECTED}, found {}", cells.len())) };
+/// Parses finite numbers separated by commas.
+fn numbers<const N: usize>(text: &str, expected: &str) -> Result<[f64; N], String> {
     let number = |cell: &str| match cell.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!("{EXPECTED}, but \"{cell}\" is not a finite number")),
+        _ => Err(format!("expected {expected} (pixels), but \"{cell}\" is not a finite number")),
     };
-    Ok(PointPair::new(number(x1)?, number(y1)?, number(x2)?, number(y2)?))
+    let cells: Vec<&str> = text.split(',').map(str::trim).collect();
+    let found = cells.len();
+    if found != N {
+        return Err(format!("expected {expected} (pixels), found {found}"));
+    }
+    let mut all = [0.0; N];
+    for (value, cell) in all.iter_mut().zip(cells) {
+        *value = number(cell)?;
+    }
+    Ok(all)
+}
+
+/// Parses four numbers separated by commas.
+pub(super) fn point_pair(text: &str) -> Result<PointPair, String> {
+    let [x1, y1, x2, y2] = numbers(text, "four numbers X1,Y1,X2,Y2")?;
+    Ok(PointPair::new(x1, y1, x2, y2))
 }
 
 /// Parses two numbers separated by a comma.
 pub(super) fn point(text: &str) -> Result<Point, String> {
-    const EXPECTED: &str = "expected two numbers X,Y (pixels)";
-    let cells: Vec<&str> = text.split(',').map(str::trim).collect();
-    let [x, y] = cells[..] else { return Err(format!("{EXPECTED}, found {}", cells.len())) };
-    let number = |cell: &str| match cell.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!("{EXPECTED}, but \"{cell}\" is not a finite number")),
-    };
-    Ok(Point::new(number(x)?, number(y)?))
+    Ok(numbers::<2>(text, "two numbers X,Y")?.into())
 }
 
 /// Two image files, or a built-in pair.

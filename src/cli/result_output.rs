@@ -3,14 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use nalgebra::{Matrix3, Vector3};
 
 use super::CliError;
 use super::geometry_file::{GeometryOutput, image_notes};
 use super::output::Output;
 use crate::camera::{Baseline, PointCloud, PoseFit, UndistortedView, ViewPair};
 use crate::estimate::{Estimate, Parameters, Uncertainty};
-use crate::geometry::{Camera, PointPair, median, sampson_distance};
+use crate::geometry::{PointPair, median, sampson_distance};
 use crate::image::Picture;
 use crate::io::{
     CalibratedNote, Format, GeometryFile, PairLabel, PairOrigin, ResultFile, TrustNote, refuse_clashes,
@@ -82,7 +81,7 @@ impl ResultOutput {
         let Beside { offset, views, baseline, given } = beside;
         let pose = views.and_then(|views| pose(found, views));
         if let Some(export) = self.export {
-            let cameras = views.zip(pose.as_ref()).and_then(|(views, fit)| cameras(views, fit));
+            let cameras = views.zip(pose.as_ref()).and_then(|(views, fit)| views.posed(&fit.pose));
             let is_undistorted = views.is_some_and(ViewPair::is_undistorted);
             let cloud = views.zip(pose.as_ref()).map(|(views, fit)| {
                 let cloud = cloud(found, views, fit, &pictures[0]);
@@ -159,15 +158,6 @@ fn pose(found: &Estimate, views: &ViewPair) -> Option<PoseFit> {
 fn cloud(found: &Estimate, views: &ViewPair, fit: &PoseFit, left: &Picture) -> PointCloud {
     let matches: Vec<PointPair> = found.matches().iter().map(|found| found.pair).collect();
     PointCloud::new(&fit.pose, views, &matches, |point| left.color_at(point))
-}
-
-/// Returns the cameras `K1 [I | 0]` and `K2 [R | t]` of the views.
-fn cameras(views: &ViewPair, fit: &PoseFit) -> Option<[Camera; 2]> {
-    let [k1, k2] = views.calibrations();
-    Some([
-        Camera::posed(&k1, &Matrix3::identity(), &Vector3::zeros())?,
-        Camera::posed(&k2, fit.pose.rotation.matrix(), &fit.pose.translation)?,
-    ])
 }
 
 /// Returns the content of the export: the clicks followed by the matches of the refinement. If the

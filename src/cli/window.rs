@@ -10,6 +10,7 @@ use crate::geometry::PointPair;
 
 /// Content to open in the window.
 #[derive(Debug, Args)]
+#[cfg_attr(not(feature = "inspector"), expect(dead_code, reason = "there is no window to tell"))]
 pub(super) struct WindowArguments {
     /// Two images, two sequences (folders of frames or videos), a session (.json), or a folder of
     /// images, with or without ground truth; by default the built-in sample
@@ -28,14 +29,17 @@ pub(super) struct WindowArguments {
 }
 
 /// Opens the window and returns when it is closed.
+#[cfg(feature = "inspector")]
 pub(super) fn run(arguments: WindowArguments) -> Result<(), CliError> {
-    let what = match &arguments.images[..] {
-        [] if arguments.sequences => WindowContent::SampleSequences,
-        [] => WindowContent::Sample,
-        [left, right] => WindowContent::Images(left.clone(), right.clone()),
-        [folder] if folder.is_dir() => WindowContent::Folder(folder.clone()),
+    use crate::app::{Opening, Start};
+    let WindowArguments { images, sequences, pairs, imports } = arguments;
+    let opening = match &images[..] {
+        [] if sequences => Opening::SampleSequences,
+        [] => Opening::Sample,
+        [left, right] => Opening::Files(left.clone(), right.clone()),
+        [folder] if folder.is_dir() => Opening::Folder(folder.clone()),
         [file] if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) => {
-            WindowContent::Session(file.clone())
+            Opening::Session(file.clone())
         }
         _ => {
             let problem = "one file was given that is not a session (.json). Give two images LEFT and RIGHT, a session, or \
@@ -43,35 +47,12 @@ pub(super) fn run(arguments: WindowArguments) -> Result<(), CliError> {
             return Err(CliError::Arguments(problem.into()));
         }
     };
-    open(what, arguments.pairs, arguments.imports)
-}
-
-/// Content of the window at the start.
-#[cfg_attr(not(feature = "inspector"), expect(dead_code, reason = "there is no window to tell"))]
-enum WindowContent {
-    Sample,
-    SampleSequences,
-    Images(PathBuf, PathBuf),
-    Folder(PathBuf),
-    Session(PathBuf),
-}
-
-#[cfg(feature = "inspector")]
-fn open(what: WindowContent, pairs: Vec<PointPair>, imports: Vec<PathBuf>) -> Result<(), CliError> {
-    use crate::app::{Opening, Start, run};
-    let opening = match what {
-        WindowContent::Sample => Opening::Sample,
-        WindowContent::SampleSequences => Opening::SampleSequences,
-        WindowContent::Images(left, right) => Opening::Files(left, right),
-        WindowContent::Folder(folder) => Opening::Folder(folder),
-        WindowContent::Session(file) => Opening::Session(file),
-    };
-    run(Start { opening, pairs, imports }).map_err(|error| CliError::Window(error.to_string()))
+    crate::app::run(Start { opening, pairs, imports }).map_err(|error| CliError::Window(error.to_string()))
 }
 
 /// Reports that this build has no window.
 #[cfg(not(feature = "inspector"))]
-fn open(_what: WindowContent, _pairs: Vec<PointPair>, _imports: Vec<PathBuf>) -> Result<(), CliError> {
+pub(super) fn run(_: WindowArguments) -> Result<(), CliError> {
     Err(CliError::Window(
         "this build has no window. Use the command estimate, or build with the feature inspector".into(),
     ))

@@ -11,41 +11,28 @@ use crate::geometry::Frame;
 /// is ignored.
 pub(super) fn gray_plane(pixels: &DynamicImage) -> GrayPlane {
     let frame = Frame::new(pixels.width() as usize, pixels.height() as usize);
-    let values: Arc<[f32]> = match pixels {
-        DynamicImage::ImageLuma8(luma) => luma.as_raw().iter().map(|v| f32::from(*v)).collect(),
-        DynamicImage::ImageLumaA8(luma) => {
-            luma.as_raw().as_chunks().0.iter().map(|[v, _]| f32::from(*v)).collect()
+    let values = match pixels {
+        DynamicImage::ImageLuma8(p) => levels(p.as_raw(), |[v]| f32::from(*v)),
+        DynamicImage::ImageLumaA8(p) => levels(p.as_raw(), |[v, _]| f32::from(*v)),
+        DynamicImage::ImageRgb8(p) => levels(p.as_raw(), |c: &[u8; 3]| luma(*c)),
+        DynamicImage::ImageRgba8(p) => levels(p.as_raw(), |[r, g, b, _]| luma([*r, *g, *b])),
+        DynamicImage::ImageLuma16(p) => levels(p.as_raw(), |[v]| f32::from(*v) / 257.0),
+        DynamicImage::ImageLumaA16(p) => levels(p.as_raw(), |[v, _]| f32::from(*v) / 257.0),
+        DynamicImage::ImageRgb16(p) => levels(p.as_raw(), |c: &[u16; 3]| luma(*c) / 257.0),
+        DynamicImage::ImageRgba16(p) => levels(p.as_raw(), |[r, g, b, _]| luma([*r, *g, *b]) / 257.0),
+        DynamicImage::ImageRgb32F(p) => levels(p.as_raw(), |c: &[f32; 3]| 255.0 * luma(c.map(unit))),
+        DynamicImage::ImageRgba32F(p) => {
+            levels(p.as_raw(), |[r, g, b, _]| 255.0 * luma([*r, *g, *b].map(unit)))
         }
-        DynamicImage::ImageRgb8(rgb) => {
-            rgb.as_raw().as_chunks().0.iter().map(|c: &[u8; 3]| luma(*c)).collect()
-        }
-        DynamicImage::ImageRgba8(rgb) => {
-            rgb.as_raw().as_chunks().0.iter().map(|[r, g, b, _]| luma([*r, *g, *b])).collect()
-        }
-        DynamicImage::ImageLuma16(luma) => luma.as_raw().iter().map(|v| f32::from(*v) / 257.0).collect(),
-        DynamicImage::ImageLumaA16(luma) => {
-            luma.as_raw().as_chunks().0.iter().map(|[v, _]| f32::from(*v) / 257.0).collect()
-        }
-        DynamicImage::ImageRgb16(rgb) => {
-            rgb.as_raw().as_chunks().0.iter().map(|c: &[u16; 3]| luma(*c) / 257.0).collect()
-        }
-        DynamicImage::ImageRgba16(rgb) => {
-            rgb.as_raw().as_chunks().0.iter().map(|[r, g, b, _]| luma([*r, *g, *b]) / 257.0).collect()
-        }
-        DynamicImage::ImageRgb32F(rgb) => {
-            rgb.as_raw().as_chunks().0.iter().map(|c: &[f32; 3]| 255.0 * luma(c.map(unit))).collect()
-        }
-        DynamicImage::ImageRgba32F(rgb) => rgb
-            .as_raw()
-            .as_chunks()
-            .0
-            .iter()
-            .map(|[r, g, b, _]| 255.0 * luma([*r, *g, *b].map(unit)))
-            .collect(),
         // Future versions of the decoders may add pixel formats.
         other => other.to_luma16().into_raw().into_iter().map(|v| f32::from(v) / 257.0).collect(),
     };
     GrayPlane::shared(frame, values)
+}
+
+/// Returns the grey level of each pixel of `N` channels.
+fn levels<T, const N: usize>(channels: &[T], level: impl Fn(&[T; N]) -> f32) -> Arc<[f32]> {
+    channels.as_chunks::<N>().0.iter().map(level).collect()
 }
 
 fn luma<T: Into<f32>>(color: [T; 3]) -> f32 {

@@ -148,19 +148,18 @@ mod tests {
     use zip::ZipWriter;
     use zip::write::SimpleFileOptions;
 
+    use super::super::npy::header;
     use super::*;
 
-    fn npy(kind: &str, shape: &str, data: &[u8]) -> Vec<u8> {
-        let header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({shape}), }}\n");
-        let length = (header.len() as u16).to_le_bytes();
-        [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), data].concat()
+    fn npy(kind: &str, shape: &[usize], data: &[u8]) -> Vec<u8> {
+        [&header(kind, shape)[..], data].concat()
     }
 
-    fn floats(shape: &str, values: &[f32]) -> Vec<u8> {
+    fn floats(shape: &[usize], values: &[f32]) -> Vec<u8> {
         npy("<f4", shape, &values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>())
     }
 
-    fn integers(shape: &str, values: &[i64]) -> Vec<u8> {
+    fn integers(shape: &[usize], values: &[i64]) -> Vec<u8> {
         npy("<i8", shape, &values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>())
     }
 
@@ -176,33 +175,34 @@ mod tests {
     #[test]
     fn archives_of_matchers_are_read() {
         let keypoints = [
-            ("keypoints0", floats("3, 2", &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0])),
-            ("keypoints1", floats("1, 2, 2", &[11.0, 12.0, 13.0, 14.0])),
+            ("keypoints0", floats(&[3, 2], &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0])),
+            ("keypoints1", floats(&[1, 2, 2], &[11.0, 12.0, 13.0, 14.0])),
         ];
         let of = |rest: &[(&str, Vec<u8>)]| archive(packed(&[&keypoints[..], rest].concat()));
-        let rows = of(&[("matches", integers("2, 2", &[0, 1, 2, 0])), ("scores", floats("2,", &[0.9, 0.0]))]);
+        let rows =
+            of(&[("matches", integers(&[2, 2], &[0, 1, 2, 0])), ("scores", floats(&[2], &[0.9, 0.0]))]);
         let rows = rows.unwrap();
         assert_eq!(rows[0].pair, PointPair::new(1.0, 2.0, 13.0, 14.0));
         assert!((rows[0].prior - 0.9).abs() < 1e-6 && rows[1].prior > 0.0);
         // One index for each keypoint, with a confidence for each keypoint.
         let list = of(&[
-            ("matches", integers("3,", &[-1, 0, -1])),
-            ("match_confidence", floats("3,", &[0.0, 0.5, 0.0])),
+            ("matches", integers(&[3], &[-1, 0, -1])),
+            ("match_confidence", floats(&[3], &[0.0, 0.5, 0.0])),
         ]);
         assert_eq!(list.unwrap(), [Match { prior: 0.5, ..PointPair::new(3.0, 4.0, 11.0, 12.0).into() }]);
         let direct = archive(packed(&[
-            ("mkpts0", floats("2, 2", &[1.0, 2.0, 3.0, 4.0])),
-            ("mkpts1", floats("2, 2", &[5.0, 6.0, 7.0, 8.0])),
-            ("covariances", floats("2, 2, 2", &[1.0, 0.0, 0.0, 1.0, 4.0, 0.0, 0.0, 4.0])),
+            ("mkpts0", floats(&[2, 2], &[1.0, 2.0, 3.0, 4.0])),
+            ("mkpts1", floats(&[2, 2], &[5.0, 6.0, 7.0, 8.0])),
+            ("covariances", floats(&[2, 2, 2], &[1.0, 0.0, 0.0, 1.0, 4.0, 0.0, 0.0, 4.0])),
         ]));
         let sigmas: Vec<f64> = direct.unwrap().iter().map(|m| m.sigma).collect();
         assert!((sigmas[1] / sigmas[0] - 2.0).abs() < 1e-6);
         for (rest, told) in [
-            (vec![("matches", integers("1, 2", &[0, 7]))], "do not exist"),
-            (vec![("matches", integers("3, 1", &[0, 1, 0]))], "shape"),
+            (vec![("matches", integers(&[1, 2], &[0, 7]))], "do not exist"),
+            (vec![("matches", integers(&[3, 1], &[0, 1, 0]))], "shape"),
             (vec![], "expected are mkpts0"),
             (
-                vec![("matches", integers("1, 2", &[0, 1])), ("scores", floats("3,", &[1.0; 3]))],
+                vec![("matches", integers(&[1, 2], &[0, 1])), ("scores", floats(&[3], &[1.0; 3]))],
                 "3 scores for 1",
             ),
         ] {
@@ -214,7 +214,7 @@ mod tests {
     #[test]
     fn damaged_archives_are_refused() {
         let whole =
-            packed(&[("mkpts0", floats("1, 2", &[1.0, 2.0])), ("mkpts1", floats("1, 2", &[3.0, 4.0]))]);
+            packed(&[("mkpts0", floats(&[1, 2], &[1.0, 2.0])), ("mkpts1", floats(&[1, 2], &[3.0, 4.0]))]);
         assert_eq!(archive(whole.clone()).unwrap().len(), 1);
         for end in (2..whole.len()).step_by(7) {
             assert!(archive(whole[..end].to_vec()).is_err(), "{end}");

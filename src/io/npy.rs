@@ -38,19 +38,25 @@ pub(super) fn arrays_as_npz(arrays: &[(&str, &[usize], &[f64])]) -> Vec<u8> {
 
 /// Returns the file of an array of `float64` in C order.
 fn array_as_npy(shape: &[usize], numbers: &[f64]) -> Vec<u8> {
+    let mut file = header("<f8", shape);
+    file.extend(numbers.iter().flat_map(|value| value.to_le_bytes()));
+    file
+}
+
+/// Returns everything before the numbers of an array of this kind and shape.
+pub(super) fn header(kind: &str, shape: &[usize]) -> Vec<u8> {
     let sides: Vec<String> = shape.iter().map(ToString::to_string).collect();
     // A tuple of one element needs its comma.
     let comma = if shape.len() == 1 { "," } else { "" };
     let shape = format!("({}{comma})", sides.join(", "));
-    let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
-    let padded = (BEFORE_HEADER + header.len() + 1).next_multiple_of(ALIGNMENT) - BEFORE_HEADER;
-    header.push_str(&" ".repeat(padded - header.len() - 1));
-    header.push('\n');
-    let mut file = b"\x93NUMPY\x01\x00".to_vec();
-    file.extend((padded as u16).to_le_bytes());
-    file.extend(header.as_bytes());
-    file.extend(numbers.iter().flat_map(|value| value.to_le_bytes()));
-    file
+    let mut text = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
+    let padded = (BEFORE_HEADER + text.len() + 1).next_multiple_of(ALIGNMENT) - BEFORE_HEADER;
+    text.push_str(&" ".repeat(padded - text.len() - 1));
+    text.push('\n');
+    let mut before = b"\x93NUMPY\x01\x00".to_vec();
+    before.extend((padded as u16).to_le_bytes());
+    before.extend(text.as_bytes());
+    before
 }
 
 /// Array of numbers.

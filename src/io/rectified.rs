@@ -9,6 +9,7 @@ use thiserror::Error;
 
 use super::geometry_file::TrustNote;
 use super::identity::refuse_clashes;
+use super::npy::header;
 use super::output::{OutputFile, WriteError};
 use super::picture_file::{PictureError, PictureFormat, encode_picture};
 use crate::foreign::{reason, shown_path};
@@ -197,7 +198,7 @@ impl RectifiedFiles {
 /// are the original positions of the rectified pixels, px; (−1, −1) for a pixel outside the original.
 fn map_array(map: &ImageMap, rectification: &Rectification) -> Vec<u8> {
     let size = rectification.size;
-    let mut content = npy_header(size.height, size.width);
+    let mut content = header("<f4", &[size.height, size.width, 2]);
     content.reserve(size.width * size.height * 8);
     for y in 0..size.height {
         for x in 0..size.width {
@@ -207,18 +208,6 @@ fn map_array(map: &ImageMap, rectification: &Rectification) -> Vec<u8> {
         }
     }
     content
-}
-
-/// Returns the 128 bytes before the values of a `NumPy` array of shape (`rows`, `columns`, 2): magic,
-/// version 1.0, length of the text, and the text, which ends in a line feed. Numbers of rows and
-/// columns have at most 20 digits, so the text always fits.
-fn npy_header(rows: usize, columns: usize) -> Vec<u8> {
-    const TEXT: usize = 128 - 10;
-    let dictionary = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({rows}, {columns}, 2), }}");
-    let mut header = b"\x93NUMPY\x01\x00".to_vec();
-    header.extend((TEXT as u16).to_le_bytes());
-    header.extend(format!("{dictionary:<0$}\n", TEXT - 1).bytes());
-    header
 }
 
 #[cfg(test)]
@@ -235,21 +224,5 @@ mod tests {
         assert!(message.starts_with("another run of the program is writing into the folder"), "{message}");
         drop(first);
         RectifiedFiles::prepare(folder.path(), options, &[]).unwrap();
-    }
-
-    #[test]
-    fn an_array_begins_with_a_header_of_128_bytes_that_numpy_reads() {
-        for shape in [(480, 640), (1, 1), (usize::MAX, usize::MAX)] {
-            let header = npy_header(shape.0, shape.1);
-            assert_eq!(header.len(), 128);
-            assert_eq!(header[..8], *b"\x93NUMPY\x01\x00");
-            assert_eq!(u16::from_le_bytes([header[8], header[9]]), 118);
-            let text = std::str::from_utf8(&header[10..]).unwrap();
-            assert!(text.ends_with('\n'));
-            let (rows, columns) = shape;
-            let expected =
-                format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({rows}, {columns}, 2), }}");
-            assert_eq!(text.trim_end(), expected);
-        }
     }
 }

@@ -61,7 +61,7 @@ pub struct ResultFile<'a> {
     homography21: Option<[[f64; 3]; 3]>,
     /// Fit of this homography.
     #[serde(skip_serializing_if = "Option::is_none")]
-    plane: Option<PlaneFigures>,
+    plane: Option<PlaneHomography>,
     refined: bool,
     matches: Vec<MatchFile>,
     method: Method,
@@ -144,17 +144,6 @@ struct PoseFile {
     covariance: Option<Vec<[f64; 6]>>,
 }
 
-/// Fit of the homography of a plane.
-#[derive(Serialize)]
-struct PlaneFigures {
-    /// Number of inliers.
-    matches: usize,
-    /// Inliers as a fraction of all matches, 0 to 1.
-    share: f64,
-    /// Median distance of the inliers in image 2, px.
-    residual: f64,
-}
-
 /// Match used by the refinement.
 #[derive(Serialize)]
 struct MatchFile {
@@ -209,11 +198,7 @@ impl<'a> ResultFile<'a> {
                 .map(|uncertainty| square(&uncertainty.covariance())),
             noise: refinement.and_then(|r| r.noise),
             homography21: assessment.plane.map(|plane| nested(&plane.homography21)),
-            plane: assessment.plane.map(|PlaneHomography { matches, share, residual, .. }| PlaneFigures {
-                matches,
-                share,
-                residual,
-            }),
+            plane: assessment.plane,
             refined: found.is_refined(),
             matches: found
                 .matches()

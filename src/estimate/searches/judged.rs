@@ -43,17 +43,10 @@ pub(in crate::estimate) struct Judged {
     pub pencils: Vec<Arc<ComparedPencils>>,
 }
 
-impl Weighed for Judged {
-    fn fundamental(&self) -> &FundamentalMatrix {
-        &self.fundamental
-    }
-
-    fn weight(&self) -> f64 {
-        self.weight
-    }
-
-    fn weight_deviation(&self) -> f64 {
-        self.weight_deviation
+impl From<&Judged> for Weighed {
+    fn from(judged: &Judged) -> Self {
+        let Judged { fundamental, weight, weight_deviation: deviation, .. } = *judged;
+        Self { fundamental, weight, deviation }
     }
 }
 

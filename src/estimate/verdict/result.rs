@@ -101,10 +101,11 @@ impl Apart {
 }
 
 /// Homography between the images, of a planar scene or of a camera that only rotated.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PlaneHomography {
     /// `x2 ∝ H x1`, in full-size pixels. The last entry is 1, unless it is nearly 0; then the norm
     /// is 1.
+    #[serde(skip)]
     pub homography21: Matrix3<f64>,
     /// Number of matches that fit it.
     pub matches: usize,

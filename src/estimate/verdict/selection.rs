@@ -13,25 +13,18 @@ use crate::estimate::verdict::trust::{
 };
 use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
 
-/// Geometry with the weight of its refined matches.
-pub(in crate::estimate) trait Weighed {
-    fn fundamental(&self) -> &FundamentalMatrix;
-    fn weight(&self) -> f64;
-    /// Returns the standard deviation of the weight by chance.
-    fn weight_deviation(&self) -> f64;
+/// Geometry with the weight of its refined matches, and the standard deviation of the weight by chance.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::estimate) struct Weighed {
+    pub fundamental: FundamentalMatrix,
+    pub weight: f64,
+    pub deviation: f64,
 }
 
-impl Weighed for Refined {
-    fn fundamental(&self) -> &FundamentalMatrix {
-        &self.fundamental
-    }
-
-    fn weight(&self) -> f64 {
-        self.weight
-    }
-
-    fn weight_deviation(&self) -> f64 {
-        self.weight_deviation
+impl From<&Refined> for Weighed {
+    fn from(refined: &Refined) -> Self {
+        let Refined { fundamental, weight, weight_deviation: deviation, .. } = *refined;
+        Self { fundamental, weight, deviation }
     }
 }
 
@@ -89,15 +82,18 @@ impl ClickedPairs<'_> {
 const SPEAK: usize = 2;
 
 /// Returns the index of the selected geometry, the first among equals. `None` without geometries.
-pub(in crate::estimate) fn select<T: Weighed>(all: &[T], clicks: &ClickedPairs) -> Option<usize> {
-    let weight = |k: &usize| all[*k].weight();
+pub(in crate::estimate) fn select(
+    all: impl IntoIterator<Item = impl Into<Weighed>>,
+    clicks: &ClickedPairs,
+) -> Option<usize> {
+    let all: Vec<Weighed> = all.into_iter().map(Into::into).collect();
+    let weight = |k: &usize| all[*k].weight;
     let lighter = |a: &usize, b: &usize| weight(a).total_cmp(&weight(b)).then(b.cmp(a));
     let heaviest = (0..all.len()).max_by(lighter)?;
-    let contradicting = |k: &usize| clicks.contradicting(all[*k].fundamental(), CLICK_DEVIATIONS);
+    let contradicting = |k: &usize| clicks.contradicting(&all[*k].fundamental, CLICK_DEVIATIONS);
     let against = contradicting(&heaviest);
     // Treats the two sets of matches as independent.
-    let scatter =
-        |k: &usize| CHANCE_DEVIATIONS * all[*k].weight_deviation().hypot(all[heaviest].weight_deviation());
+    let scatter = |k: &usize| CHANCE_DEVIATIONS * all[*k].deviation.hypot(all[heaviest].deviation);
     let open = |k: &usize| scatter(k).max(CLEAR_MARGIN * weight(&heaviest));
     let best = (0..all.len())
         .filter(|k| weight(&heaviest) - weight(k) <= open(k))
@@ -111,33 +107,12 @@ mod tests {
     use super::*;
     use crate::estimate::exact::rows;
 
-    struct Rival {
-        weight: f64,
-        deviation: f64,
-        fundamental: FundamentalMatrix,
-    }
-
-    impl Weighed for Rival {
-        fn fundamental(&self) -> &FundamentalMatrix {
-            &self.fundamental
-        }
-
-        fn weight(&self) -> f64 {
-            self.weight
-        }
-
-        fn weight_deviation(&self) -> f64 {
-            self.deviation
-        }
-    }
-
     /// Returns the selected shift among `(weight, shift of the rows)`. All weights have this
     /// deviation.
     fn among(all: &[(f64, f64)], deviation: f64, pairs: &[PointPair]) -> Option<f64> {
         let rival =
-            |(weight, shift): &(f64, f64)| Rival { weight: *weight, deviation, fundamental: rows(*shift) };
-        let all_rivals: Vec<Rival> = all.iter().map(rival).collect();
-        select(&all_rivals, &ClickedPairs { pairs, sigma: 1.0 }).map(|k| all[k].1)
+            |(weight, shift): &(f64, f64)| Weighed { weight: *weight, deviation, fundamental: rows(*shift) };
+        select(all.iter().map(rival), &ClickedPairs { pairs, sigma: 1.0 }).map(|k| all[k].1)
     }
 
     /// Returns the selected shift for clicks that fit the shift 0, and weights of small deviation.
