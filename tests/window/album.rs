@@ -31,14 +31,12 @@ fn made(window: &Window) -> Document {
 
 fn one_pair(window: &mut Window, x: f32) {
     for side in Side::BOTH {
-        let place = at(window, side, x, 0.1);
-        click(window, place);
+        click_at(window, side, x, 0.1);
     }
 }
 
 fn save_as(window: &mut Window, path: &Path) {
-    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
-    settle(window);
+    press_with(window, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
     window.get_by_label("File").focus();
     settle(window);
     window.key_press_modifiers(Modifiers::COMMAND, Key::A);
@@ -58,8 +56,7 @@ fn the_images_of_a_folder_are_shown_small_and_any_two_open() {
     let mut window = opened(&files, services());
     assert!(window.query_by_label("Image shot3").is_none(), "the drawer is closed at first");
     let stage = pane(&window, Side::Left);
-    window.get_by_label("Images of the folder").click();
-    settle(&mut window);
+    tap(&mut window, "Images of the folder");
     assert_eq!(pane(&window, Side::Left), stage, "it covers the pictures and moves nothing");
     let model = window.state().model();
     for view in 0..4 {
@@ -67,15 +64,12 @@ fn the_images_of_a_folder_are_shown_small_and_any_two_open() {
         assert_eq!(small.size, [60, 40]);
     }
     assert_eq!(model.thumbnails.of(4), Some(None), "one that cannot be read is known as such");
-    window.get_by_label("Show shot4 on the left").click();
-    settle(&mut window);
+    tap(&mut window, "Show shot4 on the left");
     assert_eq!(names(&window), ["shot4.png", "shot2.png"]);
-    window.get_by_label("Image shot3").click();
-    settle(&mut window);
+    tap(&mut window, "Image shot3");
     assert_eq!(names(&window), ["shot4.png", "shot3.png"]);
     // The one on the other side changes places with it.
-    window.get_by_label("Show shot4 on the right").click();
-    settle(&mut window);
+    tap(&mut window, "Show shot4 on the right");
     assert_eq!(names(&window), ["shot3.png", "shot4.png"]);
     press(&mut window, Key::A);
     assert!(window.query_by_label("Image shot3").is_none());
@@ -109,10 +103,8 @@ fn points_stay_with_their_pair_while_others_are_looked_at() {
     press(&mut window, Key::PageUp);
     assert_eq!(made(&window), first);
     // The other one is offered, with what is on it.
-    window.get_by_label("Edited pairs (1)").click();
-    settle(&mut window);
-    window.get_by_label("shot2 and shot3: 2 point pairs").click();
-    settle(&mut window);
+    tap(&mut window, "Edited pairs (1)");
+    tap(&mut window, "shot2 and shot3: 2 point pairs");
     assert_eq!(made(&window), second);
     // A crash leaves all of it behind, once the copy of it is due.
     std::thread::sleep(std::time::Duration::from_millis(2100));
@@ -120,8 +112,7 @@ fn points_stay_with_their_pair_while_others_are_looked_at() {
     drop(window);
     let mut next = crate::support::window(Start::default(), with_copies());
     assert!(next.state().messages().any(|text| text.starts_with("3 point pairs on ")));
-    next.get_by_label("Restore").click();
-    settle(&mut next);
+    tap(&mut next, "Restore");
     assert_eq!(made(&next), second);
     press(&mut next, Key::PageUp);
     assert_eq!(made(&next), first);
@@ -155,8 +146,7 @@ fn one_session_has_the_points_of_all_pairs() {
     one_pair(&mut again, 0.3);
     press(&mut again, Key::PageDown);
     assert!(again.state().model().has_unsaved_work());
-    again.key_press_modifiers(Modifiers::COMMAND, Key::S);
-    settle(&mut again);
+    press_with(&mut again, Modifiers::COMMAND, Key::S);
     let mut last = session(path.clone());
     press(&mut last, Key::PageUp);
     assert_eq!(made(&last).pairs.len(), 2);

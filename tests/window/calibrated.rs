@@ -9,7 +9,8 @@ use epiline::internals::app::model::suggesting::LensQuestion;
 use epiline::internals::app::{Opening, Services, Start};
 
 use crate::support::{
-    ESTIMATED, Files, Window, click, drag, drop_files, pane, press, save_as, services, settle, window,
+    ESTIMATED, Files, Window, click, drag, drop_files, pane, press, press_with, save_as, services, settle,
+    tap, window,
 };
 
 const FRAME: Frame = Frame { width: 320, height: 240 };
@@ -212,11 +213,9 @@ fn a_lens_that_explains_the_matches_better_is_offered_used_and_removed() {
     let services = Services { lens: Box::new(lens), ..services() };
     let mut window = window(Start { opening, imports: Vec::new(), pairs: pairs().to_vec() }, services);
     settle(&mut window);
-    window.get_by_label("Details").click();
-    settle(&mut window);
+    tap(&mut window, "Details");
     assert!(window.query_by_label_contains("λ -0.200 ± 0.010").is_some());
-    window.get_by_label("Undo the lens distortion").click();
-    settle(&mut window);
+    tap(&mut window, "Undo the lens distortion");
     let frame = window.state().document().frame(Side::Left).unwrap();
     assert!(frame.width > 320, "{frame:?}");
     for (found, given) in window.state().model().pairs_in_pictures().iter().zip(&pairs()) {
@@ -226,8 +225,7 @@ fn a_lens_that_explains_the_matches_better_is_offered_used_and_removed() {
     // The focal lengths are unknown, so a scene asks for them, and the lines stay where they are.
     assert!(window.state().model().scene_question().is_none());
     assert!(window.state().model().open.takes_focal_lengths());
-    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
-    settle(&mut window);
+    press_with(&mut window, Modifiers::COMMAND, Key::K);
     window.get_by_label("Search commands").type_text("Remove the calibration");
     settle(&mut window);
     press(&mut window, Key::Enter);

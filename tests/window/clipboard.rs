@@ -11,8 +11,7 @@ use epiline::io::GeometryFile;
 
 /// Runs a command of the palette, and returns the text that it copies.
 fn copied(window: &mut Window, command: &str) -> Option<String> {
-    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
-    settle(window);
+    press_with(window, Modifiers::COMMAND, Key::K);
     window.get_by_label("Search commands").type_text(command);
     settle(window);
     // Only the output of the frame of this event has the text.
@@ -34,8 +33,7 @@ fn copied(window: &mut Window, command: &str) -> Option<String> {
 fn f_is_copied_as_code_with_its_verdict() {
     let mut window = sample();
     assert_eq!(copied(&mut window, "Copy F as JSON"), None, "there is no F yet");
-    window.key_press(Key::Escape);
-    settle(&mut window);
+    press(&mut window, Key::Escape);
     click_two_pairs(&mut window);
     let f = *window.state().estimate().unwrap().fundamental();
     let json = copied(&mut window, "Copy F as JSON").unwrap();
@@ -57,20 +55,16 @@ fn f_is_copied_as_code_with_its_verdict() {
 fn the_export_dialog_copies_f() {
     let mut window = sample();
     click_two_pairs(&mut window);
-    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
-    settle(&mut window);
-    window.get_by_label("Copy F as").click();
-    settle(&mut window);
-    window.get_by_label("NumPy").click();
-    settle(&mut window);
+    press_with(&mut window, Modifiers::COMMAND, Key::E);
+    tap(&mut window, "Copy F as");
+    tap(&mut window, "NumPy");
     window.get_by_label("Copied F as NumPy");
 }
 
 #[test]
 fn the_view_is_copied_as_a_picture_of_the_images() {
     let mut window = sample();
-    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
-    settle(&mut window);
+    press_with(&mut window, Modifiers::COMMAND, Key::K);
     window.get_by_label("Search commands").type_text("Copy the view");
     settle(&mut window);
     window.key_press(Key::Enter);

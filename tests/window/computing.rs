@@ -23,12 +23,10 @@ fn a_failing_and_a_panicking_computation_are_told_and_the_points_stay() {
     let mut window = window(Start::default(), services);
     click_two_pairs(&mut window);
     window.get_by_label_contains("No epipolar geometry was found");
-    window.key_press(Key::F5);
-    settle(&mut window);
+    press(&mut window, Key::F5);
     window.get_by_label_contains("stopped unexpectedly (index out of range)");
     assert_eq!(window.state().document().pairs.len(), 2);
-    window.get_by_label("Compute again").click();
-    settle(&mut window);
+    tap(&mut window, "Compute again");
     window.get_by_label_contains("Estimated from pairs p and q");
 }
 
@@ -90,7 +88,6 @@ fn stop_ends_the_computation() {
     std::thread::sleep(Duration::from_millis(400));
     settle(&mut window);
     assert!(window.state().estimate().is_none());
-    window.key_press(Key::F5);
-    settle(&mut window);
+    press(&mut window, Key::F5);
     assert!(window.state().estimate().is_some());
 }

@@ -33,32 +33,25 @@ fn two_clicked_pairs_give_the_geometry() {
 #[test]
 fn the_sentence_follows_the_clicks() {
     let mut window = sample();
-    let left = at(&window, Side::Left, 0.1, 0.1);
-    click(&mut window, left);
+    click_at(&mut window, Side::Left, 0.1, 0.1);
     window.get_by_label_contains("Pair p: now click the same scene point in the other image");
-    let right = at(&window, Side::Right, 0.1, 0.1);
-    click(&mut window, right);
+    click_at(&mut window, Side::Right, 0.1, 0.1);
     window.get_by_label_contains("One more pair: click q");
 }
 
 #[test]
 fn show_me_places_two_pairs_and_undo_takes_them_back() {
     let mut window = sample();
-    window.get_by_label("Show me").click();
-    settle(&mut window);
+    tap(&mut window, "Show me");
     assert_eq!(window.state().document().pairs.len(), 2);
     assert!(window.state().estimate().is_some());
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    settle(&mut window);
+    undo(&mut window);
     assert!(window.state().document().pairs.is_empty());
     assert!(window.state().estimate().is_none());
-    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
-    settle(&mut window);
+    press_with(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     assert_eq!(window.state().document().pairs.len(), 2);
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    settle(&mut window);
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Y);
-    settle(&mut window);
+    undo(&mut window);
+    press_with(&mut window, Modifiers::COMMAND, Key::Y);
     assert_eq!(window.state().document().pairs.len(), 2);
 }
 
@@ -74,8 +67,7 @@ fn a_drag_moves_by_the_whole_way_and_is_one_step() {
     let moved = screen(&window, P_LEFT) - from;
     assert!((moved - vec2(40.25, -20.5)).length() < 0.02, "{moved:?}");
     assert_ne!(*window.state().estimate().unwrap().fundamental(), estimate);
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    settle(&mut window);
+    undo(&mut window);
     assert_eq!(point(&window, P_LEFT), before);
     assert_eq!(*window.state().estimate().unwrap().fundamental(), estimate);
 }
@@ -116,12 +108,10 @@ fn arrow_keys_nudge_the_selected_point() {
     let before = point(&window, P_LEFT);
     window.key_press(Key::ArrowRight);
     window.key_press(Key::ArrowRight);
-    window.key_press_modifiers(Modifiers::SHIFT, Key::ArrowUp);
-    settle(&mut window);
+    press_with(&mut window, Modifiers::SHIFT, Key::ArrowUp);
     let moved = point(&window, P_LEFT) - before;
     assert!((moved.x - 0.2).abs() < 1e-9 && (moved.y + 1.0).abs() < 1e-9, "{moved:?}");
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    settle(&mut window);
+    undo(&mut window);
     assert_eq!(point(&window, P_LEFT), before, "a run of nudges is one step");
 }
 
@@ -132,16 +122,14 @@ fn escape_during_a_press_takes_no_earlier_edit_back() {
     click_two_pairs(&mut window);
     let from = screen(&window, P_LEFT);
     click(&mut window, from);
-    window.key_press(Key::ArrowRight);
-    settle(&mut window);
+    press(&mut window, Key::ArrowRight);
     let (nudged, from) = (point(&window, P_LEFT), screen(&window, P_LEFT));
     window.hover_at(from);
     button(&window, from, PointerButton::Primary, true);
     for _ in 0..200 {
         window.step();
     }
-    window.key_press(Key::Escape);
-    settle(&mut window);
+    press(&mut window, Key::Escape);
     assert_eq!(point(&window, P_LEFT), nudged);
 }
 
@@ -151,31 +139,26 @@ fn pairs_are_deleted_by_key_and_in_the_list() {
     click_two_pairs(&mut window);
     let handle = screen(&window, P_LEFT);
     click(&mut window, handle);
-    window.key_press(Key::Delete);
-    settle(&mut window);
+    press(&mut window, Key::Delete);
     assert_eq!(window.state().document().pairs.len(), 1);
     assert!(window.state().estimate().is_none());
     unfold(&mut window, "p");
-    window.get_by_label("Delete: pair p").click();
-    settle(&mut window);
+    tap(&mut window, "Delete: pair p");
     assert!(window.state().document().pairs.is_empty());
 }
 
 #[test]
 fn escape_gives_up_the_first_click_of_a_pair() {
     let mut window = sample();
-    let left = at(&window, Side::Left, 0.1, 0.1);
-    click(&mut window, left);
-    window.key_press(Key::Escape);
-    settle(&mut window);
+    click_at(&mut window, Side::Left, 0.1, 0.1);
+    press(&mut window, Key::Escape);
     assert!(window.state().document().half.is_none());
 }
 
 /// A third pair on the sample, far from both others and off the geometry that they give.
 fn click_a_third_pair(window: &mut Window) {
     for side in Side::BOTH {
-        let position = at(window, side, 0.3, -0.3);
-        click(window, position);
+        click_at(window, side, 0.3, -0.3);
     }
 }
 
@@ -197,16 +180,13 @@ fn every_pair_is_used_unless_it_is_to_check_only() {
     window.get_by_label_contains("Estimated from pairs p, q and r");
     assert!(window.query_by_label("Three pairs").is_none() && window.query_by_label("Three-point").is_none());
     unfold(&mut window, "q");
-    window.get_by_label("Check only pair q").click();
-    settle(&mut window);
+    tap(&mut window, "Check only pair q");
     assert_eq!(clicks(&window), 2);
     window.get_by_label_contains("Estimated from pairs p and r");
-    window.get_by_label("Use pair q").click();
-    settle(&mut window);
+    tap(&mut window, "Use pair q");
     assert_eq!(clicks(&window), 3);
     for expected in [2, 3] {
-        window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-        settle(&mut window);
+        undo(&mut window);
         assert_eq!(clicks(&window), expected, "undo");
     }
 }
@@ -217,19 +197,15 @@ fn the_published_search_keeps_its_two_methods_beside_its_preset() {
     click_two_pairs(&mut window);
     click_a_third_pair(&mut window);
     show_parameters(&mut window, "Pencils");
-    window.get_by_label("As published").click();
-    settle(&mut window);
+    tap(&mut window, "As published");
     assert_eq!(clicks(&window), 2);
     unfold(&mut window, "r");
     assert!(window.get_by_label("Use pair r").accesskit_node().is_disabled());
-    window.get_by_label("Three-point").click();
-    settle(&mut window);
+    tap(&mut window, "Three-point");
     assert_eq!(window.state().document().parameters.method, Method::ThreePoint);
     assert_eq!(clicks(&window), 3);
-    window.get_by_label("Robust").click();
-    settle(&mut window);
-    window.get_by_label("Delete: pair r").click();
-    settle(&mut window);
+    tap(&mut window, "Robust");
+    tap(&mut window, "Delete: pair r");
     assert!(window.state().estimate().is_some(), "two pairs are enough again");
 }
 
@@ -239,8 +215,7 @@ fn leaving_out_one_of_two_pairs_leaves_the_geometry_to_the_images() {
     click_two_pairs(&mut window);
     unfold(&mut window, "q");
     for (role, is_unclicked) in [("Leave out", true), ("Use", false), ("Check only", true), ("Use", false)] {
-        window.get_by_label(&format!("{role} pair q")).click();
-        settle(&mut window);
+        tap(&mut window, &format!("{role} pair q"));
         assert_eq!(window.state().document().is_unclicked(), is_unclicked, "{role}");
         assert!(window.state().document().used_pairs().is_some(), "{role}");
     }
@@ -273,8 +248,7 @@ fn a_pair_that_the_images_speak_against_is_marked() {
     assert!(distance > 1.0);
     window.get_by_label(&format!("{distance:.2} px"));
     unfold(&mut window, "p");
-    window.get_by_label("Check only pair p").click();
-    settle(&mut window);
+    tap(&mut window, "Check only pair p");
     let distance = off(&window, 2);
     window.get_by_label_contains(&format!("Point pair r is {distance:.1} px (symmetric distance) off"));
 }
@@ -310,8 +284,7 @@ fn a_double_click_fits_and_leaves_no_point() {
     }
     settle(&mut window);
     assert!(window.state().document().half.is_none());
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    settle(&mut window);
+    undo(&mut window);
     assert!(window.state().document().half.is_none());
 }
 
@@ -343,14 +316,11 @@ fn scrolling_zooms_about_the_cursor_and_dragging_moves_the_image() {
 fn typing_does_not_run_commands() {
     let mut window = sample();
     click_two_pairs(&mut window);
-    window.get_by_label("Open").click();
-    settle(&mut window);
+    tap(&mut window, "Open");
     window.key_press(Key::Delete);
-    window.key_press(Key::S);
-    settle(&mut window);
+    press(&mut window, Key::S);
     assert_eq!(window.state().document().pairs.len(), 2);
-    window.key_press(Key::Escape);
-    settle(&mut window);
+    press(&mut window, Key::Escape);
     assert!(window.query_by_label("Open these").is_none());
 }
 
@@ -358,20 +328,16 @@ fn typing_does_not_run_commands() {
 fn overlays_keys_and_themes_can_be_switched() {
     let mut window = sample();
     click_two_pairs(&mut window);
-    window.key_press(Key::Questionmark);
-    settle(&mut window);
+    press(&mut window, Key::Questionmark);
     window.get_by_label("Keys and mouse");
-    window.key_press(Key::Escape);
-    settle(&mut window);
+    press(&mut window, Key::Escape);
     assert!(window.query_by_label("Keys and mouse").is_none());
     let dark = window.ctx.theme();
-    window.key_press(Key::T);
-    settle(&mut window);
+    press(&mut window, Key::T);
     assert_ne!(window.ctx.theme(), dark);
     choose(&mut window, "Overlays", "Link views");
     assert!(window.state().look().linked);
-    window.key_press(Key::Escape);
-    settle(&mut window);
+    press(&mut window, Key::Escape);
     assert!(window.query_by_label("Link views").is_none(), "Escape closes the menu");
 }
 

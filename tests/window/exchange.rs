@@ -37,11 +37,6 @@ fn csv(pairs: &[PointPair]) -> String {
     "x1,y1,x2,y2\n".to_owned() + &pairs.iter().map(row).collect::<String>()
 }
 
-fn press_click(window: &mut Window, label: &str) {
-    window.get_by_label(label).click();
-    settle(window);
-}
-
 fn imported(window: &Window) -> Option<FundamentalMatrix> {
     window.state().document().imported.as_ref().map(|imported| imported.fundamental)
 }
@@ -52,11 +47,6 @@ fn is_near(a: &FundamentalMatrix, b: &FundamentalMatrix) -> bool {
 
 fn told(window: &Window, words: &str) -> bool {
     window.state().messages().any(|text| text.contains(words))
-}
-
-fn undo(window: &mut Window) {
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    settle(window);
 }
 
 #[test]
@@ -92,7 +82,7 @@ fn a_transposed_matrix_is_recognised_before_it_is_drawn() {
     window.hover_at(at(&window, Side::Left, 0.1, 0.1));
     window.step();
     assert!(lines(&window, Side::Right, HOVER).is_empty(), "nothing is drawn with a wrong reading");
-    press_click(&mut window, "Use this reading");
+    tap(&mut window, "Use this reading");
     assert!(is_near(&imported(&window).unwrap(), &true_f));
     let kept = window.state().document().imported.clone().unwrap();
     assert!(kept.reading.starts_with("transposed") && kept.check.is_some_and(|c| c.fits && c.median < 1.0));
@@ -103,17 +93,14 @@ fn a_transposed_matrix_is_recognised_before_it_is_drawn() {
     window.step();
     assert!(!lines(&window, Side::Right, HOVER).is_empty());
     window.key_press(Key::I);
-    let place = at(&window, Side::Left, 0.1, 0.1);
-    click(&mut window, place);
+    click_at(&mut window, Side::Left, 0.1, 0.1);
     assert_eq!(window.state().focus().pins().len(), 1);
     let pinned = egui::Color32::from_rgb(230, 110, 40);
     assert!(!lines(&window, Side::Right, pinned).is_empty(), "its lines can be pinned");
-    window.key_press(Key::Escape);
-    settle(&mut window);
+    press(&mut window, Key::Escape);
     undo(&mut window);
     assert_eq!(imported(&window), None);
-    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
-    settle(&mut window);
+    press_with(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     assert!(imported(&window).is_some());
 }
 
@@ -123,11 +110,11 @@ fn as_it_is_means_as_the_file_has_it() {
     let mut window = sample();
     let given = transposed(&truth().fundamental);
     drop_files(&mut window, &[file(&files, "F.txt", &rows(&given))]);
-    press_click(&mut window, "As it is");
+    tap(&mut window, "As it is");
     assert!(is_near(&imported(&window).unwrap(), &given));
     assert!(window.state().document().imported.as_ref().unwrap().check.as_ref().is_some_and(|c| !c.fits));
     window.get_by_label_contains("It does not fit the matches");
-    press_click(&mut window, "Remove it");
+    tap(&mut window, "Remove it");
     assert_eq!(imported(&window), None);
     undo(&mut window);
     assert!(imported(&window).is_some());
@@ -141,14 +128,13 @@ fn without_matches_a_matrix_is_marked_as_unchecked() {
     drop_files(&mut window, std::slice::from_ref(&path));
     window.get_by_label_contains("that takes 8 matches, and there are");
     assert!(window.query_by_label("Use this reading").is_none());
-    window.key_press(Key::Escape);
-    settle(&mut window);
+    press(&mut window, Key::Escape);
     assert!(
         window.query_by_label("Which convention does this matrix use?").is_none()
             && imported(&window).is_none()
     );
     drop_files(&mut window, &[path]);
-    press_click(&mut window, "As it is");
+    tap(&mut window, "As it is");
     assert_eq!(window.state().document().imported.as_ref().unwrap().check, None);
     window.get_by_label("unchecked");
 }
@@ -168,7 +154,7 @@ fn own_files_come_back_with_their_pairs_and_cameras_count_too() {
         let path = file(&files, &format!("own.{}", format.extension()), &whole.to_text(format));
         drop_files(&mut window, &[path]);
         window.get_by_label_contains("The geometry fits as read");
-        press_click(&mut window, "Use this reading");
+        tap(&mut window, "Use this reading");
         assert!(is_near(&imported(&window).unwrap(), &sample_pair.fundamental), "{format:?}");
         assert_eq!(window.state().document().pairs.len(), 12);
         undo(&mut window);
@@ -181,7 +167,7 @@ fn own_files_come_back_with_their_pairs_and_cameras_count_too() {
     };
     let mut window = sample();
     drop_files(&mut window, &[camera(0), camera(1)]);
-    press_click(&mut window, "Use this reading");
+    tap(&mut window, "Use this reading");
     assert!(is_near(&imported(&window).unwrap(), &sample_pair.fundamental));
     drop_files(&mut window, &[camera(0)]);
     assert!(told(&window, "it is the camera of one image"));
@@ -259,21 +245,18 @@ fn an_imported_geometry_takes_part_in_the_comparison_and_is_saved() {
     assert!(window.query_by_label("Geometry: Imported").is_none(), "there is none");
     let true_f = truth().fundamental;
     drop_files(&mut window, &[file(&files, "F.txt", &rows(&true_f))]);
-    press_click(&mut window, "Use this reading");
+    tap(&mut window, "Use this reading");
     assert_eq!(window.state().focus().contestant(), Some(Contestant::Imported));
     window.get_by_label_contains("The images show the imported geometry, not the result");
-    window.key_press(Key::R);
-    settle(&mut window);
+    press(&mut window, Key::R);
     assert_eq!(window.state().focus().contestant(), None);
-    press_click(&mut window, "Geometry: Imported");
+    tap(&mut window, "Geometry: Imported");
     assert_eq!(window.state().focus().contestant(), Some(Contestant::Imported));
 
     let path = files.0.path().join("s.json");
-    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
-    settle(&mut window);
+    press_with(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
     type_into(&mut window, "File", &path);
-    window.key_press(Key::Enter);
-    settle(&mut window);
+    press(&mut window, Key::Enter);
     let again =
         crate::support::window(Start { opening: Opening::Session(path), ..Start::default() }, services());
     assert_eq!(again.state().document().imported, window.state().document().imported);
@@ -310,13 +293,10 @@ fn matches_of_another_program_are_searched_with_shown_and_kept() {
     assert!(before.len() == 400 && window.state().document().pairs.is_empty());
     assert_eq!(asked.lock().unwrap().last(), Some(&Some(400)));
     assert!(window.state().messages().next().is_none());
-    window.get_by_label("Details").click();
-    settle(&mut window);
+    tap(&mut window, "Details");
     window.get_by_label_contains("of 400 fit to 1 px");
-    window.key_press(Key::Num3);
-    settle(&mut window);
-    window.get_by_label("Given").click();
-    settle(&mut window);
+    press(&mut window, Key::Num3);
+    tap(&mut window, "Given");
     window.get_by_label("Given match 1");
     window.get_by_label_contains("distances of the given matches that fit");
     let comparison = window.state().model().open.comparison.as_ref().unwrap();
@@ -339,21 +319,19 @@ fn type_into(window: &mut Window, label: &str, path: &Path) {
 
 /// Exports with these choices.
 pub fn export(window: &mut Window, choices: &[&str], path: &Path) {
-    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
-    settle(window);
+    press_with(window, Modifiers::COMMAND, Key::E);
     for choice in choices {
-        press_click(window, choice);
+        tap(window, choice);
     }
     type_into(window, "File", path);
-    press_click(window, "Export file");
+    tap(window, "Export file");
 }
 
 #[test]
 fn exports_can_be_read_again() {
     let files = Files::new();
     let mut window = sample();
-    window.key_press(Key::S);
-    settle(&mut window);
+    press(&mut window, Key::S);
     let f = *window.state().estimate().unwrap().fundamental();
     let pairs = window.state().document().pairs.clone();
 
@@ -379,12 +357,9 @@ fn exports_can_be_read_again() {
     assert!(text.contains("x2' F x1 = 0") && text.contains("Point pair p, true-match: ("), "{text}");
 
     let path = files.0.path().join("profile.csv");
-    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
-    settle(&mut window);
-    window.key_press(Key::Escape);
-    settle(&mut window);
-    window.key_press(Key::Num2);
-    settle(&mut window);
+    press_with(&mut window, Modifiers::COMMAND, Key::E);
+    press(&mut window, Key::Escape);
+    press(&mut window, Key::Num2);
     export(&mut window, &["Profile"], &path);
     let text = std::fs::read_to_string(&path).unwrap();
     assert!(text.contains("# The shown geometry, from which the lines may come, is "), "{text}");
@@ -400,11 +375,10 @@ fn an_export_that_fails_says_so_and_one_that_replaces_as_well() {
     click_two_pairs(&mut window);
     export(&mut window, &[], &files.0.path().join("no/such/folder/g.json"));
     assert!(told(&window, "Nothing was exported: cannot write"));
-    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
-    settle(&mut window);
+    press_with(&mut window, Modifiers::COMMAND, Key::E);
     type_into(&mut window, "File", &file(&files, "there.json", "old"));
     window.get_by_label_contains("exists and will be replaced");
-    press_click(&mut window, "Browse for the export file");
+    tap(&mut window, "Browse for the export file");
     assert!(told(&window, "file dialog could not be opened here"));
 }
 
@@ -420,23 +394,21 @@ fn kinds_of_export_have_their_own_names_and_the_dialog_stands_still() {
     let files = Files::new();
     let mut window = sample();
     click_two_pairs(&mut window);
-    window.key_press(Key::Num2);
-    settle(&mut window);
-    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
-    settle(&mut window);
-    press_click(&mut window, "Table");
+    press(&mut window, Key::Num2);
+    press_with(&mut window, Modifiers::COMMAND, Key::E);
+    tap(&mut window, "Table");
     type_into(&mut window, "File", &files.0.path().join("fig.csv"));
     let (areas, typed) = export_dialog(&window);
     let mut names = vec![typed.clone()];
     for kind in ["Geometry", "NumPy array", "Pairs alone", "Report", "Figure", "Picture"] {
-        press_click(&mut window, kind);
+        tap(&mut window, kind);
         let (now, name) = export_dialog(&window);
         assert_eq!(now, areas, "{kind} moves what is under the cursor");
         assert!(name.contains("fig-"), "{kind}: {name}");
         assert!(!names.contains(&name), "{kind} replaces {name}");
         names.push(name);
     }
-    press_click(&mut window, "Table");
+    tap(&mut window, "Table");
     assert_eq!(export_dialog(&window).1, typed);
 }
 
@@ -444,14 +416,13 @@ fn kinds_of_export_have_their_own_names_and_the_dialog_stands_still() {
 fn the_table_states_its_own_pixel_origin() {
     let mut window = sample();
     click_two_pairs(&mut window);
-    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
-    settle(&mut window);
-    press_click(&mut window, "Geometry");
+    press_with(&mut window, Modifiers::COMMAND, Key::E);
+    tap(&mut window, "Geometry");
     window.get_by_role_and_label(egui::accesskit::Role::ComboBox, "Format").click();
     settle(&mut window);
-    press_click(&mut window, "MATLAB, Octave and VGG");
+    tap(&mut window, "MATLAB, Octave and VGG");
     assert!(window.query_by_label_contains("pixel is (1, 1)").is_some());
-    press_click(&mut window, "Table");
+    tap(&mut window, "Table");
     assert!(window.query_by_label_contains("pixel is (0, 0)").is_some());
     assert!(window.query_by_label_contains("pixel is (1, 1)").is_none());
 }
@@ -494,9 +465,8 @@ fn the_view_is_what_is_on_the_screen() {
     let files = Files::new();
     let mut window = sample();
     let path = files.0.path().join("view.png");
-    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
-    settle(&mut window);
-    press_click(&mut window, "Picture");
+    press_with(&mut window, Modifiers::COMMAND, Key::E);
+    tap(&mut window, "Picture");
     type_into(&mut window, "File", &path);
     window.get_by_label("Export file").click();
     let mut asked = None;
@@ -545,8 +515,7 @@ fn many_messages_stack_compactly_and_escape_closes_the_top_one() {
     assert!(heights(&window).iter().all(|height| *height < 110.0), "{:?}", heights(&window));
     window.get_by_label("and 2 more below");
     window.get_by_label_contains("nothing-5.txt");
-    window.key_press(egui::Key::Escape);
-    settle(&mut window);
+    press(&mut window, egui::Key::Escape);
     assert!(window.query_by_label_contains("nothing-5.txt").is_none());
     window.get_by_label("and 1 more below");
     assert_eq!(window.state().messages().count(), 5);
@@ -558,7 +527,7 @@ fn nothing_measured_on_one_pair_shows_beside_another() {
     let mut window = sample();
     let path = file(&files, "F.txt", &rows(&truth().fundamental));
     drop_files(&mut window, std::slice::from_ref(&path));
-    press_click(&mut window, "Use this reading");
+    tap(&mut window, "Use this reading");
     window.get_by_label_contains("Imported a geometry from F.txt");
     window.get_by_label_contains("median of");
     // Asked about once more, and not answered.
@@ -573,6 +542,6 @@ fn nothing_measured_on_one_pair_shows_beside_another() {
     // Beside these pictures nothing is known that could tell what the matrix means.
     drop_files(&mut window, &[path]);
     window.get_by_label_contains("that takes 8 matches, and there are");
-    press_click(&mut window, "As it is");
+    tap(&mut window, "As it is");
     window.get_by_label("unchecked");
 }

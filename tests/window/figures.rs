@@ -114,8 +114,7 @@ fn marks_of_the_search_are_on_a_figure_that_asks_for_them() {
     // What the window does not show cannot be chosen.
     assert_eq!(areas(&["Figure", "Hypotheses on the figure", "Points on the figure"]), plain);
     press(&mut window, Key::Escape);
-    window.key_press_modifiers(egui::Modifiers::COMMAND, Key::E);
-    settle(&mut window);
+    press_with(&mut window, egui::Modifiers::COMMAND, Key::E);
     assert_eq!(window.query_all_by_label("Matches on the figure").count(), 0);
 }
 

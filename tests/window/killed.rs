@@ -52,17 +52,14 @@ fn child_that_works() {
             std::thread::sleep(Duration::from_millis(30));
         }
         let (choices, name) = EXPORTS[number % 2];
-        window.key_press_modifiers(Modifiers::COMMAND, Key::E);
-        settle(&mut window);
+        press_with(&mut window, Modifiers::COMMAND, Key::E);
         for label in choices.iter().chain(&["File"]) {
-            window.get_by_label(label).click();
-            settle(&mut window);
+            tap(&mut window, label);
         }
         window.key_press_modifiers(Modifiers::COMMAND, Key::A);
         window.get_by_label("File").type_text(folder.join(name).to_str().unwrap());
         settle(&mut window);
-        window.get_by_label("Export file").click();
-        settle(&mut window);
+        tap(&mut window, "Export file");
         println!("exported {name}");
     }
 }
@@ -146,8 +143,7 @@ impl Worker {
 fn is_offered_again(folder: &Path, x: f64) {
     let services = Services { copies: Some(copies(folder)), ..services() };
     let mut next = window(Start::default(), services);
-    next.get_by_label("Restore").click();
-    settle(&mut next);
+    tap(&mut next, "Restore");
     assert!((point(&next, P_LEFT).x - x).abs() < 1e-9);
 }
 

@@ -104,8 +104,7 @@ fn the_inspect_tool_pins_line_pairs_and_escape_leaves_it() {
 fn enter_accepts_a_clear_suggestion_only() {
     for (verdict, accepted) in [(Clarity::Clear, true), (Clarity::Ambiguous, false)] {
         let mut window = window(Start::default(), suggesting(verdict));
-        let left = at(&window, Side::Left, -0.1, 0.1);
-        click(&mut window, left);
+        click_at(&mut window, Side::Left, -0.1, 0.1);
         let first = window.state().document().half.unwrap().point;
         press(&mut window, Key::Enter);
         let pairs = &window.state().document().pairs;
@@ -113,8 +112,7 @@ fn enter_accepts_a_clear_suggestion_only() {
         if accepted {
             let moved = pairs[0].point2 - first;
             assert!((moved.x - 12.5).abs() < 1e-9 && (moved.y + 3.0).abs() < 1e-9, "{moved:?}");
-            window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-            settle(&mut window);
+            undo(&mut window);
             assert!(window.state().document().pairs.is_empty(), "one step to undo");
         } else {
             window.get_by_label_contains("Several places look alike");
@@ -131,8 +129,7 @@ fn only_places_that_look_alike_are_marked_and_their_number_is_named() {
         (Clarity::NoReturn, None),
     ] {
         let mut window = window(Start::default(), suggesting(verdict));
-        let left = at(&window, Side::Left, -0.1, 0.1);
-        click(&mut window, left);
+        click_at(&mut window, Side::Left, -0.1, 0.1);
         assert_eq!(painted(&window, "similarity"), says.is_some(), "{verdict:?}");
         assert!(says.is_none_or(|says| painted(&window, says)), "{verdict:?}");
         assert!(verdict == Clarity::Clear || verdict == Clarity::Ambiguous || !painted(&window, "0.71"));
@@ -143,24 +140,20 @@ fn only_places_that_look_alike_are_marked_and_their_number_is_named() {
 fn the_palette_finds_and_runs_commands_by_key_and_by_mouse() {
     let mut window = sample();
     let theme = window.ctx.theme();
-    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
-    settle(&mut window);
+    press_with(&mut window, Modifiers::COMMAND, Key::K);
     window.event(egui::Event::Text("dark".into()));
     settle(&mut window);
     press(&mut window, Key::Enter);
     assert_ne!(window.ctx.theme(), theme);
     assert!(window.query_by_label("Search commands").is_none(), "it closes when a command runs");
 
-    window.key_press_modifiers(Modifiers::COMMAND, Key::P);
-    settle(&mut window);
+    press_with(&mut window, Modifiers::COMMAND, Key::P);
     window.event(egui::Event::Text("show me".into()));
     settle(&mut window);
-    window.get_by_label("Show me: place two pairs on the sample").click();
-    settle(&mut window);
+    tap(&mut window, "Show me: place two pairs on the sample");
     assert_eq!(window.state().document().pairs.len(), 2);
 
-    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
-    settle(&mut window);
+    press_with(&mut window, Modifiers::COMMAND, Key::K);
     press(&mut window, Key::ArrowDown);
     press(&mut window, Key::Delete);
     press(&mut window, Key::Escape);
@@ -289,8 +282,7 @@ fn overlays_are_shown_and_hidden_and_the_choice_is_kept() {
     let mut window = window(Start::default(), rich_services());
     click_two_pairs(&mut window);
     let corner = pane(&window, Side::Left).left_top() - vec2(0.0, 30.0);
-    window.get_by_label("Overlays").click();
-    settle(&mut window);
+    tap(&mut window, "Overlays");
     for name in
         ["Candidates", "Chosen lines", "Bisectors", "Round trip", "Epipolar lines", "Points", "Hypotheses"]
     {
@@ -300,8 +292,7 @@ fn overlays_are_shown_and_hidden_and_the_choice_is_kept() {
             window.output().shapes.len()
         };
         let before = drawn(&mut window);
-        window.get_by_label(&format!("Show {name}")).click();
-        settle(&mut window);
+        tap(&mut window, &format!("Show {name}"));
         assert_ne!(drawn(&mut window), before, "{name}");
     }
     let look = window.state().look().clone();
@@ -362,8 +353,7 @@ fn pinned_lines_have_numbers_and_can_be_unpinned_by_name() {
     click_two_pairs(&mut window);
     press(&mut window, Key::I);
     for y in [0.0, 0.1] {
-        let place = at(&window, Side::Left, 0.0, y);
-        click(&mut window, place);
+        click_at(&mut window, Side::Left, 0.0, y);
     }
     let numbered = |window: &Window, number: &str| {
         let is_it = |shape: &Shape| matches!(shape, Shape::Text(text) if text.galley.text() == number);
@@ -372,8 +362,7 @@ fn pinned_lines_have_numbers_and_can_be_unpinned_by_name() {
         shapes.iter().any(|clipped| pane.contains_rect(clipped.clip_rect) && is_it(&clipped.shape))
     };
     assert!(numbered(&window, "1") && numbered(&window, "2") && !numbered(&window, "3"));
-    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
-    settle(&mut window);
+    press_with(&mut window, Modifiers::COMMAND, Key::K);
     window.event(egui::Event::Text("unpin all".into()));
     settle(&mut window);
     press(&mut window, Key::Enter);
@@ -385,8 +374,7 @@ fn tones_change_what_is_shown_of_one_image_or_both_and_nothing_else() {
     let mut window = sample();
     click_two_pairs(&mut window);
     let before = window.state().estimate().map(|estimate| *estimate.fundamental());
-    window.get_by_label("Brightness").click();
-    settle(&mut window);
+    tap(&mut window, "Brightness");
     for label in ["Exposure, stops", "Contrast", "Gamma"] {
         assert!(window.query_all_by_label(label).count() > 0, "{label}");
     }
@@ -396,14 +384,11 @@ fn tones_change_what_is_shown_of_one_image_or_both_and_nothing_else() {
     window.step();
     settle(&mut window);
     assert_eq!(window.query_all_by_label_contains("brightness changed").count(), 1, "the right one alone");
-    window.get_by_label("Both").click();
-    settle(&mut window);
-    window.get_by_label("Blue").click();
-    settle(&mut window);
+    tap(&mut window, "Both");
+    tap(&mut window, "Blue");
     assert_eq!(window.query_all_by_label_contains("brightness changed").count(), 2);
     assert_eq!(window.state().estimate().map(|estimate| *estimate.fundamental()), before);
-    window.get_by_label("Reset").click();
-    settle(&mut window);
+    tap(&mut window, "Reset");
     assert_eq!(window.query_all_by_label_contains("brightness changed").count(), 0);
 }
 
@@ -438,8 +423,7 @@ fn a_view_turns_by_90_degrees_and_coordinates_stay() {
     let before = window.state().document().pairs.clone();
     let beside = at(&window, Side::Left, 0.3, -0.4);
     right_click(&mut window, beside);
-    window.get_by_label("Turn clockwise by 90°").click();
-    settle(&mut window);
+    tap(&mut window, "Turn clockwise by 90°");
     assert_eq!(window.state().document().pairs, before);
 
     // A click gives the coordinates of the image, and a drag moves a point under the cursor.

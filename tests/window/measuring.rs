@@ -24,11 +24,6 @@ fn distance(window: &Window, side: Side) -> Option<f64> {
     texts(window, side).iter().find_map(|text| text.split_once(" px, ")?.0.parse().ok())
 }
 
-fn choose(window: &mut Window, entry: &str) {
-    window.get_by_label(entry).click();
-    settle(window);
-}
-
 #[test]
 fn two_clicks_measure_a_distance_until_escape() {
     let mut window = sample();
@@ -60,8 +55,7 @@ fn a_measurement_goes_with_its_pictures() {
     let mut window = sample();
     press(&mut window, Key::D);
     for x in [-0.2, 0.2] {
-        let place = at(&window, Side::Right, x, 0.1);
-        click(&mut window, place);
+        click_at(&mut window, Side::Right, x, 0.1);
     }
     assert!(distance(&window, Side::Right).is_some());
     drop_files(&mut window, &[files.image("a.png", 320, 240), files.image("b.png", 320, 240)]);
@@ -73,26 +67,25 @@ fn the_empty_image_has_a_menu() {
     let mut window = sample();
     let place = at(&window, Side::Left, 0.1, 0.1);
     right_click(&mut window, place);
-    choose(&mut window, "Add pair p here");
+    tap(&mut window, "Add pair p here");
     let half = window.state().document().half.unwrap();
     assert!((screen_of(&window, Side::Left, half.point) - place).length() < 0.1);
     let match_place = at(&window, Side::Right, 0.05, 0.1);
     right_click(&mut window, match_place);
-    choose(&mut window, "Match of p is here");
+    tap(&mut window, "Match of p is here");
     assert_eq!(window.state().document().pairs.len(), 1);
 
     click_two_pairs(&mut window);
     let free = at_rest(&window);
     right_click(&mut window, free);
-    choose(&mut window, "Pin the lines here");
+    tap(&mut window, "Pin the lines here");
     let pins = window.state().focus().pins();
     assert!(matches!(pins[0].source, LineSource::Through { side: Side::Left, .. }));
     // Beside the pinned line, which has its own menu.
     let beside = at(&window, Side::Left, 0.3, -0.4);
     right_click(&mut window, beside);
-    choose(&mut window, "Measure from here");
-    let end = at(&window, Side::Left, -0.3, 0.4);
-    click(&mut window, end);
+    tap(&mut window, "Measure from here");
+    click_at(&mut window, Side::Left, -0.3, 0.4);
     assert!(distance(&window, Side::Left).is_some());
 }
 

@@ -27,8 +27,7 @@ fn a_missing_file_is_a_sentence_that_can_be_dismissed() {
     let mut window = open([files.image("a.png", 64, 48), files.0.path().join("missing.png")]);
     assert!(window.state().messages().any(|text| text.contains("there is no such file")));
     window.get_by_label_contains("Drop two images of the same scene");
-    window.get_by_label("Dismiss").click();
-    settle(&mut window);
+    tap(&mut window, "Dismiss");
     assert_eq!(window.state().messages().count(), 0);
 }
 
@@ -66,8 +65,7 @@ fn two_dropped_files_open_and_one_waits_for_the_other() {
 fn typed_paths_open() {
     let files = Files::new();
     let mut window = sample();
-    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
-    settle(&mut window);
+    press_with(&mut window, Modifiers::COMMAND, Key::O);
     for (label, name) in [("Left image", "left.png"), ("Right image", "right.png")] {
         let field = window.get_by_role_and_label(egui::accesskit::Role::TextInput, label);
         field.focus();
@@ -76,8 +74,7 @@ fn typed_paths_open() {
         window.get_by_role_and_label(egui::accesskit::Role::TextInput, label).type_text(&path);
         window.step();
     }
-    window.get_by_label("Open these").click();
-    settle(&mut window);
+    tap(&mut window, "Open these");
     let pictures = window.state().document().pictures.clone().unwrap();
     assert_eq!(pictures.map(|picture| picture.name), ["left.png", "right.png"]);
 }
@@ -85,10 +82,8 @@ fn typed_paths_open() {
 #[test]
 fn a_file_dialog_that_cannot_open_is_told() {
     let mut window = sample();
-    window.get_by_label("Open").click();
-    settle(&mut window);
-    window.get_by_label("Browse for the left image").click();
-    settle(&mut window);
+    tap(&mut window, "Open");
+    tap(&mut window, "Browse for the left image");
     assert!(window.state().messages().any(|text| text.contains("file dialog could not be opened here")));
 }
 
@@ -97,8 +92,7 @@ fn extreme_images_can_be_clicked() {
     let files = Files::new();
     let mut window = open([files.image("a.png", 1, 1), files.image("b.png", 12_000, 200)]);
     for side in Side::BOTH {
-        let position = at(&window, side, 0.0, 0.0);
-        click(&mut window, position);
+        click_at(&mut window, side, 0.0, 0.0);
     }
     assert_eq!(window.state().document().pairs.len(), 1);
     // Zooming in brings tiles of the full resolution.
@@ -120,18 +114,15 @@ fn extreme_images_can_be_clicked() {
 
 /// Opens the dialog and types what its fields get: the first one has the keyboard, Tab goes on.
 fn type_paths(window: &mut Window, paths: &[String]) {
-    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
-    settle(window);
+    press_with(window, Modifiers::COMMAND, Key::O);
     for (number, path) in paths.iter().enumerate() {
         if number > 0 {
-            window.key_press(Key::Tab);
-            settle(window);
+            press(window, Key::Tab);
         }
         window.event(egui::Event::Text(path.clone()));
         settle(window);
     }
-    window.key_press(Key::Enter);
-    settle(window);
+    press(window, Key::Enter);
 }
 
 fn names(window: &Window) -> [String; 2] {
@@ -182,8 +173,7 @@ fn an_error_stays_in_the_dialog_with_both_paths() {
     window.key_press_modifiers(Modifiers::COMMAND, Key::A);
     window.event(egui::Event::Text(files.image("b.png", 40, 30).display().to_string()));
     settle(&mut window);
-    window.key_press(Key::Enter);
-    settle(&mut window);
+    press(&mut window, Key::Enter);
     assert_eq!(names(&window), ["a.png", "b.png"]);
 }
 
@@ -198,13 +188,10 @@ fn a_folder_of_images_opens_its_first_two_and_any_others_on_request() {
     drop_files(&mut window, &[files.0.path().to_owned()]);
     assert_eq!(names(&window), ["shot1.png", "shot2.png"]);
     assert_eq!(window.state().messages().count(), 0);
-    window.key_press(Key::PageDown);
-    settle(&mut window);
+    press(&mut window, Key::PageDown);
     assert_eq!(names(&window), ["shot2.png", "shot10.png"]);
-    window.get_by_label("The left view").click();
-    settle(&mut window);
-    window.get_by_label("shot1").click();
-    settle(&mut window);
+    tap(&mut window, "The left view");
+    tap(&mut window, "shot1");
     assert_eq!(names(&window), ["shot1.png", "shot10.png"]);
     assert!(window.query_by_label("Ground truth").is_none(), "there is nothing known about them");
 }
@@ -216,8 +203,7 @@ fn what_was_opened_last_is_offered_again() {
     let mut window = open([a.clone(), b.clone()]);
     drop_files(&mut window, &[c, d]);
     assert_eq!(window.state().document().pictures.as_ref().unwrap()[0].name, "c.png");
-    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::O);
-    settle(&mut window);
+    press_with(&mut window, egui::Modifiers::COMMAND, egui::Key::O);
     window.get_by_label_contains("a.png and b.png, in ").click();
     settle(&mut window);
     assert_eq!(window.state().document().pictures.as_ref().unwrap()[0].name, "a.png");

@@ -39,8 +39,7 @@ fn choosing_a_hypothesis_changes_the_lines_until_the_result_is_wanted_again() {
     let estimate = window.state().estimate().unwrap().clone();
     let third = &estimate.hypotheses()[2].fundamental();
     assert!(shows(&window, estimate.fundamental(), ESTIMATED) && !shows(&window, third, ESTIMATED));
-    window.get_by_label("Hypothesis 3").click();
-    settle(&mut window);
+    tap(&mut window, "Hypothesis 3");
     assert_eq!(window.state().focus().hypothesis(), Some(2));
     // A wrong hypothesis never has the green of a reliable result.
     assert!(shows(&window, third, OTHER) && lines(&window, Side::Right, ESTIMATED).is_empty());
@@ -48,8 +47,7 @@ fn choosing_a_hypothesis_changes_the_lines_until_the_result_is_wanted_again() {
     press(&mut window, Key::R);
     assert!(shows(&window, estimate.fundamental(), ESTIMATED));
     // A new result has other hypotheses.
-    window.get_by_label("Hypothesis 2").click();
-    settle(&mut window);
+    tap(&mut window, "Hypothesis 2");
     let moved = screen(&window, P_LEFT) + vec2(20.0, 0.0);
     let from = screen(&window, P_LEFT);
     drag(&mut window, from, moved, egui::PointerButton::Primary);
@@ -73,8 +71,7 @@ fn the_matches_of_the_result_are_pale_under_another_geometry() {
     };
     assert_eq!(dots(&window, match_color), 6);
     show_step(&mut window, "Validation");
-    window.get_by_label("Hypothesis 3").click();
-    settle(&mut window);
+    tap(&mut window, "Hypothesis 3");
     window.get_by_label_contains("The pale dots are the matches of the result");
     assert_eq!((dots(&window, match_color), dots(&window, match_color.gamma_multiply(0.45))), (0, 6));
 }
@@ -106,8 +103,7 @@ fn a_comparison_starts_on_the_matches_and_says_that_it_is_partly_circular() {
 fn a_new_pair_is_told_its_distance_from_the_result_before() {
     let mut window = with_result();
     for side in Side::BOTH {
-        let position = at(&window, side, 0.1, -0.3);
-        click(&mut window, position);
+        click_at(&mut window, side, 0.1, -0.3);
     }
     window.get_by_label_contains("px from the lines of the previous result");
 }
@@ -123,11 +119,9 @@ fn the_hypotheses_can_be_sorted_both_ways() {
         rows.into_iter().map(|(_, k)| k).collect::<Vec<_>>()
     };
     assert_eq!(order(&window), [1, 2, 3]);
-    window.get_by_label("Sort by Line cost").click();
-    settle(&mut window);
+    tap(&mut window, "Sort by Line cost");
     assert_eq!(order(&window), [3, 2, 1], "the lowest cost first");
-    window.get_by_label("Sort by Line cost").click();
-    settle(&mut window);
+    tap(&mut window, "Sort by Line cost");
     assert_eq!(order(&window), [1, 2, 3]);
 }
 
@@ -173,24 +167,20 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
     // Another one; the first is chosen again by its colour, and taken away.
     window.get_by_label("Row of pair q").click_secondary();
     settle(&mut window);
-    window.get_by_label("Pin lines").click();
-    settle(&mut window);
+    tap(&mut window, "Pin lines");
     window.get_by_label_contains("Inspect: Epipolar lines of q");
     window.get_by_label_contains("Inspect: Lines through p at 90.0° and 90.0°").click();
     settle(&mut window);
     assert_eq!(window.state().focus().inspected(), Some(&pin));
-    window.get_by_label("Unpin").click();
-    settle(&mut window);
+    tap(&mut window, "Unpin");
     assert_eq!(window.state().focus().inspected().map(|pin| pin.source), Some(LineSource::Pair(1)));
-    window.get_by_label("Unpin").click();
-    settle(&mut window);
+    tap(&mut window, "Unpin");
     assert!(window.state().focus().pins().is_empty());
     window.hover_at(egui::pos2(4.0, 796.0));
     settle(&mut window);
     // The profiles follow the selected pair, and the left line runs to the right.
     for name in ["p", "q"] {
-        window.get_by_label(&format!("Row of pair {name}")).click();
-        settle(&mut window);
+        tap(&mut window, &format!("Row of pair {name}"));
         window.get_by_label_contains(&format!("Epipolar lines of {name}, "));
         let inspection = window.state().model().open.inspection.as_ref().unwrap();
         assert!(inspection.lines[0].direction.x > 0.0);
@@ -226,12 +216,10 @@ fn a_parameter_recomputes_and_undo_takes_it_back() {
         settle(&mut window);
         assert_eq!(window.state().document().parameters, *wanted);
     }
-    window.get_by_label("Reset Patch support").click();
-    settle(&mut window);
+    tap(&mut window, "Reset Patch support");
     assert_eq!(window.state().document().parameters, before);
     for parameters in [&expected, &before, &expected, &before] {
-        window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-        settle(&mut window);
+        undo(&mut window);
         assert_eq!(window.state().document().parameters, *parameters);
     }
     assert_eq!(window.state().document().pairs.len(), 2, "the points are no part of it");
@@ -249,8 +237,7 @@ fn a_parameter_out_of_range_is_told_with_its_range_and_reset_with_all_others() {
     press(&mut window, Key::Enter);
     assert!((window.state().document().parameters.pencils.line_spacing - 99.0).abs() < 1e-9);
     window.get_by_label("Line spacing must be between 0.5 and 16 px.");
-    window.get_by_label("Reset all").click();
-    settle(&mut window);
+    tap(&mut window, "Reset all");
     assert_eq!(window.state().document().parameters, Parameters::default());
     assert!(window.query_by_label_contains("must be between").is_none());
 }
@@ -259,24 +246,20 @@ fn a_parameter_out_of_range_is_told_with_its_range_and_reset_with_all_others() {
 fn a_pair_left_out_takes_no_part_in_the_estimate() {
     let mut window = with_result();
     for side in Side::BOTH {
-        let position = at(&window, side, 0.1, -0.3);
-        click(&mut window, position);
+        click_at(&mut window, side, 0.1, -0.3);
     }
     let third = window.state().document().pairs[2];
     unfold(&mut window, "p");
-    window.get_by_label("Leave out pair p").click();
-    settle(&mut window);
+    tap(&mut window, "Leave out pair p");
     let used = window.state().document().used_pairs().unwrap();
     assert_eq!(used[1], third);
     window.get_by_label_contains("Estimated from pairs q and r");
     let f = window.state().estimate().unwrap().fundamental();
     assert!(!shows(&window, f, ESTIMATED), "no line of the pair that is left out");
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    settle(&mut window);
+    undo(&mut window);
     window.get_by_label_contains("Estimated from pairs p, q and r");
     unfold(&mut window, "r");
-    window.get_by_label("Check only pair r").click();
-    settle(&mut window);
+    tap(&mut window, "Check only pair r");
     window.get_by_label_contains("Check pairs");
 }
 
@@ -287,8 +270,7 @@ fn the_start_shows_one_card_and_every_tab_says_what_will_appear() {
     assert_eq!(window.state().model().doubt(), None, "without a geometry there is nothing to doubt");
     assert!(window.query_by_label("Profiles").is_none() && window.query_by_label("Point pairs").is_none());
     assert!(window.get_by_label("Rectified").accesskit_node().is_disabled(), "there is nothing to rectify");
-    let left = at(&window, Side::Left, 0.1, 0.1);
-    click(&mut window, left);
+    click_at(&mut window, Side::Left, 0.1, 0.1);
     window.get_by_label_contains("Click the same scene point in the other image");
     for (key, says) in [
         (Key::Num1, "Intensities along a line pair"),
@@ -309,8 +291,7 @@ fn the_dock_folds_to_a_line_with_the_verdict_and_the_pictures_can_stand_alone() 
     press(&mut window, Key::B);
     assert!(height(&window) > before + 100.0);
     window.get_by_label("Estimated");
-    window.get_by_label("Show dock").click();
-    settle(&mut window);
+    tap(&mut window, "Show dock");
     assert!((height(&window) - before).abs() < 1.0);
     press(&mut window, Key::H);
     assert!(window.query_by_label("Open").is_none() && window.query_by_label("Estimated").is_none());
@@ -339,8 +320,7 @@ fn the_steps_are_followed_by_one_key_and_switch_their_overlays_on() {
     assert_eq!(round_trips(&window), 5, "a few lines");
     press(&mut window, Key::N);
     assert_eq!(round_trips(&window), 0, "with its step the overlay goes");
-    window.key_press_modifiers(Modifiers::SHIFT, Key::N);
-    settle(&mut window);
+    press_with(&mut window, Modifiers::SHIFT, Key::N);
     assert_eq!(round_trips(&window), 5);
     press(&mut window, Key::Num1);
     assert_eq!(round_trips(&window), 0);
@@ -352,8 +332,7 @@ fn the_pictures_trade_places_and_keep_their_sides() {
     press(&mut window, Key::X);
     let [left, right] = Side::BOTH.map(|side| pane(&window, side));
     assert!(left.min.x > right.max.x, "{left:?} {right:?}");
-    let position = at(&window, Side::Left, 0.1, 0.1);
-    click(&mut window, position);
+    click_at(&mut window, Side::Left, 0.1, 0.1);
     assert!(window.state().document().half.is_some_and(|half| half.side == Side::Left));
     press(&mut window, Key::X);
     assert!(pane(&window, Side::Left).max.x < pane(&window, Side::Right).min.x);
@@ -373,8 +352,7 @@ fn the_button_of_the_card_does_what_its_sentence_asks_for() {
     let mut window = window(Start::default(), services);
     click_two_pairs(&mut window);
     window.get_by_label_contains("Point pair q is ");
-    window.get_by_label("Move q to its match").click();
-    settle(&mut window);
+    tap(&mut window, "Move q to its match");
     assert_eq!(window.state().document().pairs[1].point2, matched);
 }
 
@@ -390,17 +368,14 @@ fn a_pair_whose_match_is_not_found_can_be_left_out() {
     services.repair = Box::new(|_| Err("Nothing is alike".to_owned()));
     let mut window = window(Start::default(), services);
     click_two_pairs(&mut window);
-    window.get_by_label("Move q to its match").click();
-    settle(&mut window);
+    tap(&mut window, "Move q to its match");
     window.get_by_label_contains("or leave the pair out");
     // The button stays in its place, so that a double click leaves nothing out.
     assert!(window.get_by_label("Move q to its match").accesskit_node().is_disabled());
-    window.get_by_label("Leave out q").click();
-    settle(&mut window);
+    tap(&mut window, "Leave out q");
     assert_eq!(window.state().document().role(1), PairRole::Excluded);
     // Another place of the pair is another question.
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    settle(&mut window);
+    undo(&mut window);
     press(&mut window, Key::ArrowRight);
     settle(&mut window);
     window.get_by_label("Move q to its match");
@@ -473,8 +448,7 @@ fn lines_look_like_the_verdict() {
     let mut unreliable = judged(Verdict::Unreliable);
     unreliable.get_by_label("Unreliable");
     assert_eq!(count(&unreliable, ESTIMATED) + count(&unreliable, amber) + dots(&unreliable), 0);
-    unreliable.get_by_label("Show lines anyway").click();
-    settle(&mut unreliable);
+    tap(&mut unreliable, "Show lines anyway");
     assert!(dots(&unreliable) > 20);
     // The wish belongs to this result, not to the next one.
     press(&mut unreliable, Key::ArrowRight);
@@ -542,14 +516,12 @@ fn a_pair_unfolds_to_all_its_actions_and_nothing_is_cut() {
         let name = window.get_by_label("Name of pair p").rect().width();
         assert!(name >= 120.0, "{name} at {width}");
     }
-    window.get_by_label("Check only pair p").click();
-    settle(&mut window);
+    tap(&mut window, "Check only pair p");
     assert_eq!(window.state().document().checks.len(), 1);
     // The list scrolls to a selected pair far down.
     for k in 0..4 {
         for side in Side::BOTH {
-            let position = at(&window, side, 0.1 + 0.08 * k as f32, -0.3);
-            click(&mut window, position);
+            click_at(&mut window, side, 0.1 + 0.08 * k as f32, -0.3);
         }
     }
     let rect = window.get_by_label("Delete: pair 6").rect();
@@ -581,8 +553,7 @@ fn coordinates_are_typed_checked_and_undone() {
     let kept = typed(&mut window, "Left x of pair q", "left");
     assert!((kept.point1.x - before.point1.x).abs() < 1e-9, "rounding is for the eye alone");
     for _ in 0..2 {
-        window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-        settle(&mut window);
+        undo(&mut window);
     }
     assert_eq!(window.state().document().pairs[1], before);
 }
@@ -668,8 +639,7 @@ fn figures_stand_on_their_scales_of_good_and_bad() {
         window.get_by_label_contains("Distance of pair p on its scale: ").accesskit_node().label().unwrap();
     assert!(of_p.ends_with("Good up to 4.0 px, bad above 12.0 px."), "{of_p}");
     show_step(&mut window, "Validation");
-    window.get_by_label("Hypothesis 3").click();
-    settle(&mut window);
+    tap(&mut window, "Hypothesis 3");
     window.get_by_label_contains("Support on its scale: ");
 }
 
@@ -690,8 +660,7 @@ fn no_text_is_cut_in_a_small_window() {
     window.set_size(vec2(1024.0, 640.0));
     settle(&mut window);
     assert_eq!(cut_texts(&window), [""; 0], "at the start");
-    let left = at(&window, Side::Left, 0.1, 0.1);
-    click(&mut window, left);
+    click_at(&mut window, Side::Left, 0.1, 0.1);
     assert_eq!(cut_texts(&window), [""; 0], "after the first click");
     press(&mut window, Key::Escape);
     click_two_pairs(&mut window);

@@ -64,12 +64,10 @@ fn a_right_click_on_a_pinned_line_tells_which_it_is_and_unpins_it() {
     let nowhere = at(&window, Side::Left, 0.1, 0.4);
     right_click(&mut window, nowhere);
     assert_eq!(window.query_all_by_label_contains("Line pair ").count(), 0, "no line, no menu of a line");
-    window.get_by_label("Copy coordinates").click();
-    settle(&mut window);
+    tap(&mut window, "Copy coordinates");
     right_click(&mut window, place);
     window.get_by_label("Line pair 3");
-    window.get_by_label("Show its profiles").click();
-    settle(&mut window);
+    tap(&mut window, "Show its profiles");
     window.get_by_label("Grey before warping");
     let first = at(&window, Side::Left, 0.1, -0.4);
     right_click(&mut window, first);
@@ -85,8 +83,7 @@ fn a_right_click_on_a_pinned_line_tells_which_it_is_and_unpins_it() {
 fn the_menu_of_many_pins_opens_at_the_one_that_is_looked_at() {
     let (mut window, _) = with_pins(39);
     press(&mut window, Key::Num1);
-    window.get_by_label("Line pair 39 of 39").click();
-    settle(&mut window);
+    tap(&mut window, "Line pair 39 of 39");
     let rows: Vec<Rect> = window.query_all_by_label_contains("Inspect: ").map(|row| row.rect()).collect();
     let (first, last) = (rows[0], rows[rows.len() - 1]);
     assert!(last.max.y < 800.0 && last.min.y > 0.0, "{last:?}");

@@ -30,8 +30,7 @@ fn with_result(plane: Option<PlaneHomography>) -> Window {
 }
 
 fn show_export(window: &mut Window) {
-    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
-    settle(window);
+    press_with(window, Modifiers::COMMAND, Key::E);
 }
 
 #[test]
@@ -42,20 +41,16 @@ fn the_homography_of_a_plane_is_exported_where_there_is_one() {
         let path = files.0.path().join("plane.json");
         let mut window = with_result(Some(PLANE));
         if by_card {
-            window.get_by_label("Export the homography…").click();
-            settle(&mut window);
+            tap(&mut window, "Export the homography…");
         } else {
             show_export(&mut window);
-            window.get_by_label("Homography of the plane").click();
-            settle(&mut window);
+            tap(&mut window, "Homography of the plane");
         }
-        window.get_by_label("File").click();
-        settle(&mut window);
+        tap(&mut window, "File");
         window.key_press_modifiers(Modifiers::COMMAND, Key::A);
         window.get_by_label("File").type_text(path.to_str().unwrap());
         settle(&mut window);
-        window.get_by_label("Export file").click();
-        settle(&mut window);
+        tap(&mut window, "Export file");
         window.get_by_label_contains("Exported the homography of the plane to");
         let (read, _) = GeometryFile::read(&path).unwrap();
         assert_eq!(read.homography21, Some(PLANE.homography21));

@@ -57,11 +57,9 @@ fn a_table_is_pasted_named_and_copied() {
     window.get_by_label("Name of pair q").type_text("door");
     settle(&mut window);
     assert_eq!(window.state().document().name(1), "door");
-    window.key_press(Key::Enter);
-    settle(&mut window);
+    press(&mut window, Key::Enter);
     // Nothing is chosen any more, so all pairs are copied.
-    window.key_press(Key::Escape);
-    settle(&mut window);
+    press(&mut window, Key::Escape);
     window.event(Event::Copy);
     window.step();
     let copied = window.output().platform_output.commands.iter().find_map(|command| match command {
@@ -72,8 +70,7 @@ fn a_table_is_pasted_named_and_copied() {
         "name\tx1\ty1\tx2\ty2\nroof\t300\t100.5\t280\t101\ndoor\t200\t200\t190\t201\nr\t120\t60\t110\t61\n";
     assert_eq!(copied.as_deref(), Some(expected));
     for _ in 0..2 {
-        window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-        settle(&mut window);
+        undo(&mut window);
     }
     assert!(window.state().document().pairs.is_empty(), "a name and a paste are a step each");
 }
@@ -87,16 +84,13 @@ fn several_rows_are_chosen_and_edited_together() {
     click_row(&mut window, "r", Modifiers::SHIFT);
     click_row(&mut window, "q", Modifiers::COMMAND);
     window.get_by_label("2 chosen");
-    window.get_by_label("Check only chosen").click();
-    settle(&mut window);
+    tap(&mut window, "Check only chosen");
     let roles: Vec<_> = (0..3).map(|pair| window.state().document().role(pair)).collect();
     assert_eq!(roles, [Role::Check, Role::Used, Role::Check]);
-    window.key_press(Key::Delete);
-    settle(&mut window);
+    press(&mut window, Key::Delete);
     assert_eq!(window.state().document().name(0), "step");
     assert_eq!(window.state().document().pairs.len(), 1);
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    settle(&mut window);
+    undo(&mut window);
     assert_eq!(window.state().document().pairs.len(), 3);
 }
 
@@ -114,10 +108,8 @@ fn unreliable() -> Window {
 }
 
 fn export(window: &mut Window, choice: &str, path: &Path) -> String {
-    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
-    settle(window);
-    window.get_by_label(choice).click();
-    settle(window);
+    press_with(window, Modifiers::COMMAND, Key::E);
+    tap(window, choice);
     if choice != "Pairs alone" {
         window.get_by_label_contains("geometry is unreliable, and the file says so");
     }
@@ -126,8 +118,7 @@ fn export(window: &mut Window, choice: &str, path: &Path) -> String {
     window.key_press_modifiers(Modifiers::COMMAND, Key::A);
     window.get_by_label("File").type_text(path.to_str().unwrap());
     settle(window);
-    window.get_by_label("Export file").click();
-    settle(window);
+    tap(window, "Export file");
     std::fs::read_to_string(path).unwrap()
 }
 
@@ -166,8 +157,7 @@ fn a_name_stands_beside_its_points_until_names_are_off() {
     };
     assert!(written(&window, "roof"));
     choose(&mut window, "Overlays", "Pair names");
-    window.key_press(Key::Escape);
-    settle(&mut window);
+    press(&mut window, Key::Escape);
     assert!(!written(&window, "roof"));
     assert!(written(&window, "p"));
 }
@@ -189,8 +179,7 @@ fn forty_lines_are_pinned_numbered_and_found_in_a_list() {
     let mut window = window(Start { pairs, ..Start::default() }, services());
     press(&mut window, Key::I);
     for k in 0..40 {
-        let place = at(&window, Side::Left, -0.42 + 0.115 * (k % 8) as f32, -0.4 + 0.19 * (k / 8) as f32);
-        click(&mut window, place);
+        click_at(&mut window, Side::Left, -0.42 + 0.115 * (k % 8) as f32, -0.4 + 0.19 * (k / 8) as f32);
     }
     press(&mut window, Key::I);
     let pins = window.state().focus().pins().to_vec();
@@ -208,8 +197,7 @@ fn forty_lines_are_pinned_numbered_and_found_in_a_list() {
     // Lines that miss the right image have no number there.
     assert!(numbers.len() > 30 && numbers.iter().all(|number| (1..=40).contains(number)), "{numbers:?}");
     press(&mut window, Key::Num1);
-    window.get_by_label("Line pair 40 of 40").click();
-    settle(&mut window);
+    tap(&mut window, "Line pair 40 of 40");
     let rows: Vec<_> = window.query_all_by_label_contains("Inspect: ").collect();
     assert_eq!(rows.len(), 40);
     // The list opens at the one that was pinned last.

@@ -32,8 +32,7 @@ fn finding(fundamental: FundamentalMatrix) -> Services {
 fn rectified() -> (Window, Rectification) {
     let sample = Sample::Courtyard.load();
     let mut window = window(Start::default(), finding(sample.fundamental));
-    window.get_by_label("Show me").click();
-    settle(&mut window);
+    tap(&mut window, "Show me");
     press(&mut window, Key::Num6);
     let frames = sample.pictures.each_ref().map(epiline::image::Picture::frame);
     let found =
@@ -178,8 +177,7 @@ fn both_pictures_zoom_and_move_together_and_a_double_click_shows_them_whole() {
 #[test]
 fn pictures_take_turns_by_key_or_are_both_in_one_and_the_choice_is_kept() {
     let (mut window, _) = rectified();
-    window.get_by_label("Anaglyph").click();
-    settle(&mut window);
+    tap(&mut window, "Anaglyph");
     window.get_by_label("anaglyph of the rectified pair");
     assert!(window.query_by_label(LEFT).is_none());
     let look = window.state().look().clone();
@@ -193,8 +191,7 @@ fn pictures_take_turns_by_key_or_are_both_in_one_and_the_choice_is_kept() {
     press(&mut window, Key::X);
     window.get_by_label(RIGHT);
     assert!(window.query_by_label(LEFT).is_none());
-    window.get_by_label("Swap").click();
-    settle(&mut window);
+    tap(&mut window, "Swap");
     window.get_by_label(LEFT);
     // By the clock, both come in turn.
     window.get_by_role_and_label(Role::CheckBox, "auto").click();
@@ -222,8 +219,7 @@ fn guide_lines_are_at_the_same_rows_and_can_be_hidden() {
     assert_eq!(left, guides(&window, RIGHT));
     window.get_by_role(Role::ComboBox).click();
     settle(&mut window);
-    window.get_by_label("None").click();
-    settle(&mut window);
+    tap(&mut window, "None");
     assert!(guides(&window, LEFT).is_empty());
 }
 
@@ -232,20 +228,16 @@ fn an_epipole_inside_forbids_planar_and_polar_is_one_press_away() {
     let inside = Vector3::new(320.0, 240.0, 1.0);
     let forward = FundamentalMatrix::from_rank_two(inside.cross_matrix()).unwrap();
     let mut window = window(Start::default(), finding(forward));
-    window.get_by_label("Show me").click();
-    settle(&mut window);
+    tap(&mut window, "Show me");
     press(&mut window, Key::Num6);
     window.get_by_label_contains("Polar, because the epipole lies inside the left image");
-    window.get_by_label("Planar").click();
-    settle(&mut window);
+    tap(&mut window, "Planar");
     assert_eq!(window.state().document().rectification, RectifyMethod::Planar);
     window.get_by_label_contains("epipole lies inside the left image. Planar rectification is impossible");
-    window.get_by_label("Use the polar method").click();
-    settle(&mut window);
+    tap(&mut window, "Use the polar method");
     assert_eq!(window.state().document().rectification, RectifyMethod::Polar);
     window.get_by_label_contains("Polar, because it was asked for");
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    settle(&mut window);
+    undo(&mut window);
     assert_eq!(window.state().document().rectification, RectifyMethod::Planar, "a step to undo");
 }
 
@@ -254,8 +246,7 @@ fn the_pair_is_exported_at_full_size_with_what_was_chosen() {
     let (mut window, found) = rectified();
     let folder = tempfile::tempdir().unwrap();
     let into = folder.path().join("pair");
-    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
-    settle(&mut window);
+    press_with(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     window.key_press_modifiers(Modifiers::COMMAND, Key::A);
     window.event(egui::Event::Text(into.display().to_string()));
     settle(&mut window);
@@ -284,8 +275,7 @@ fn an_export_that_fails_is_a_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("file");
     std::fs::write(&file, "in the way").unwrap();
-    window.get_by_label("Export rectified pair…").click();
-    settle(&mut window);
+    tap(&mut window, "Export rectified pair…");
     window.key_press_modifiers(Modifiers::COMMAND, Key::A);
     window.event(egui::Event::Text(file.display().to_string()));
     settle(&mut window);
@@ -304,8 +294,7 @@ fn the_rectified_pair_follows_the_geometry_that_is_shown() {
     };
     let result = line(&window);
     show_step(&mut window, "Validation");
-    window.get_by_label("Hypothesis 3").click();
-    settle(&mut window);
+    tap(&mut window, "Hypothesis 3");
     press(&mut window, Key::Num6);
     assert_ne!(line(&window), result);
 }
@@ -379,17 +368,14 @@ fn a_click_on_a_ring_brings_its_depth_into_register_and_a_wipe_shows_it() {
     let at = ring(&window, LEFT);
     click(&mut window, at);
     assert!(apart(&window).abs() < 0.6, "{}", apart(&window));
-    window.get_by_label("0").click();
-    settle(&mut window);
+    tap(&mut window, "0");
     assert!(apart(&window).abs() > 2.0);
-    window.get_by_label("Wipe").click();
-    settle(&mut window);
+    tap(&mut window, "Wipe");
     let before = window.get_by_label("line of the wipe").rect().center();
     drag(&mut window, before, before + vec2(60.0, 0.0), PointerButton::Primary);
     let after = window.get_by_label("line of the wipe").rect().center();
     assert!((after.x - before.x - 60.0).abs() < 2.0, "{before:?} to {after:?}");
-    window.get_by_label("Disparity").click();
-    settle(&mut window);
+    tap(&mut window, "Disparity");
     window.get_by_label("disparities of the rectified pair");
     window.get_by_label_contains("Disparity preview: ");
 }
@@ -400,8 +386,7 @@ fn the_disparities_have_a_colour_scale_with_the_search_range() {
     // The dock has a colon after these words.
     let is_beside_the_scale = |window: &Window| painted(window, "Suggested search range ");
     assert!(!is_beside_the_scale(&window));
-    window.get_by_label("Disparity").click();
-    settle(&mut window);
+    tap(&mut window, "Disparity");
     assert!(is_beside_the_scale(&window));
 }
 
@@ -421,8 +406,7 @@ fn what_rows_that_lie_apart_mean_depends_on_whose_geometry_is_shown() {
             vec![PointPair::new(150.0, 150.0, 130.0, 155.0), PointPair::new(600.0, 400.0, 560.0, 390.0)];
         let mut window = window(Start { pairs, ..Start::default() }, services);
         show_step(&mut window, "Validation");
-        window.get_by_label("Hypothesis 3").click();
-        settle(&mut window);
+        tap(&mut window, "Hypothesis 3");
         press(&mut window, Key::Num6);
         window.get_by_label_contains(says);
         assert!(window.query_by_label_contains("add or correct point pairs").is_none());

@@ -15,11 +15,6 @@ use epiline::internals::app::{Opening, Services, Start};
 
 const Q_RIGHT: PointRef = PointRef { pair: 1, side: Side::Right };
 
-fn undo(window: &mut Window) {
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    settle(window);
-}
-
 /// Moves every point that is to be refined by the same, and every one that is to go to its match to one place.
 fn moving() -> Services {
     Services {
@@ -39,14 +34,12 @@ fn a_pair_is_repaired_from_its_row_and_undo_takes_it_back() {
     let mut window = window(Start::default(), moving());
     click_two_pairs(&mut window);
     let before = point(&window, Q_RIGHT);
-    window.get_by_label("Refine: pair q").click();
-    settle(&mut window);
+    tap(&mut window, "Refine: pair q");
     assert!((point(&window, Q_RIGHT) - before - Vector::new(0.4, -0.3)).norm() < 1e-9);
     window.get_by_label_contains("Pair q refined: its right point moved by 0.50 px");
     undo(&mut window);
     assert_eq!(point(&window, Q_RIGHT), before);
-    window.get_by_label("Move to match: pair q").click();
-    settle(&mut window);
+    tap(&mut window, "Move to match: pair q");
     assert_eq!(point(&window, Q_RIGHT), Point::new(200.0, 150.0));
     undo(&mut window);
     assert_eq!(point(&window, Q_RIGHT), before);
@@ -57,8 +50,7 @@ fn a_pair_without_a_match_stays_and_the_window_says_why() {
     let mut window = sample();
     click_two_pairs(&mut window);
     let before = point(&window, Q_RIGHT);
-    window.get_by_label("Refine: pair q").click();
-    settle(&mut window);
+    tap(&mut window, "Refine: pair q");
     assert_eq!(point(&window, Q_RIGHT), before);
     window.get_by_label_contains("Pair q was not changed. Nothing is alike. Drag its right point");
 }
@@ -84,8 +76,7 @@ fn the_menu_of_a_pair_opens_on_its_points_and_on_its_row() {
     let before = point(&window, Q_RIGHT);
     let position = screen(&window, Q_RIGHT);
     right_click(&mut window, position);
-    window.get_by_label("Refine").click();
-    settle(&mut window);
+    tap(&mut window, "Refine");
     assert_ne!(point(&window, Q_RIGHT), before);
     assert!(window.query_by_label("Refine").is_none(), "the menu closes");
 
@@ -94,14 +85,12 @@ fn the_menu_of_a_pair_opens_on_its_points_and_on_its_row() {
     for position in [row.center(), row.left_center() + egui::vec2(24.0, 0.0)] {
         right_click(&mut window, position);
         window.get_by_label("Pin lines");
-        window.get_by_label("Check only").click();
-        settle(&mut window);
+        tap(&mut window, "Check only");
         assert_eq!(window.state().document().role(1), Role::Check);
         undo(&mut window);
     }
     right_click(&mut window, row.center());
-    window.get_by_label("Delete").click();
-    settle(&mut window);
+    tap(&mut window, "Delete");
     assert_eq!(window.state().document().pairs.len(), 1);
 }
 
@@ -130,18 +119,15 @@ fn a_click_that_closes_the_menu_places_nothing() {
 fn the_library_repairs_a_pair_of_the_sample() {
     let real = Services { estimate: services().estimate, suggest: services().suggest, ..Services::default() };
     let mut window = window(Start::default(), real);
-    window.get_by_label("Show me").click();
-    settle(&mut window);
+    tap(&mut window, "Show me");
     let truth = point(&window, Q_RIGHT);
     let q = screen(&window, Q_RIGHT);
     click(&mut window, q);
     for key in [Key::ArrowRight, Key::ArrowUp] {
-        window.key_press_modifiers(Modifiers::SHIFT, key);
-        settle(&mut window);
+        press_with(&mut window, Modifiers::SHIFT, key);
     }
     assert!((point(&window, Q_RIGHT) - truth).norm() > 1.2);
-    window.get_by_label("Refine: pair q").click();
-    settle(&mut window);
+    tap(&mut window, "Refine: pair q");
     let moved = point(&window, Q_RIGHT);
     assert!((moved - truth).norm() < 1.0, "{moved} for {truth}");
     let f = window.state().estimate().unwrap().fundamental();
@@ -163,29 +149,24 @@ fn while_the_result_is_in_doubt_the_most_useful_next_click_is_marked() {
     click_two_pairs(&mut window);
     assert!(is_marked(&window));
     // The button of the card places the left point there.
-    window.get_by_label("Add a pair at the mark").click();
-    settle(&mut window);
+    tap(&mut window, "Add a pair at the mark");
     assert!(window.state().document().half.is_some_and(|half| half.side == Side::Left));
-    window.key_press(Key::Escape);
-    settle(&mut window);
+    press(&mut window, Key::Escape);
     assert!(is_marked(&window));
     // The first click of that pair, and giving it up.
     let elsewhere = at(&window, Side::Left, 0.35, -0.35);
     click(&mut window, elsewhere);
     assert!(!is_marked(&window));
-    window.key_press(Key::Escape);
-    settle(&mut window);
+    press(&mut window, Key::Escape);
     assert!(is_marked(&window));
     // The pair makes the result firm.
     click(&mut window, elsewhere);
-    let elsewhere = at(&window, Side::Right, 0.35, -0.35);
-    click(&mut window, elsewhere);
+    click_at(&mut window, Side::Right, 0.35, -0.35);
     assert!(!is_marked(&window));
     assert!(window.query_by_label_contains("Add a pair at the mark").is_none());
     // The published search would not use it.
     show_parameters(&mut window, "Pencils");
-    window.get_by_label("As published").click();
-    settle(&mut window);
+    tap(&mut window, "As published");
     assert!(!is_marked(&window));
 }
 
@@ -214,8 +195,7 @@ fn the_second_click_is_guided_in_a_turned_image() {
         let position = screen_of(&window, Side::Left, place);
         click(&mut window, position);
         window.get_by_label_contains("Enter accepts the suggested match");
-        window.key_press(Key::Enter);
-        settle(&mut window);
+        press(&mut window, Key::Enter);
         let found = point(&window, PointRef { pair, side: Side::Right });
         // Upright it is seen 12 px to the left; 576 px high, (x, y) becomes (575 − y, x).
         let expected = Point::new(575.0 - place.y - 0.5, place.x - 12.0);
@@ -240,8 +220,7 @@ fn a_pair_whose_match_lies_elsewhere_on_its_line_is_told_and_moved() {
     click_two_pairs(&mut window);
     assert!(window.query_by_label("off its match").is_some());
     assert!(window.query_by_label_contains("The match of q lies elsewhere on its line.").is_some());
-    window.get_by_label("Move q to its match").click();
-    settle(&mut window);
+    tap(&mut window, "Move q to its match");
     assert_eq!(point(&window, Q_RIGHT), place);
     assert!(window.query_by_label("off its match").is_none());
     assert!(window.query_by_label_contains("lies elsewhere").is_none());

@@ -155,8 +155,7 @@ fn typed_focal_lengths_give_a_scene_and_leave_the_geometry() {
     window.step();
     window.get_by_role_and_label(Role::TextInput, "Left image").type_text("300");
     window.step();
-    window.get_by_label("Use").click();
-    settle(&mut window);
+    tap(&mut window, "Use");
     assert_eq!(stage(&window), StageId::Scene);
     assert!(!window.state().model().scene().unwrap().has_guess());
     assert_eq!(fundamental(&window), before);
@@ -172,15 +171,13 @@ fn the_scene_asks_for_cameras_and_goes_with_its_pictures() {
     let mut window = sample();
     assert!(window.get_by_label("3-D").accesskit_node().is_disabled(), "without a geometry");
     click_two_pairs(&mut window);
-    window.get_by_label("3-D").click();
-    settle(&mut window);
+    tap(&mut window, "3-D");
     assert_eq!(stage(&window), StageId::Pictures);
     window.get_by_label("Focal lengths");
     press(&mut window, Key::Escape);
 
     let mut window = calibrated(exact());
-    window.get_by_label("3-D").click();
-    settle(&mut window);
+    tap(&mut window, "3-D");
     assert_eq!(stage(&window), StageId::Scene);
     assert!(window.state().model().scene().is_some());
 

@@ -55,19 +55,16 @@ fn sequences_open_like_pictures_and_are_stepped_through() {
     for _ in 0..3 {
         window.key_press(Key::Period);
     }
-    window.key_press(Key::Comma);
-    settle(&mut window);
+    press(&mut window, Key::Comma);
     window.get_by_label("Frame 2 of 48");
-    window.key_press(Key::W);
-    settle(&mut window);
+    press(&mut window, Key::W);
     assert!(window.state().model().open.player.silhouettes);
     // Played, one frame follows the other; settled only once it is paused.
     window.key_press(Key::K);
     for _ in 0..10 {
         window.step();
     }
-    window.key_press(Key::K);
-    settle(&mut window);
+    press(&mut window, Key::K);
     let [left, right] = window.state().model().shown_frames().unwrap();
     assert!(left > 2 && left == right, "frame {left}");
 
@@ -96,8 +93,7 @@ fn lines_are_compared_by_what_moves_in_the_frames_in_common() {
     let mut window = opened(recorded(&files, ThrownBalls { offset: 4, frames: 120, ..SMALL }), services);
     click_two_pairs(&mut window);
     assert_eq!(asked.lock().unwrap().last(), Some(&Some(0)));
-    window.key_press(Key::Num1);
-    settle(&mut window);
+    press(&mut window, Key::Num1);
     window.get_by_label_contains("Epipolar lines of q: c");
     let barcodes = window.get_by_label("Motion barcodes").rect();
     assert_eq!(window.state().model().inspected_barcodes().unwrap().barcodes[0].len(), 120);
@@ -105,14 +101,12 @@ fn lines_are_compared_by_what_moves_in_the_frames_in_common() {
     assert_eq!(window.state().model().shown_frames(), Some([119, 119]), "a click goes to the frame");
 
     // Another offset is another question, and one step of the history.
-    window.get_by_label("Find offset").click();
-    settle(&mut window);
+    tap(&mut window, "Find offset");
     assert_eq!(window.state().document().offset, 4);
     assert_eq!(asked.lock().unwrap().last(), Some(&Some(4)));
     assert_eq!(window.state().model().inspected_barcodes().unwrap().barcodes[0].len(), 116);
     window.get_by_label("Frames 115 and 119 of 120");
-    window.key_press_modifiers(egui::Modifiers::COMMAND, Key::Z);
-    settle(&mut window);
+    undo(&mut window);
     assert_eq!(window.state().document().offset, 0);
 }
 
@@ -121,8 +115,7 @@ fn a_session_of_sequences_comes_back() {
     let files = Files::new();
     let mut window = opened(recorded(&files, SMALL), services());
     click_two_pairs(&mut window);
-    window.get_by_label("Find offset").click();
-    settle(&mut window);
+    tap(&mut window, "Find offset");
     let offset = window.state().document().offset;
     let path = files.0.path().join("work.json");
     save_as(&mut window, &path);
@@ -197,12 +190,10 @@ fn what_cannot_be_compared_is_refused_with_a_sentence() {
 #[test]
 fn the_built_in_sequences_are_found_by_name() {
     let mut window = sample();
-    window.key_press_modifiers(egui::Modifiers::COMMAND, Key::K);
-    settle(&mut window);
+    press_with(&mut window, egui::Modifiers::COMMAND, Key::K);
     window.event(egui::Event::Text("sample sequences".into()));
     settle(&mut window);
-    window.key_press(Key::Enter);
-    settle(&mut window);
+    press(&mut window, Key::Enter);
     let model = window.state().model();
     assert!(model.compares_barcodes() && model.open.show_me.is_some());
     assert_eq!(window.state().document().frame(Side::Left), Some(Frame::new(640, 480)));

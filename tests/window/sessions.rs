@@ -26,8 +26,7 @@ fn worked(files: &Files) -> Window {
     all.push(PointPair::new(20.0, 20.0, 20.0, 20.0));
     let mut window = window(Start { opening, pairs: all, ..Start::default() }, services());
     window.key_press(Key::I);
-    let place = at(&window, Side::Left, 0.1, 0.1);
-    click(&mut window, place);
+    click_at(&mut window, Side::Left, 0.1, 0.1);
     assert_eq!(window.state().focus().pins().len(), 1);
     window
 }
@@ -78,10 +77,8 @@ fn saving_again_goes_to_the_same_file_and_failure_loses_nothing() {
     let path = files.0.path().join("work.json");
     save_as(&mut window, &path);
     window.key_press(Key::Escape);
-    let place = at(&window, Side::Left, -0.2, 0.2);
-    click(&mut window, place);
-    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
-    settle(&mut window);
+    click_at(&mut window, Side::Left, -0.2, 0.2);
+    press_with(&mut window, Modifiers::COMMAND, Key::S);
     assert_eq!(made(&reopened(path)), made(&window));
     let before = made(&window);
     save_as(&mut window, &files.0.path().join("no/such/folder/work.json"));
@@ -101,8 +98,7 @@ fn a_moved_image_is_asked_for_and_found() {
     again.get_by_label_contains("The left image was not found");
     assert!(again.query_by_label_contains("The right image").is_none());
     drop_files(&mut again, &[there]);
-    again.get_by_label("Open with these").click();
-    settle(&mut again);
+    tap(&mut again, "Open with these");
     assert_eq!(made(&again), made(&window));
 }
 
@@ -117,11 +113,9 @@ fn a_changed_image_is_taken_only_when_a_person_says_so() {
     let mut again = reopened(path);
     again.get_by_label_contains("The right image has changed since the session was saved");
     assert!(again.state().document().pairs.is_empty());
-    again.get_by_label("Open with these").click();
-    settle(&mut again);
+    tap(&mut again, "Open with these");
     again.get_by_label_contains("The right image has changed since the session was saved");
-    again.get_by_label("Use changed images as they are").click();
-    settle(&mut again);
+    tap(&mut again, "Use changed images as they are");
     assert_eq!(again.state().document().pairs.len(), 3);
     assert_eq!(again.state().document().pairs[1].point2, Point::new(29.5, 30.0625));
     assert!(again.state().messages().any(|text| text.contains("The size of an image has changed")));
@@ -157,8 +151,7 @@ fn the_offer_of_unsaved_work_counts_pinned_lines() {
     let mut crashed = window(start, with_copies(copies.path()));
     press(&mut crashed, Key::I);
     for y in [-0.1, 0.2] {
-        let place = at(&crashed, Side::Left, 0.3, y);
-        click(&mut crashed, place);
+        click_at(&mut crashed, Side::Left, 0.3, y);
     }
     assert_eq!(crashed.state().focus().pins().len(), 2);
     // The copy is written at most two seconds later.
@@ -183,20 +176,17 @@ fn unsaved_work_is_offered_after_a_crash() {
     assert!(
         next.state().messages().any(|text| text.contains("2 point pairs on a.png and b.png were not saved"))
     );
-    next.get_by_label("Restore").click();
-    settle(&mut next);
+    tap(&mut next, "Restore");
     assert_eq!(made(&next), before);
     assert_eq!(next.state().messages().count(), 0);
     // Taken over: it is this window's own now, and a crash of this one offers it again.
     drop(next);
     let mut last = window(Start::default(), with_copies(copies.path()));
     // Left for later, it is offered again.
-    last.get_by_label("Later").click();
-    settle(&mut last);
+    tap(&mut last, "Later");
     drop(last);
     let mut last = window(Start::default(), with_copies(copies.path()));
-    last.get_by_label("Delete it").click();
-    settle(&mut last);
+    tap(&mut last, "Delete it");
     drop(last);
     let clean = window(Start::default(), with_copies(copies.path()));
     assert_eq!(clean.state().messages().count(), 0);
@@ -225,8 +215,7 @@ fn opening_something_else_keeps_what_is_not_saved() {
     assert!(window.state().document().pairs.is_empty());
     assert!(window.state().messages().any(|text| text.contains("a.png and b.png were not saved")));
     // There and back again; the sample has nothing that would be a loss.
-    window.get_by_label("Restore").click();
-    settle(&mut window);
+    tap(&mut window, "Restore");
     assert_eq!(made(&window), before);
     assert_eq!(window.state().messages().count(), 0);
 }
@@ -239,21 +228,16 @@ fn a_session_that_another_window_saved_is_not_replaced_without_asking() {
     save_as(&mut first, &path);
     let mut second = reopened(path.clone());
     second.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    let place = at(&second, Side::Left, -0.2, 0.2);
-    click(&mut second, place);
-    second.key_press_modifiers(Modifiers::COMMAND, Key::S);
-    settle(&mut second);
+    click_at(&mut second, Side::Left, -0.2, 0.2);
+    press_with(&mut second, Modifiers::COMMAND, Key::S);
     assert_eq!(second.state().messages().count(), 0);
     let theirs = std::fs::read_to_string(&path).unwrap();
     first.key_press(Key::Escape);
-    let place = at(&first, Side::Right, 0.2, 0.3);
-    click(&mut first, place);
-    first.key_press_modifiers(Modifiers::COMMAND, Key::S);
-    settle(&mut first);
+    click_at(&mut first, Side::Right, 0.2, 0.3);
+    press_with(&mut first, Modifiers::COMMAND, Key::S);
     assert!(first.state().messages().any(|text| text.contains("has changed since this window read it")));
     assert_eq!(std::fs::read_to_string(&path).unwrap(), theirs);
-    first.get_by_label("Replace").click();
-    settle(&mut first);
+    tap(&mut first, "Replace");
     assert_eq!(made(&reopened(path)), made(&first));
     assert_eq!(first.state().messages().count(), 0);
 }
@@ -273,22 +257,18 @@ fn a_session_never_takes_the_name_of_an_image() {
 fn clicks_on_the_sample_are_kept_too_when_other_images_are_opened() {
     let (files, copies) = (Files::new(), tempfile::tempdir().unwrap());
     let mut window = window(Start::default(), with_copies(copies.path()));
-    window.get_by_label("Show me").click();
-    settle(&mut window);
+    tap(&mut window, "Show me");
     let both = [files.image("a.png", 64, 48), files.image("b.png", 50, 70)];
     drop_files(&mut window, &both);
     assert_eq!(window.state().messages().count(), 0, "what the program placed is no loss");
     choose(&mut window, "Help", "Open the sample pictures");
-    let position = at(&window, Side::Left, 0.1, 0.1);
-    click(&mut window, position);
-    let position = at(&window, Side::Right, 0.1, 0.1);
-    click(&mut window, position);
+    click_at(&mut window, Side::Left, 0.1, 0.1);
+    click_at(&mut window, Side::Right, 0.1, 0.1);
     let before = made(&window);
     drop_files(&mut window, &both);
     let told = |words: &str| window.state().messages().any(|text| text.contains(words));
     assert!(told("1 point pair on ") && told(" was not saved"), "{:?}", window.state().messages().next());
-    window.get_by_label("Restore").click();
-    settle(&mut window);
+    tap(&mut window, "Restore");
     assert_eq!(made(&window).pairs, before.pairs);
 }
 

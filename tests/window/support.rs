@@ -117,8 +117,7 @@ pub fn painted(window: &Window, text: &str) -> bool {
 
 /// Runs a command by its title in the list of all commands.
 pub fn run_command(window: &mut Window, title: &str) {
-    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
-    settle(window);
+    press_with(window, Modifiers::COMMAND, Key::K);
     window.get_by_label("Search commands").type_text(title);
     settle(window);
     press(window, Key::Enter);
@@ -234,6 +233,27 @@ pub fn button(window: &Window, pos: Pos2, button: PointerButton, pressed: bool) 
     window.event(egui::Event::PointerButton { pos, button, pressed, modifiers: Modifiers::NONE });
 }
 
+/// Clicks the element of this name.
+pub fn tap(window: &mut Window, name: &str) {
+    window.get_by_label(name).click();
+    settle(window);
+}
+
+pub fn press_with(window: &mut Window, modifiers: Modifiers, key: Key) {
+    window.key_press_modifiers(modifiers, key);
+    settle(window);
+}
+
+pub fn undo(window: &mut Window) {
+    press_with(window, Modifiers::COMMAND, Key::Z);
+}
+
+/// Clicks a place of an image, as for [`at`].
+pub fn click_at(window: &mut Window, side: Side, x: f32, y: f32) {
+    let place = at(window, side, x, y);
+    click(window, place);
+}
+
 pub fn press(window: &mut Window, key: Key) {
     window.key_press(key);
     settle(window);
@@ -276,8 +296,7 @@ pub fn drag(window: &mut Window, from: Pos2, to: Pos2, with: PointerButton) {
 pub fn click_two_pairs(window: &mut Window) {
     for (x, y) in [(-0.2, -0.2), (0.2, 0.25)] {
         for side in Side::BOTH {
-            let position = at(window, side, if side == Side::Left { x } else { x - 0.05 }, y);
-            click(window, position);
+            click_at(window, side, if side == Side::Left { x } else { x - 0.05 }, y);
         }
     }
 }
@@ -350,8 +369,7 @@ pub const HOVER: Color32 = Color32::from_rgb(240, 228, 66);
 
 /// Saves the session in a file, by its dialog.
 pub fn save_as(window: &mut Window, path: &Path) {
-    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
-    settle(window);
+    press_with(window, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
     let field = window.get_by_label("File");
     field.focus();
     settle(window);
@@ -390,17 +408,14 @@ pub fn scroll_by(window: &mut Window, at: Pos2, by: f32) {
 
 /// Opens a menu and clicks an entry.
 pub fn choose(window: &mut Window, menu: &str, entry: &str) {
-    window.get_by_label(menu).click();
-    settle(window);
-    window.get_by_label(entry).click();
-    settle(window);
+    tap(window, menu);
+    tap(window, entry);
 }
 
 /// Shows a step of the method.
 pub fn show_step(window: &mut Window, step: &str) {
     press(window, Key::Num2);
-    window.get_by_label(step).click();
-    settle(window);
+    tap(window, step);
 }
 
 /// Shows a step of the method with its parameters.
@@ -413,6 +428,5 @@ pub fn show_parameters(window: &mut Window, step: &str) {
 
 /// Unfolds a pair of the list.
 pub fn unfold(window: &mut Window, pair: &str) {
-    window.get_by_label(&format!("Row of pair {pair}")).click();
-    settle(window);
+    tap(window, &format!("Row of pair {pair}"));
 }

@@ -137,8 +137,7 @@ fn a_vgg_folder_opens_its_first_pair_and_steps_to_the_others() {
     assert_eq!(names(&window), ["set.000.png", "set.001.png"]);
     // Pressed again before the images are there: from the pair on its way, not from the one shown.
     window.key_press(Key::PageDown);
-    window.key_press(Key::PageDown);
-    settle(&mut window);
+    press(&mut window, Key::PageDown);
     assert_eq!(names(&window), ["set.002.png", "set.003.png"]);
     assert!(window.get_by_label("Next pair").accesskit_node().is_disabled());
     press(&mut window, Key::PageDown);
@@ -150,17 +149,13 @@ fn a_vgg_folder_opens_its_first_pair_and_steps_to_the_others() {
 fn any_two_views_can_be_chosen() {
     let files = vgg(4);
     let mut window = open_folder(files.0.path());
-    window.get_by_label("The right view").click();
-    settle(&mut window);
-    window.get_by_label("set.003").click();
-    settle(&mut window);
+    tap(&mut window, "The right view");
+    tap(&mut window, "set.003");
     assert_eq!(names(&window), ["set.000.png", "set.003.png"]);
     // As far apart as these.
     assert!(window.get_by_label("Next pair").accesskit_node().is_disabled());
-    window.get_by_label("The left view").click();
-    settle(&mut window);
-    window.get_by_label("set.002").click();
-    settle(&mut window);
+    tap(&mut window, "The left view");
+    tap(&mut window, "set.002");
     assert_eq!(names(&window), ["set.002.png", "set.003.png"]);
 }
 
@@ -172,22 +167,18 @@ fn a_folder_of_pairs_opens_by_dropping_typing_and_browsing() {
     assert_eq!(names(&window), ["firstA.png", "firstB.png"]);
     press(&mut window, Key::PageDown);
     assert_eq!(names(&window), ["secondA.png", "secondB.png"]);
-    window.get_by_label("The pair").click();
-    settle(&mut window);
-    window.get_by_label("first").click();
-    settle(&mut window);
+    tap(&mut window, "The pair");
+    tap(&mut window, "first");
     assert_eq!(names(&window), ["firstA.png", "firstB.png"]);
 
     let typed = |window: &mut Window, label: &str, path: &Path| {
-        window.key_press_modifiers(Modifiers::COMMAND, Key::O);
-        settle(window);
+        press_with(window, Modifiers::COMMAND, Key::O);
         window.get_by_role_and_label(egui::accesskit::Role::TextInput, label).focus();
         window.step();
         let field = window.get_by_role_and_label(egui::accesskit::Role::TextInput, label);
         field.type_text(&path.display().to_string());
         window.step();
-        window.get_by_label("Open these").click();
-        settle(window);
+        tap(window, "Open these");
     };
     typed(&mut window, "Folder", views.0.path());
     assert_eq!(names(&window), ["set.000.png", "set.001.png"]);
@@ -197,12 +188,9 @@ fn a_folder_of_pairs_opens_by_dropping_typing_and_browsing() {
     let picked = views.0.path().to_owned();
     let services = Services { pick_folder: std::sync::Arc::new(move || Some(picked.clone())), ..services() };
     let mut window = crate::support::window(Start::default(), services);
-    window.get_by_label("Open").click();
-    settle(&mut window);
-    window.get_by_label("Browse for the folder").click();
-    settle(&mut window);
-    window.get_by_label("Open these").click();
-    settle(&mut window);
+    tap(&mut window, "Open");
+    tap(&mut window, "Browse for the folder");
+    tap(&mut window, "Open these");
     assert_eq!(names(&window), ["set.000.png", "set.001.png"]);
 }
 
@@ -290,10 +278,8 @@ fn a_thousand_views_can_be_stepped_through() {
     let files = vgg(1000);
     let mut window = open_folder(files.0.path());
     press(&mut window, Key::PageDown);
-    window.get_by_label("The right view").click();
-    settle(&mut window);
-    window.get_by_label("set.004").click();
-    settle(&mut window);
+    tap(&mut window, "The right view");
+    tap(&mut window, "set.004");
     assert_eq!(names(&window), ["set.001.png", "set.004.png"]);
 }
 
@@ -301,8 +287,7 @@ fn a_thousand_views_can_be_stepped_through() {
 fn without_ground_truth_its_button_is_greyed_and_says_why() {
     let files = Files::new();
     let mut window = open([files.image("a.png", 64, 48), files.image("b.png", 64, 48)]);
-    let left = at(&window, Side::Left, 0.1, 0.1);
-    click(&mut window, left);
+    click_at(&mut window, Side::Left, 0.1, 0.1);
     press(&mut window, Key::Num3);
     window.get_by_label_contains("Distances from the epipolar lines appear here");
     assert!(window.get_by_label("Ground truth").accesskit_node().is_disabled());
@@ -319,8 +304,7 @@ fn the_sample_offers_its_truth_and_undo_takes_it_out_of_use() {
     press(&mut window, Key::G);
     assert_eq!(document(&window).truth, Some(TruthSource::Sample("courtyard".into())));
     assert!(!lines(&window, Side::Right, TRUE).is_empty());
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    settle(&mut window);
+    undo(&mut window);
     assert_eq!(document(&window).truth, None);
     assert!(lines(&window, Side::Right, TRUE).is_empty());
 }
@@ -334,11 +318,9 @@ fn true_lines_and_matches_are_blue_and_can_be_hidden() {
     assert_eq!(lines(&window, Side::Left, TRUE).len(), 2 * POINTS);
     let mut window = open_with_clicks(&files);
     assert!(drawn(&window, TRUE, &known.fundamental));
-    window.get_by_label("Overlays").click();
-    settle(&mut window);
+    tap(&mut window, "Overlays");
     for name in ["Show True lines", "Show True matches"] {
-        window.get_by_label(name).click();
-        settle(&mut window);
+        tap(&mut window, name);
     }
     assert!(lines(&window, Side::Right, TRUE).is_empty());
 }
@@ -381,17 +363,14 @@ fn choosing_another_geometry_shows_it_in_the_whole_window() {
     let known = truth(&files, [0, 1]);
     let result = *window.state().estimate().unwrap().fundamental();
     assert!(drawn(&window, ESTIMATED, &result) && !drawn(&window, ESTIMATED, &known.fundamental));
-    window.get_by_label("Geometry: 8-point").click();
-    settle(&mut window);
+    tap(&mut window, "Geometry: 8-point");
     // Fitted to exact matches it is the true one.
     assert!(drawn(&window, OTHER, &known.fundamental));
     window.get_by_label_contains("The images show the 8-point geometry, not the result");
     window.get_by_label("0.00 px (truth 0.00)");
-    window.get_by_label("Geometry: Result").click();
-    settle(&mut window);
+    tap(&mut window, "Geometry: Result");
     assert!(drawn(&window, ESTIMATED, &result));
-    window.get_by_label("Geometry: Ground truth").click();
-    settle(&mut window);
+    tap(&mut window, "Geometry: Ground truth");
     window.get_by_label_contains("The images show the true geometry, not the result");
     press(&mut window, Key::R);
     assert!(drawn(&window, ESTIMATED, &result));
@@ -428,14 +407,11 @@ fn the_residuals_say_how_many_pairs_are_missing_and_count_those_included() {
     assert!(painted(&window, "9 pairs") && !painted(&window, "needs"));
     press(&mut window, Key::Num3);
     // The last pair, which is far off, on top: without it 8-point fits exactly.
-    window.get_by_label("Sort by Point").click();
-    settle(&mut window);
+    tap(&mut window, "Sort by Point");
     assert!(!painted(&window, "9, check"), "all pairs are used");
     // A click selects the pair, and the list of pairs scrolls to it.
-    window.get_by_label("Residuals of pair 9").click();
-    settle(&mut window);
-    window.get_by_label("Leave out pair 9").click();
-    settle(&mut window);
+    tap(&mut window, "Residuals of pair 9");
+    tap(&mut window, "Leave out pair 9");
     assert!(document(&window).excluded.contains(&8));
     assert!(painted(&window, "9, out"));
     press(&mut window, Key::Num4);
@@ -468,8 +444,7 @@ fn rows_of_true_matches_are_linked_with_the_images() {
     window.hover_at(window.get_by_label("True match 2").rect().center());
     settle(&mut window);
     assert_eq!(window.state().focus().hovered(), Some(Target::TrueMatch(1)));
-    window.get_by_label("True match 2").click();
-    settle(&mut window);
+    tap(&mut window, "True match 2");
     let point = truth(&files, [0, 1]).matches[1].point1;
     let pins: Vec<_> = window.state().focus().pins().iter().map(|pin| pin.source).collect();
     assert_eq!(pins, [LineSource::Through { side: Side::Left, point }]);

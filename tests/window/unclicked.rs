@@ -32,16 +32,11 @@ fn finding() -> Services {
     }
 }
 
-fn press(window: &mut Window, name: &str) {
-    window.get_by_label(name).click();
-    settle(window);
-}
-
 #[test]
 fn a_geometry_is_found_without_a_click_and_its_matches_become_pairs() {
     let mut window = window(Start::default(), finding());
     assert!(window.state().model().shown().is_none(), "nobody asked");
-    press(&mut window, "Find without clicks");
+    tap(&mut window, "Find without clicks");
     let model = window.state().model();
     assert!(model.shown().is_some() && model.document.pairs.is_empty());
     assert_eq!(model.standing_in().len(), 2);
@@ -49,7 +44,7 @@ fn a_geometry_is_found_without_a_click_and_its_matches_become_pairs() {
     window.get_by_label_contains("the images alone, without clicks");
     assert!(window.query_by_label("Find without clicks").is_none(), "found already");
 
-    press(&mut window, "Turn matches into point pairs");
+    tap(&mut window, "Turn matches into point pairs");
     let document = window.state().document();
     let about = |pair| (document.role(pair), document.origin(pair));
     assert_eq!([about(0), about(1)], [(Role::Check, PairOrigin::Automatic); 2]);
@@ -65,9 +60,8 @@ fn a_geometry_is_found_without_a_click_and_its_matches_become_pairs() {
 #[test]
 fn a_single_point_leaves_the_offer_in_view() {
     let mut window = window(Start::default(), finding());
-    let left = at(&window, Side::Left, 0.1, 0.1);
-    click(&mut window, left);
-    press(&mut window, "Find without clicks");
+    click_at(&mut window, Side::Left, 0.1, 0.1);
+    tap(&mut window, "Find without clicks");
     assert!(window.state().model().shown().is_some());
     assert!(window.query_by_label("Find without clicks").is_none());
 }
@@ -75,18 +69,16 @@ fn a_single_point_leaves_the_offer_in_view() {
 #[test]
 fn one_click_takes_part_and_clearing_asks_no_more() {
     let mut window = window(Start::default(), finding());
-    press(&mut window, "Find without clicks");
+    tap(&mut window, "Find without clicks");
     for side in Side::BOTH {
-        let position = at(&window, side, 0.1, 0.1);
-        click(&mut window, position);
+        click_at(&mut window, side, 0.1, 0.1);
     }
     let model = window.state().model();
     assert_eq!(model.document.used_pairs().map(|pairs| pairs.len()), Some(1));
     assert!(model.shown().is_some());
     window.get_by_label_contains("the images and one pair");
     for _ in 0..4 {
-        window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
-        settle(&mut window);
+        undo(&mut window);
     }
     assert!(!window.state().document().unclicked, "undone");
     window.get_by_label("Find without clicks");

@@ -19,7 +19,7 @@ use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::suggesting::Repair;
 use crate::app::tasks::{Opening, Wanted};
-use crate::app::view::Destination;
+use crate::app::view::{Destination, WantedView};
 use crate::geometry::symmetric_epipolar_distance;
 use crate::io::PairOrigin;
 
@@ -155,7 +155,9 @@ impl Inspector {
                 model.open.done.tell(format!("Copied {text}"));
                 ctx.copy_text(text);
             }
-            Command::CopyView => self.view.capture.begin(Destination::Clipboard, ViewPart::Images),
+            Command::CopyView => {
+                self.view.capture = Some(WantedView::new(Destination::Clipboard, ViewPart::Images));
+            }
             Command::ToggleLink => {
                 model.look.linked = !model.look.linked;
                 self.view.link(model, Side::Left);

@@ -15,7 +15,7 @@ use crate::app::model::exchange::{
 use crate::app::model::rectified::{Blink, RectifiedCommand, RectifiedLayout, RectifyOrder};
 use crate::app::model::session::suggested_path;
 use crate::app::tasks::saver;
-use crate::app::view::{Destination, ImagePane, ReadingDialog, excerpt, figure, picture};
+use crate::app::view::{Destination, ImagePane, ReadingDialog, WantedView, excerpt, figure, screen_as_png};
 use crate::estimate::{Match, Search};
 use crate::io::{PairOrigin, RectifiedOptions};
 use crate::rectify::RectifyMethod;
@@ -62,7 +62,8 @@ impl Inspector {
     fn export_file(&mut self, order: ExportOrder) {
         self.view.dialogs.export.open = false;
         if order.what == ExportKind::View {
-            return self.view.capture.begin(Destination::File(order.path), order.part);
+            self.view.capture = Some(WantedView::new(Destination::File(order.path), order.part));
+            return;
         }
         if order.what == ExportKind::Figure {
             let panes = self.view.panes.each_ref().map(ImagePane::place);
@@ -86,17 +87,16 @@ impl Inspector {
 
     /// Requests the picture of a view in the next frame, and writes the picture once it is there.
     pub(super) fn capture(&mut self, ctx: &Context) {
-        self.view.capture.ask(ctx);
-        let Some(captured) = self.view.capture.poll(ctx) else { return };
-        let Some((screen, part)) = captured.picture else {
+        let Some((to, picture)) = WantedView::poll(&mut self.view.capture, ctx) else { return };
+        let Some((screen, part)) = picture else {
             let text = "The picture could not be made, because the screen could not be read. Try again.";
             return self.model.messages.tell(text);
         };
         let part = self.view.images.filter(|_| part == ViewPart::Images);
         let scale = ctx.pixels_per_point();
-        match captured.to {
+        match to {
             Destination::File(path) => {
-                let content = picture(screen, part, scale, trust_note(&self.model));
+                let content = screen_as_png(screen, part, scale, trust_note(&self.model));
                 self.write(path, "the view".to_owned(), content);
             }
             Destination::Clipboard => {

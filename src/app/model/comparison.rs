@@ -358,29 +358,6 @@ mod tests {
     }
 
     #[test]
-    fn without_truth_clicked_pairs_are_measured_and_messages_name_what_is_missing() {
-        let question = ComparisonQuestion { truth: None, ..question() };
-        let comparison = question.answer();
-        assert_eq!((comparison.measured, comparison.points.len()), (PointSet::Pairs, 2));
-        let words = |contestant| comparison.of(contestant).fit.as_ref().unwrap_err().as_str();
-        assert_eq!(words(Contestant::SevenPoint), "needs 5 more pairs");
-        assert_eq!(words(Contestant::EightPoint), "needs 6 more pairs");
-        assert_eq!(words(Contestant::Ransac), "needs 6 more pairs");
-        assert_eq!(words(Contestant::LeastMedian), "needs 6 more pairs");
-        assert!(words(Contestant::Truth).contains("not known"));
-        assert!(comparison.true_error.is_none() && comparison.truth_error.is_none());
-        let empty = ComparisonQuestion {
-            result: None,
-            shown: None,
-            imported: None,
-            pairs: Vec::new(),
-            used: Vec::new(),
-            ..question
-        };
-        assert!(empty.answer().rows.iter().all(|row| row.fit.is_err() && row.spread.is_none()));
-    }
-
-    #[test]
     fn matches_of_the_images_are_measured_and_fitted() {
         let matches: Vec<PointPair> = question().truth.as_ref().unwrap().matches.clone();
         let count = matches.len();

@@ -197,12 +197,4 @@ mod tests {
         focus.unpin_all();
         assert_eq!(focus.inspected(), None);
     }
-
-    #[test]
-    fn only_a_change_is_news() {
-        let mut focus = Focus::default();
-        assert!(focus.point_at(Some(Target::Hypothesis(3))));
-        assert!(!focus.point_at(Some(Target::Hypothesis(3))));
-        assert!(focus.point_at(None));
-    }
 }

@@ -110,27 +110,6 @@ mod tests {
     }
 
     #[test]
-    fn undo_and_redo_walk_the_same_states() {
-        let (mut history, mut current) = edited(&[(1, None), (2, None), (3, None)]);
-        for (back, expected) in [(true, [2, 1, 0, 0]), (false, [1, 2, 3, 3])] {
-            for offset in expected {
-                current = history.travel(back, current);
-                assert_eq!(current.offset, offset);
-            }
-        }
-    }
-
-    #[test]
-    fn a_drag_is_one_step_and_two_drags_are_two() {
-        let (mut history, current) = edited(&[(1, RUN), (2, RUN), (3, RUN)]);
-        history.close_step();
-        history.record(current, &state(4), RUN);
-        let current = history.travel(true, state(4));
-        assert_eq!(current.offset, 3);
-        assert_eq!(history.travel(true, current).offset, 0);
-    }
-
-    #[test]
     fn a_new_edit_clears_redo_and_an_empty_edit_is_no_step() {
         let (mut history, current) = edited(&[(1, None), (1, None)]);
         let current = history.travel(true, current);

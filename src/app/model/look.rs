@@ -140,18 +140,6 @@ mod tests {
     use crate::app::model::dock::DockEdge;
 
     #[test]
-    fn a_step_switches_its_overlay_on_and_leaving_it_off() {
-        let mut look = Look { tab: TabId::Method, step: MethodStep::RoundTrip, ..Look::default() };
-        assert!(look.shows(OverlayId::RoundTrip) && !look.shows(OverlayId::Candidates));
-        look.step = MethodStep::Candidates;
-        assert!(!look.shows(OverlayId::RoundTrip) && look.shows(OverlayId::Candidates));
-        look.dock.folded = true;
-        assert!(!look.shows(OverlayId::Candidates) && look.shows(OverlayId::Lines));
-        look.overlays[OverlayId::Candidates as usize] = true;
-        assert!(look.shows(OverlayId::Candidates), "kept on by the user");
-    }
-
-    #[test]
     fn a_look_is_restored_whatever_is_missing_or_unknown() {
         let dock = DockLook { folded: true, edge: Some(DockEdge::Right), ..DockLook::default() };
         let mut look = Look { linked: true, tab: TabId::Method, dock, ..Look::default() };

@@ -49,18 +49,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_second_click_in_the_same_image_ends_a_measurement() {
-        let [a, b] = [Point::new(1.0, 2.0), Point::new(4.0, 6.0)];
-        let first = Measuring::after_click(None, Side::Left, a);
-        assert_eq!(first.end, None);
-        let second = Measuring::after_click(Some(first), Side::Left, b);
-        assert_eq!((second.start, second.end), (a, Some(b)));
-        for (before, side) in [(first, Side::Right), (second, Side::Left)] {
-            assert_eq!(Measuring::after_click(Some(before), side, b), Measuring::from(side, b));
-        }
-    }
-
-    #[test]
     fn distances_are_in_pixels_and_angles_are_clockwise() {
         let origin = Measuring::from(Side::Left, Point::new(10.0, 10.0));
         for (to, distance, degrees) in [

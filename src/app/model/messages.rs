@@ -175,19 +175,6 @@ mod tests {
     }
 
     #[test]
-    fn the_newest_messages_are_on_top_and_none_is_repeated() {
-        let mut messages = Messages::default();
-        for number in [0, 1, 2, 2, 3, 4] {
-            messages.tell(format!("Problem {number}."));
-        }
-        let texts: Vec<_> = messages.on_top().map(|message| message.text.as_str()).collect();
-        assert_eq!(texts, ["Problem 4.", "Problem 3.", "Problem 2.", "Problem 1."]);
-        assert_eq!(messages.below(), 1);
-        assert!(messages.dismiss_top());
-        assert_eq!((messages.on_top().count(), messages.below()), (4, 0));
-    }
-
-    #[test]
     fn messages_of_success_expire_and_problems_stay() {
         let mut messages = Messages::default();
         messages.tell("It went wrong.");
@@ -197,18 +184,5 @@ mod tests {
         assert_eq!(messages.retire(103.0), Some(STAYS - 3.0));
         assert_eq!(messages.retire(100.0 + STAYS), None);
         assert_eq!(messages.list().len(), 1);
-    }
-
-    #[test]
-    fn the_last_action_expires() {
-        let mut done = LastDone::default();
-        assert_eq!(done.retire(5.0), None);
-        done.tell("Saved.");
-        assert_eq!((done.retire(10.0), done.retire(10.0 + STAYS / 2.0)), (Some(STAYS), Some(STAYS / 2.0)));
-        done.tell("Saved again.");
-        assert_eq!(done.retire(10.0 + STAYS), Some(STAYS), "it is news again");
-        assert_eq!(done.text(), Some("Saved again."));
-        assert_eq!(done.retire(10.0 + 2.0 * STAYS), None);
-        assert_eq!(done.text(), None);
     }
 }

@@ -325,38 +325,3 @@ impl Model {
         format!("{}{} and {} - Epiline", session.unwrap_or_default(), left.name, right.name)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::app::fake;
-    use crate::app::model::computation::{EstimateNews, Freshness};
-    use crate::image::Picture;
-    use crate::io::PairOrigin;
-
-    fn opened(name: &str) -> Opened {
-        let pixels = image::DynamicImage::new_luma8(32, 24);
-        Opened::new(Picture::from_pixels(name.into(), None, pixels).unwrap())
-    }
-
-    #[test]
-    fn findings_on_one_pair_are_not_shown_beside_another() {
-        let mut model = Model::default();
-        model.open([opened("a"), opened("b")], None, false, None);
-        let request = fake::request(1.0);
-        model.document.set_pairs(request.pairs.clone(), PairOrigin::Clicked);
-        model.open.computation.adopt(Some(&request));
-        model.open.computation.begin(1, false);
-        let estimate = Box::new(fake::result(&request.pairs, &request.parameters).unwrap());
-        model.open.computation.take(1, EstimateNews::Finished(Ok(estimate)));
-        model.open.focus.pin(LineSource::Pair(0));
-        assert_eq!(model.shown().map(|shown| shown.freshness), Some(Freshness::Final));
-        model.edit(|document| document.include(0, false));
-
-        model.open([opened("c"), opened("d")], None, false, None);
-        assert!(model.shown().is_none() && model.open.computation.result().is_none());
-        assert!(model.open.focus.pins().is_empty() && model.open.hover.is_none());
-        assert!(model.document.pairs.is_empty() && !model.history.can_undo());
-        assert_eq!(model.title(), "c and d - Epiline");
-    }
-}

@@ -158,19 +158,6 @@ mod tests {
     }
 
     #[test]
-    fn a_copy_set_aside_is_offered_and_its_slot_is_not_used_again() {
-        let folder = tempfile::tempdir().unwrap();
-        let mut window = Autosave::begin(folder.path()).unwrap();
-        let first = window.path().to_owned();
-        std::fs::write(&first, "work").unwrap();
-        assert!(window.set_aside());
-        assert_ne!(window.path(), first);
-        assert_eq!(window.left_behind().next(), Some(&*first));
-        assert!(window.set_aside(), "again");
-        assert_ne!(window.path(), first);
-    }
-
-    #[test]
     fn an_unusable_folder_is_reported() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("file"), "").unwrap();

@@ -1,7 +1,6 @@
 use super::*;
 use crate::app::fake;
 use crate::app::model::computation::Freshness;
-use crate::estimate::EstimateError;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -83,35 +82,6 @@ fn mark(request: &EstimateRequest, starts: &[&Estimate]) -> Option<Estimate> {
 }
 
 #[test]
-fn geometries_follow_moved_points_until_the_search_has_a_result() {
-    let gate = Arc::new(AtomicBool::new(true));
-    let held_up = Arc::clone(&gate);
-    let search = move |request: &EstimateRequest, monitor: &Monitor| {
-        while !held_up.load(Ordering::Relaxed) {
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        fake::estimate(request, monitor)
-    };
-    let mut computing = Computing::following(Box::new(search), Box::new(mark));
-    computing.follow(fake::request(1.0));
-    wait(&mut computing, |c| !c.is_running());
-    gate.store(false, Ordering::Relaxed);
-    for x in [2.0, 3.0, 4.0] {
-        computing.follow(fake::request(x));
-        assert_eq!(
-            freshness(&computing.state),
-            Some(Freshness::Followed),
-            "no flicker while the follower works"
-        );
-    }
-    wait(&mut computing, |c| c.result().is_some_and(|(estimate, _)| estimate.assessment.margin == Some(4.0)));
-    assert_eq!(freshness(&computing.state), Some(Freshness::Followed));
-    gate.store(true, Ordering::Relaxed);
-    wait(&mut computing, |c| !c.is_running());
-    assert_eq!(freshness(&computing.state), Some(Freshness::Final));
-}
-
-#[test]
 fn other_parameters_are_not_followed() {
     let mut computing = Computing::following(Box::new(fake::estimate), Box::new(mark));
     computing.follow(fake::request(1.0));
@@ -135,17 +105,4 @@ fn stopping_keeps_the_preliminary_result() {
     computing.state.restart();
     computing.follow(fake::request(1.0));
     assert!(computing.state.is_running());
-}
-
-#[test]
-fn a_failure_removes_the_lines_it_contradicts() {
-    let mut computing = Computing::new(Box::new(fake::estimate));
-    computing.follow(fake::request(1.0));
-    wait(&mut computing, |c| !c.is_running());
-    let mut request = fake::request(1.0);
-    request.pairs.truncate(1);
-    computing.follow(request);
-    wait(&mut computing, |c| !c.is_running());
-    assert!(computing.state.result().is_none());
-    assert_eq!(computing.state.failure(), Some(&EstimateFailure::Estimate(EstimateError::NoGeometry)));
 }

@@ -21,8 +21,8 @@ pub enum Destination {
     Clipboard,
 }
 
-/// A requested screenshot.
-struct WantedView {
+/// A screenshot in progress.
+pub struct WantedView {
     to: Destination,
     part: ViewPart,
     since: Instant,
@@ -30,34 +30,17 @@ struct WantedView {
     picture: Option<Receiver<Arc<ColorImage>>>,
 }
 
-/// Outcome of a screenshot.
-pub struct CapturedView {
-    /// Destination of the picture.
-    pub to: Destination,
-    /// The picture and the part to keep; `None` if the screen gave no picture.
-    pub picture: Option<(Arc<ColorImage>, ViewPart)>,
-}
-
-/// The screenshot in progress, at most one.
-#[derive(Default)]
-pub struct ViewCapture {
-    wanted: Option<WantedView>,
-}
-
-impl ViewCapture {
+impl WantedView {
     /// Requests a picture of the next frame.
-    pub fn begin(&mut self, to: Destination, part: ViewPart) {
-        self.wanted = Some(WantedView { to, part, since: Instant::now(), picture: None });
+    pub fn new(to: Destination, part: ViewPart) -> Self {
+        Self { to, part, since: Instant::now(), picture: None }
     }
 
-    /// Returns whether the present frame may become the picture.
-    pub fn is_under_way(&self) -> bool {
-        self.wanted.is_some()
-    }
-
-    /// Asks the toolkit, once, for the frame about to be drawn.
-    pub fn ask(&mut self, ctx: &Context) {
-        if let Some(wanted) = self.wanted.as_mut().filter(|wanted| wanted.picture.is_none()) {
+    /// Asks the toolkit once, for the frame about to be drawn. Once the picture has arrived or the wait is
+    /// over, ends the screenshot and returns its destination, with the picture and the part to keep; `None`
+    /// if the screen gave no picture.
+    pub fn poll(wanted: &mut Option<Self>, ctx: &Context) -> Option<(Destination, Option<Screen>)> {
+        let asked = wanted.as_mut()?.picture.get_or_insert_with(|| {
             let (sender, picture) = channel();
             let window = ctx.clone();
             ctx.request_screenshot(move |image| {
@@ -65,22 +48,20 @@ impl ViewCapture {
                 let _ = sender.send(image);
                 window.request_repaint();
             });
-            wanted.picture = Some(picture);
-        }
-    }
-
-    /// Returns the outcome once the picture has arrived or the wait is over.
-    pub fn poll(&mut self, ctx: &Context) -> Option<CapturedView> {
-        let wanted = self.wanted.as_ref()?;
-        let picture = wanted.picture.as_ref()?.try_recv().ok();
-        if picture.is_none() && wanted.since.elapsed() < PATIENCE {
+            picture
+        });
+        let picture = asked.try_recv().ok();
+        if picture.is_none() && wanted.as_ref()?.since.elapsed() < PATIENCE {
             ctx.request_repaint_after(Duration::from_millis(50));
             return None;
         }
-        let WantedView { to, part, .. } = self.wanted.take()?;
-        Some(CapturedView { to, picture: picture.map(|picture| (picture, part)) })
+        let Self { to, part, .. } = wanted.take()?;
+        Some((to, picture.map(|picture| (picture, part))))
     }
 }
+
+/// A picture of the screen and the part of it to keep.
+pub type Screen = (Arc<ColorImage>, ViewPart);
 
 /// Returns a part of a screenshot, in screen points, for the clipboard.
 pub fn excerpt(screen: &ColorImage, part: Option<Rect>, pixels_per_point: f32) -> ColorImage {
@@ -90,7 +71,7 @@ pub fn excerpt(screen: &ColorImage, part: Option<Rect>, pixels_per_point: f32) -
 }
 
 /// Encodes a screenshot as PNG. `part` is in screen points; `trust` is written into the file.
-pub fn picture(
+pub fn screen_as_png(
     screen: Arc<ColorImage>,
     part: Option<Rect>,
     pixels_per_point: f32,

@@ -3,7 +3,7 @@
 use egui::{Context, Frame, Margin, Panel, Rect, Ui, UiBuilder, Vec2, vec2};
 
 use super::actions::conditions::has_strip;
-use super::capture::ViewCapture;
+use super::capture::WantedView;
 use super::dialogs::Dialogs;
 use super::panels;
 use super::panes::{ImagePane, halves, scene};
@@ -29,7 +29,7 @@ pub struct View {
     /// The dialogs in front of the images.
     pub dialogs: Dialogs,
     /// The screenshot in progress.
-    pub capture: ViewCapture,
+    pub capture: Option<WantedView>,
     /// The thumbnails of the folder.
     pub strip: panels::FilmStrip,
     /// Area of both images in the window, screen points.
@@ -46,7 +46,7 @@ impl Default for View {
         Self {
             panes: Side::BOTH.map(ImagePane::new),
             dialogs: Dialogs::default(),
-            capture: ViewCapture::default(),
+            capture: None,
             strip: panels::FilmStrip::default(),
             images: None,
             placement: None,
@@ -150,7 +150,7 @@ impl View {
         let hover = self.stage(ui, stage, model, commands);
         self.drawer(ui, stage, model, commands);
         // Nothing may cover the images in a screenshot.
-        if !self.capture.is_under_way() {
+        if self.capture.is_none() {
             panels::messages(&ctx, stage, model, commands);
         }
         self.dialogs.show(&ctx, model, commands);

@@ -11,7 +11,7 @@ mod panels;
 mod panes;
 pub mod theme;
 
-pub use capture::{Destination, excerpt, picture};
+pub use capture::{Destination, WantedView, excerpt, screen_as_png};
 pub use figure::figure;
 pub use keyboard::{KeyboardState, pressed};
 pub use layout::View;

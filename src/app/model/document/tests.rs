@@ -30,16 +30,6 @@ fn a_second_click_in_the_same_image_replaces_the_first() {
 }
 
 #[test]
-fn points_stay_on_their_image() {
-    let mut document = document();
-    document.place(Side::Left, Point::new(-50.0, 500.0));
-    assert_eq!(document.half.map(|half| half.point), Some(Point::new(-0.5, 79.5)));
-    let at = PointRef { pair: 0, side: Side::Left };
-    document.move_to(at, Point::new(1e9, -1e9));
-    assert_eq!(document.point(at), Some(Point::new(99.5, -0.5)));
-}
-
-#[test]
 fn moving_or_removing_a_missing_point_changes_nothing() {
     let mut document = document();
     document.place(Side::Left, Point::new(1.0, 2.0));
@@ -74,15 +64,6 @@ fn all_pairs_but_checks_are_used_and_the_published_search_limits_their_number() 
 }
 
 #[test]
-fn a_document_without_roles_uses_its_pairs() {
-    let mut document = document();
-    document.set_pairs(vec![PointPair::new(1.0, 2.0, 3.0, 4.0); 3], PairOrigin::Clicked);
-    let mut old = serde_json::to_value(&document).unwrap();
-    assert!(old.as_object_mut().unwrap().remove("checks").is_none());
-    assert_eq!(serde_json::from_value::<Document>(old).unwrap(), document);
-}
-
-#[test]
 fn an_excluded_pair_makes_room_for_the_next_one_in_the_published_search() {
     let mut document = document();
     document.parameters = Parameters::from(Preset::Paper);
@@ -99,14 +80,6 @@ fn an_excluded_pair_makes_room_for_the_next_one_in_the_published_search() {
     document.include(1, false);
     document.include(2, false);
     assert_eq!(document.used_pairs(), None);
-}
-
-#[test]
-fn survives_a_round_trip_through_json() {
-    let mut document = document();
-    document.place(Side::Left, Point::new(1.25, 2.5));
-    let text = serde_json::to_string(&document).unwrap();
-    assert_eq!(serde_json::from_str::<Document>(&text).unwrap(), document);
 }
 
 #[test]

@@ -103,24 +103,19 @@ impl ImportQuestion {
 
     /// Reads a calibration, or else a geometry.
     fn read_any(&self) -> Result<ImportedFile, String> {
-        let calibration = match &self.pending.source {
-            ImportSource::File(path) => Calibration::read(path).ok(),
-            _ => None,
-        };
-        let Some(calibration) = calibration else {
-            let archive = match &self.pending.source {
-                ImportSource::File(path) if is_archive(path) => Some(self.matches_of(path)?),
-                _ => None,
-            };
-            return archive
-                .map_or_else(|| self.read(), Ok)
-                .map(|found| ImportedFile::Geometry(Box::new(found)));
-        };
-        let cameras = Box::new(calibration.pair(None)?);
-        for (camera, frame) in cameras.iter().zip(self.shown) {
-            camera.check_frame(frame)?;
+        if let ImportSource::File(path) = &self.pending.source {
+            if let Ok(calibration) = Calibration::read(path) {
+                let cameras = Box::new(calibration.pair(None)?);
+                for (camera, frame) in cameras.iter().zip(self.shown) {
+                    camera.check_frame(frame)?;
+                }
+                return Ok(ImportedFile::Calibration { name: self.pending.source.name(), cameras });
+            }
+            if is_archive(path) {
+                return Ok(ImportedFile::Geometry(Box::new(self.matches_of(path)?)));
+            }
         }
-        Ok(ImportedFile::Calibration { name: self.pending.source.name(), cameras })
+        Ok(ImportedFile::Geometry(Box::new(self.read()?)))
     }
 
     fn read(&self) -> Result<ImportFound, String> {
@@ -230,22 +225,19 @@ fn on_the_images(pairs: &[PointPair], frames: [Frame; 2], name: &str) -> (Vec<Po
     let lies_on = |pair: &PointPair| frames[0].contains(pair.point1) && frames[1].contains(pair.point2);
     let outside: Vec<usize> = (0..pairs.len()).filter(|k| !lies_on(&pairs[*k])).collect();
     let inside: Vec<PointPair> = pairs.iter().copied().filter(lies_on).collect();
-    let mut sentences = Vec::new();
-    if !outside.is_empty() {
-        let mut numbers: Vec<String> =
-            outside.iter().take(MOST_NAMED).map(|k| format!("number {}", k + 1)).collect();
-        if outside.len() > MOST_NAMED {
-            numbers.push(format!("{} more", outside.len() - MOST_NAMED));
-        }
-        sentences.push(format!(
-            "{} of the {} point pairs of {name} lie outside the images and were left out: {}.",
-            outside.len(),
-            pairs.len(),
-            numbers.join(", ")
-        ));
+    if outside.is_empty() {
+        return (inside, None);
     }
-    let note = (!sentences.is_empty()).then(|| sentences.join(" "));
-    (inside, note)
+    let mut numbers: Vec<String> =
+        outside.iter().take(MOST_NAMED).map(|k| format!("number {}", k + 1)).collect();
+    if outside.len() > MOST_NAMED {
+        numbers.push(format!("{} more", outside.len() - MOST_NAMED));
+    }
+    let (left_out, all, numbers) = (outside.len(), pairs.len(), numbers.join(", "));
+    let note = format!(
+        "{left_out} of the {all} point pairs of {name} lie outside the images and were left out: {numbers}."
+    );
+    (inside, Some(note))
 }
 
 #[cfg(test)]

@@ -214,11 +214,4 @@ mod tests {
         let large = pixels(&question());
         assert!(large > DRAFT.pixels && large <= SHOWN.pixels, "{large}");
     }
-
-    #[test]
-    fn a_cancelled_request_has_no_answer() {
-        let cancel = CancelFlag::default();
-        cancel.cancel();
-        assert!(question().answer(&cancel).is_none());
-    }
 }

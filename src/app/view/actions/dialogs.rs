@@ -8,11 +8,11 @@ use crate::app::model::document::Side;
 use crate::app::model::exchange::ExportOrder;
 use crate::app::model::focus::LineSource;
 use crate::app::model::ids::OverlayId;
-use crate::app::model::point_table::{Choosing, ChosenEdit, PointsCommand};
+use crate::app::model::point_table::{ChosenEdit, PointsCommand};
 use crate::app::model::rectified::{Guides, RectifiedCommand};
 use crate::app::model::session::OpenSession;
 use crate::app::model::suggesting::Repair;
-use crate::app::model::tones::{Rendition, TonesCommand};
+use crate::app::model::tones::TonesCommand;
 use crate::camera::FocalLength;
 use crate::io::{PictureFormat, RectifiedOptions};
 
@@ -44,11 +44,6 @@ pub fn in_dialogs() -> Vec<Action> {
         action(Command::DeletePair(0), "Delete", "Remove this pair from both images."),
         action(TonesCommand::Adjust(None), "Adjust", "Choose which image the controls change."),
         action(
-            TonesCommand::Set(Rendition::default()),
-            "Brightness",
-            "Change brightness, contrast and channels of the displayed images.",
-        ),
-        action(
             PointsCommand::Edit(ChosenEdit::Delete),
             "Delete chosen",
             "Remove the chosen pairs from both images.",
@@ -64,13 +59,6 @@ pub fn in_dialogs() -> Vec<Action> {
             "Leave out chosen",
             "Leave the chosen pairs out of the estimate and of all measures.",
         ),
-        action(
-            PointsCommand::Choose(0, Choosing::Only),
-            "Choose the row",
-            "Choose this row. Ctrl adds a row, Shift adds all rows up to it.",
-        ),
-        action(PointsCommand::Rename(0, String::new()), "Name", "Your own name for the pair."),
-        action(PointsCommand::Paste(String::new()), "Paste", "Add the point pairs of a copied table."),
         action(
             Command::IncludePair(0, true),
             "Leave out",
@@ -93,7 +81,6 @@ pub fn in_dialogs() -> Vec<Action> {
             "Check only",
             "Use the pair only to measure how well the geometry fits, not for the estimate.",
         ),
-        action(Command::Select(None), "Select a point", "Select this point for the arrow keys and Delete."),
         action(
             Command::Pin(LineSource::Pair(0)),
             "Pin lines",
@@ -161,7 +148,6 @@ pub fn in_dialogs() -> Vec<Action> {
             "Guide lines",
             "Draw horizontal lines over the rectified pictures, for comparing rows.",
         ),
-        action(RectifiedCommand::Wipe(0.5), "Wipe", "Drag to show more of the left or the right picture."),
         action(
             RectifiedCommand::RunBlink,
             "Automatic",

@@ -153,19 +153,11 @@ fn point_columns(contestants: &[Contestant]) -> Vec<Column> {
          select it, or a match to inspect its lines.",
     );
     let distance = |contestant: &Contestant| {
-        let (title, tooltip) = match contestant {
-            Contestant::Result => ("Result", "Distance from the result, px."),
-            Contestant::SevenPoint => ("7-point", "Distance from the seven-point geometry, px."),
-            Contestant::EightPoint => ("8-point", "Distance from the eight-point geometry, px."),
-            Contestant::Ransac => ("RANSAC", "Distance from the geometry of RANSAC, px."),
-            Contestant::LeastMedian => {
-                ("LMedS", "Distance from the geometry of least median of squares, px.")
-            }
-            Contestant::Imported => ("Imported", "Distance from the imported geometry, px."),
-            Contestant::Truth => ("Truth", "Distance from the true geometry, px."),
-        };
+        let title = if *contestant == Contestant::Truth { "Truth" } else { contestant.name() };
         // This title is longer than the others.
         let width = if *contestant == Contestant::Imported { 86.0 } else { 68.0 };
+        let tooltip = "Mean distance of both points from their epipolar lines in this geometry, px. Empty for \
+                       a geometry that could not be computed.";
         Column { title, tooltip, width, is_text: false }
     };
     std::iter::once(point).chain(contestants.iter().map(distance)).collect()
