@@ -110,18 +110,6 @@ impl Tasks {
                 prepare(&pictures, &turn.cancel);
                 None
             });
-        let comparing = Task::answering("comparison", waker.clone(), |question: ComparisonQuestion| {
-            Some(question.answer())
-        });
-        let inspecting = Task::answering("inspection", waker.clone(), |request: InspectionRequest| {
-            Some(request.inspect())
-        });
-        let suggesting = Task::answering("suggest", waker.clone(), move |question| Some(suggest(&question)));
-        let advising =
-            Task::answering("next click", waker.clone(), move |question| Some(next_click(&question)));
-        let straightening = Task::answering("lens", waker.clone(), move |question| Some(lens(&question)));
-        let checking =
-            Task::answering("places of pairs", waker.clone(), move |question| Some(slid(&question)));
         let repairing =
             Task::new("repair", waker.clone(), Waiting::Newest, move |question: RepairQuestion, _| {
                 let outcome = repair(&question);
@@ -141,21 +129,23 @@ impl Tasks {
                 }
                 question.answer(&turn.cancel)
             });
-        let triangulating =
-            Task::answering("scene", waker.clone(), |question: SceneQuestion| Some(question.answer()));
         Self {
             estimating: Estimating::new(estimate, follow, &waker),
-            preparing: Following::strict(preparing),
-            comparing: Following::keeping(comparing),
-            inspecting: Following::keeping(inspecting),
-            suggesting: Following::strict(suggesting),
-            advising: Following::strict(advising),
-            straightening: Following::strict(straightening),
-            checking: Following::strict(checking),
+            preparing: Following { task: preparing, asked: None, keeps: false },
+            comparing: Following::keeping("comparison", &waker, |question: ComparisonQuestion| {
+                question.answer()
+            }),
+            inspecting: Following::keeping("inspection", &waker, |request: InspectionRequest| {
+                request.inspect()
+            }),
+            suggesting: Following::strict("suggest", &waker, move |question| suggest(&question)),
+            advising: Following::strict("next click", &waker, move |question| next_click(&question)),
+            straightening: Following::strict("lens", &waker, move |question| lens(&question)),
+            checking: Following::strict("places of pairs", &waker, move |question| slid(&question)),
             repairing,
             aligning,
-            rectifying: Following::keeping(rectifying),
-            triangulating: Following::strict(triangulating),
+            rectifying: Following { task: rectifying, asked: None, keeps: true },
+            triangulating: Following::strict("scene", &waker, SceneQuestion::answer),
             loader: Loader::new(waker.clone()),
             thumbnailing: Thumbnailing::new(waker.clone()),
             importing: Task::answering("import", waker.clone(), |question: ImportQuestion| {

@@ -271,20 +271,21 @@ pub fn panic_text(payload: &(dyn Any + Send)) -> String {
 
 /// A task that is asked whenever its question changes.
 pub struct Following<Q, A> {
-    task: Task<Q, A>,
-    asked: Option<Q>,
+    pub task: Task<Q, A>,
+    pub asked: Option<Q>,
     /// Whether the old answer is kept until the next one arrives.
-    keeps: bool,
+    pub keeps: bool,
 }
 
 impl<Q: Clone + PartialEq + Send + 'static, A: Send + 'static> Following<Q, A> {
     /// Creates a task whose answers stay until the next ones arrive.
-    pub fn keeping(task: Task<Q, A>) -> Self {
-        Self { task, asked: None, keeps: true }
+    pub fn keeping(name: &str, waker: &Waker, answer: impl FnMut(Q) -> A + Send + 'static) -> Self {
+        Self { keeps: true, ..Self::strict(name, waker, answer) }
     }
 
     /// Creates a task whose answers are dropped when the question changes.
-    pub fn strict(task: Task<Q, A>) -> Self {
+    pub fn strict(name: &str, waker: &Waker, mut answer: impl FnMut(Q) -> A + Send + 'static) -> Self {
+        let task = Task::answering(name, waker.clone(), move |question| Some(answer(question)));
         Self { task, asked: None, keeps: false }
     }
 
