@@ -78,12 +78,12 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     let calibrated = arguments.cameras.read()?;
     let mut given = arguments.matches.as_deref().map(read_matches).transpose()?;
     let mut input = input(arguments, parameters.pairs_needed(), parameters.method)?;
-    let lens = if arguments.cameras.fits_lens() {
-        on_threads(arguments.threads, || fitted_lens(&input, given.as_deref(), &parameters))??
-    } else {
-        None
-    };
-    let lambdas = lens.map(|lens| lens.lambdas);
+    let (mut first, mut lambdas) = (None, None);
+    if arguments.cameras.fits_lens() {
+        let (found, lens) =
+            on_threads(arguments.threads, || fitted_lens(&input, given.as_deref(), &parameters))??;
+        (first, lambdas) = (Some(found), lens.map(|lens| lens.lambdas));
+    }
     let calibrated = arguments.cameras.of_pictures(calibrated, &input.pictures, lambdas)?;
     let baseline = calibrated.as_ref().and_then(|calibrated| CalibratedCamera::baseline(&calibrated.cameras));
     let views = calibrated.map(|calibrated| calibrated.views(&input.pictures)).transpose()?;
@@ -100,7 +100,10 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
         let prepared = prepared(&input.pictures, Some(given), parameters.seed);
         estimate_prepared(&prepared, &input.pairs, &parameters, monitor)
     };
-    let found = on_threads(arguments.threads, || watched(compute))??;
+    let found = match first.filter(|_| views.is_none()) {
+        Some(found) => found,
+        None => on_threads(arguments.threads, || watched(compute))??,
+    };
     let reasons = found.assessment.trust.iter().flat_map(|trust| &trust.reasons);
     let may_be_bent = |reason: &Reason| matches!(reason, Reason::Pattern { .. });
     if !arguments.cameras.is_given() && reasons.clone().any(may_be_bent) {
@@ -120,20 +123,20 @@ fn prepared(pictures: &[Picture; 2], given: Option<&[Match]>, seed: u64) -> Prep
     prepared
 }
 
-/// Fits the distortion of the lens to the matches of a first estimate, and tells it.
+/// Fits the distortion of the lens to the matches of a first estimate, and tells it. Returns both.
 fn fitted_lens(
     input: &EstimateInput,
     given: Option<&[Match]>,
     parameters: &Parameters,
-) -> Result<Option<DivisionFit>, CliError> {
+) -> Result<(Estimate, Option<DivisionFit>), CliError> {
     let prepared = prepared(&input.pictures, given, parameters.seed);
-    let found = estimate_prepared(&prepared, &input.pairs, parameters, &Monitor::silent())?;
+    let found = watched(|monitor| estimate_prepared(&prepared, &input.pairs, parameters, monitor))?;
     let lens = find_lens(&prepared, &found);
     match &lens {
         Some(lens) => tell(lens_in_words(lens, prepared.frames())),
         None => tell("no lens explains the matches clearly better: the images are taken as they are"),
     }
-    Ok(lens)
+    Ok((found, lens))
 }
 
 /// Reads the images after checking the number of pairs, which is faster. A built-in pair has its

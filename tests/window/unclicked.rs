@@ -4,6 +4,7 @@ use crate::support::*;
 
 use std::sync::Arc;
 
+use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use epiline::estimate::{Clicks, EstimateError, SearchPlan};
 use epiline::geometry::PointPair;
@@ -55,6 +56,17 @@ fn a_geometry_is_found_without_a_click_and_its_matches_become_pairs() {
     let model = window.state().model();
     assert!(!model.document.is_unclicked() && model.standing_in().is_empty());
     assert_eq!(model.document.used_pairs().map(|pairs| pairs.len()), Some(2));
+
+    // Asked again, the images decide alone and the clicks check them.
+    press_with(&mut window, Modifiers::COMMAND, Key::K);
+    window.get_by_label("Search commands").type_text("Find the geometry without");
+    settle(&mut window);
+    press(&mut window, Key::Enter);
+    let model = window.state().model();
+    assert!(model.document.is_unclicked() && model.shown().is_some());
+    assert_eq!([2, 3].map(|pair| model.document.role(pair)), [Role::Check; 2]);
+    undo(&mut window);
+    assert!(!window.state().document().is_unclicked());
 }
 
 #[test]

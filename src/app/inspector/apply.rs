@@ -5,7 +5,7 @@ use egui::{Theme, ThemePreference};
 use super::Inspector;
 use crate::app::model::command::{Command, PickPurpose};
 use crate::app::model::dock::DockLook;
-use crate::app::model::document::{Side, counted, pair_name};
+use crate::app::model::document::{Document, Side, counted, pair_name};
 use crate::app::model::exchange::ViewPart;
 use crate::app::model::focus::LineSource;
 use crate::app::model::history::EditKey;
@@ -54,12 +54,7 @@ impl Inspector {
                     model.edit(|document| document.set_pairs(pairs.to_vec(), PairOrigin::TrueMatch));
                 }
             }
-            Command::FindWithoutClicks => {
-                model.edit(|document| {
-                    document.unclicked = true;
-                    document.half = None;
-                });
-            }
+            Command::FindWithoutClicks => model.edit(Document::leave_to_the_images),
             Command::KeepMatches => {
                 let matches = model.telling_matches();
                 model.edit(|document| document.keep_as_checks(&matches));

@@ -24,6 +24,15 @@ impl Document {
         Parameters { method, ..self.parameters.clone() }
     }
 
+    /// Lets the images decide alone. Enough pairs for an estimate become checks.
+    pub fn leave_to_the_images(&mut self) {
+        self.unclicked = true;
+        self.half = None;
+        if self.used().count() >= self.pairs_needed() {
+            self.checks.extend(self.used().collect::<Vec<_>>());
+        }
+    }
+
     /// Adds matches as pairs. They are only checks until the user accepts them.
     pub fn keep_as_checks(&mut self, matches: &[PointPair]) {
         for pair in matches {
@@ -48,10 +57,7 @@ impl Model {
 
     /// Returns whether a search without clicks would give something new.
     pub fn can_find_without_clicks(&self) -> bool {
-        let document = &self.document;
-        document.pictures.is_some()
-            && !document.unclicked
-            && document.used().count() < document.pairs_needed()
+        self.document.pictures.is_some() && !self.document.is_unclicked()
     }
 
     /// Returns the matches that replace clicks in the result; none for an estimate from clicks.

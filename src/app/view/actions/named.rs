@@ -87,8 +87,8 @@ pub fn by_name() -> Vec<Action> {
         action(
             Command::FindWithoutClicks,
             "Find without clicks",
-            "Let Epiline find the geometry on its own, from similar features of both images. Any points you \
-             add are used.",
+            "Let Epiline find the geometry on its own, from similar features of both images. A single \
+             point pair takes part; more of them then only check the result.",
         )
         .listed(|_| "Find the geometry without clicks")
         .when(Model::can_find_without_clicks),
