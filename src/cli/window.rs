@@ -10,7 +10,6 @@ use crate::geometry::PointPair;
 
 /// Content to open in the window.
 #[derive(Debug, Args)]
-#[cfg_attr(not(feature = "inspector"), expect(dead_code, reason = "there is no window to tell"))]
 pub(super) struct WindowArguments {
     /// Two images, two sequences (folders of frames or videos), a session (.json), or a folder of
     /// images, with or without ground truth; by default the built-in sample
