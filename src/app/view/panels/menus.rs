@@ -54,7 +54,7 @@ pub fn pin_menu(ui: &mut Ui, model: &Model, number: usize, commands: &mut Vec<Co
         return;
     };
     ui.weak(format!("Line pair {}", number + 1));
-    ui.label(RichText::new(describe_lines(pins[place].source)).weak().small());
+    ui.label(RichText::new(describe_lines(model, pins[place].source)).weak().small());
     let look = ui.button("Show its profiles");
     if look.on_hover_text("Compare the intensities along its two lines.").clicked() {
         commands.extend([Command::Inspect(place), Command::ShowTab(TabId::Profiles)]);

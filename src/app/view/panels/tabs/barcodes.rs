@@ -74,7 +74,7 @@ pub fn show(ui: &mut Ui, model: &Model, inspected: &InspectedBarcodes, commands:
 
 /// Describes the lines and their correlation.
 fn in_words(model: &Model, inspected: &InspectedBarcodes) -> String {
-    let lines = model.inspected().map_or_else(String::new, |inspected| describe(inspected.source));
+    let lines = model.inspected().map_or_else(String::new, |inspected| describe(model, inspected.source));
     let [left, right] = &inspected.barcodes;
     let crossed = format!("crossed in {} and {} of {} frames", left.ones(), right.ones(), left.len());
     match inspected.correlation() {

@@ -11,7 +11,7 @@ use super::super::dialog::named;
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::document::pair_name;
-use crate::app::model::focus::{Focus, LineSource, Target};
+use crate::app::model::focus::{LineSource, Target};
 use crate::app::model::inspection::Inspection;
 use crate::app::view::theme;
 
@@ -30,11 +30,11 @@ pub fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         command_button(ui, Command::Unpin(number), true, commands);
     }
     if focus.pins().len() > SWATCHES {
-        menu(ui, focus, commands);
+        menu(ui, model, commands);
         return;
     }
     for (place, pin) in focus.pins().iter().enumerate().rev() {
-        let text = describe(pin.source);
+        let text = describe(model, pin.source);
         let chosen = focus.inspected_number() == Some(place);
         let (area, response) = ui.allocate_exact_size(vec2(18.0, 18.0), Sense::click());
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, to_inspect(&text)));
@@ -50,7 +50,8 @@ pub fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 }
 
 /// Shows a menu of many pinned pairs, scrolled to the inspected one.
-fn menu(ui: &mut Ui, focus: &Focus, commands: &mut Vec<Command>) {
+fn menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let focus = &model.open.focus;
     let title = match focus.inspected() {
         Some(pin) => format!("Line pair {} of {}", pin.number + 1, focus.pins().len()),
         None => format!("{} line pairs", focus.pins().len()),
@@ -63,7 +64,7 @@ fn menu(ui: &mut Ui, focus: &Focus, commands: &mut Vec<Command>) {
                 ui.horizontal(|ui| {
                     let (area, _) = ui.allocate_exact_size(vec2(18.0, 18.0), Sense::hover());
                     swatch(ui, area, pin.number);
-                    let text = describe(pin.source);
+                    let text = describe(model, pin.source);
                     let chosen = focus.inspected_number() == Some(place);
                     let row = named(ui.selectable_label(chosen, &text), &to_inspect(&text));
                     // Keep clear of the scroll bar.
@@ -113,7 +114,7 @@ pub fn read_out(model: &Model) -> Option<(String, &'static str)> {
             "The sample of the left line under the cursor: its place, the grey values of both lines, disparity and cost, grey².",
         ));
     }
-    let lines = describe(inspected.source);
+    let lines = describe(model, inspected.source);
     let text = match model.open.inspection.as_ref() {
         Some(inspection) => {
             let matching = &inspection.warped.matching;
@@ -128,12 +129,13 @@ pub fn read_out(model: &Model) -> Option<(String, &'static str)> {
     ))
 }
 
-/// Describes a line pair by its origin.
-pub fn describe(source: LineSource) -> String {
+/// Describes a line pair by its origin, a place by its pixel in the picture on the screen.
+pub fn describe(model: &Model, source: LineSource) -> String {
     match source {
         LineSource::Pair(pair) => format!("Epipolar lines of {}", pair_name(pair)),
         LineSource::Through { side, point } => {
-            format!("Epipolar lines of ({:.0}, {:.0}) in the {} image", point.x, point.y, side.name())
+            let pixel = model.open.pixel(side, point);
+            format!("Epipolar lines of ({:.0}, {:.0}) in the {} image", pixel.x, pixel.y, side.name())
         }
         LineSource::Pencil { pair, angles: [angle1, angle2] } => format!(
             "Lines through {} at {:.1}° and {:.1}°",
