@@ -125,6 +125,13 @@ impl CameraModel {
         Some(Self { focal_deviation: focal.deviation, ..camera })
     }
 
+    /// Returns the coefficient of the division model for radii in half diagonals of a picture of this size, if
+    /// the lens is one of that model.
+    pub fn division(&self, frame: Frame) -> Option<f64> {
+        let Radial::Division { lambda } = self.lens.radial else { return None };
+        Some(lambda * (0.5 * frame.diagonal() / self.focal[0]).powi(2))
+    }
+
     /// Returns the relative standard deviation of the focal length: 0 for a calibration, `None` if the focal
     /// length is unknown.
     pub fn focal_deviation(&self) -> Option<f64> {

@@ -292,6 +292,7 @@ fn distortion_without_a_focal_length_takes_one_later_and_leaves_the_view() {
     let known = view.with_focal_length(focal).unwrap();
     assert!((known.camera().calibration()[(0, 0)] - 700.0).abs() < 1e-9);
     assert_eq!((known.camera().focal_deviation(), known.frame()), (Some(0.05), view.frame()));
+    assert!((known.camera().division(FRAME).unwrap() + 0.2).abs() < 1e-12);
     for pixel in [corner, Point::new(30.0, 400.0), Point::new(500.0, 20.0)] {
         let [before, after] = [&view, &known].map(|view| view.undistorted_from_original(pixel).unwrap());
         assert!((before - after).norm() < 1e-8, "{before} {after}");

@@ -215,18 +215,18 @@ fn a_lens_that_explains_the_matches_better_is_offered_used_and_removed() {
     settle(&mut window);
     tap(&mut window, "Details");
     assert!(window.query_by_label_contains("λ -0.200 ± 0.010").is_some());
-    tap(&mut window, "Undo the lens distortion");
+    tap(&mut window, "Correct the lens distortion");
     let frame = window.state().document().frame(Side::Left).unwrap();
     assert!(frame.width > 320, "{frame:?}");
     for (found, given) in window.state().model().pairs_in_pictures().iter().zip(&pairs()) {
         assert!(is_near(found, given, 1e-6), "{found:?}");
     }
-    assert!(window.query_by_label("Undo the lens distortion").is_none(), "it is undone");
+    assert!(window.query_by_label("Correct the lens distortion").is_none(), "it is corrected");
     // The focal lengths are unknown, so a scene asks for them, and the lines stay where they are.
     assert!(window.state().model().scene_question().is_none());
     assert!(window.state().model().open.takes_focal_lengths());
     press_with(&mut window, Modifiers::COMMAND, Key::K);
-    window.get_by_label("Search commands").type_text("Remove the calibration");
+    window.get_by_label("Search commands").type_text("Remove the lens correction");
     settle(&mut window);
     press(&mut window, Key::Enter);
     let document = window.state().document();

@@ -214,7 +214,10 @@ fn a_pair_whose_match_lies_elsewhere_on_its_line_is_told_and_moved() {
     });
     services.slid = Box::new(move |question| {
         let pair = question.pairs[1];
-        if pair.point2 == place { Vec::new() } else { vec![Slid { pair, place }] }
+        if pair.point2 == place {
+            return vec![Slid { pair: question.pairs[0], place: None }];
+        }
+        vec![Slid { pair, place: Some(place) }]
     });
     let mut window = window(Start::default(), services);
     click_two_pairs(&mut window);
@@ -224,6 +227,8 @@ fn a_pair_whose_match_lies_elsewhere_on_its_line_is_told_and_moved() {
     assert_eq!(point(&window, Q_RIGHT), place);
     assert!(window.query_by_label("off its match").is_none());
     assert!(window.query_by_label_contains("lies elsewhere").is_none());
+    // The place of the other pair is not clear.
+    assert!(window.query_by_label("?").is_some() && window.state().model().slid(0).is_none());
     undo(&mut window);
     assert!(window.query_by_label("off its match").is_some(), "it is checked again");
 }

@@ -83,6 +83,10 @@ impl Inspector {
             }
             folder => {
                 self.model.open(pair.pictures, pair.known, pair.uses_truth, pair.show_me);
+                if calibrated.is_none() {
+                    // Other pictures have no rectified pair yet.
+                    self.model.look.stage = StageId::Pictures;
+                }
                 self.model.album = folder.as_ref().map(|(folder, views)| Album::new(folder, *views));
                 self.model.open.folder = folder;
             }
@@ -129,8 +133,10 @@ impl Inspector {
         let judged = if document.imported.is_some() { ". Compare judges its pose" } else { "" };
         open.done.tell(match (&calibration.name, &calibration.cameras) {
             (Some(name), _) => format!("Lens calibrated by {name}{judged}"),
-            (None, Some(_)) => "Lens distortion undone. Lines are curves in the pictures now".to_owned(),
-            (None, None) => "Pictures taken as they are, without a calibration".to_owned(),
+            (None, Some(_)) => {
+                "Lens distortion corrected. Epipolar lines are curves in the pictures now".to_owned()
+            }
+            (None, None) => "Lens correction removed. The pictures are taken as they are".to_owned(),
         });
         let outside = count - document.pairs.len();
         self.tell_of_pairs_outside(outside);

@@ -67,7 +67,7 @@ pub struct OpenPair {
     /// Lens that explains the matches clearly better than the result without it, once sought. The inner
     /// `None`: there is no such lens.
     pub lens: Option<Option<DivisionFit>>,
-    /// Pairs whose matches lie elsewhere on their lines, once sought.
+    /// Pairs whose places along their lines the images do not confirm, once sought.
     pub slid: Option<Vec<Slid>>,
     /// The pair whose match was last sought in vain.
     pub unmatched: Option<PointPair>,
@@ -161,6 +161,15 @@ impl OpenPair {
     pub fn cameras(&self) -> Option<[CameraModel; 2]> {
         let [left, right] = self.pictures.as_ref()?.each_ref().map(|opened| opened.lens.as_ref());
         Some([*left?.view.camera(), *right?.view.camera()])
+    }
+
+    /// Returns the coefficients of the distortion that is corrected without a calibration.
+    pub fn corrected_lens(&self) -> Option<[f64; 2]> {
+        let [left, right] = self.pictures.as_ref()?.each_ref().map(|opened| {
+            let lens = opened.lens.as_ref()?;
+            lens.view.camera().division(lens.original.frame())
+        });
+        Some([left?, right?])
     }
 
     /// Returns the views of cameras with focal lengths, which a pose needs.

@@ -186,6 +186,9 @@ impl Model {
             matches,
             method: self.document.rectification,
             moving: shown.freshness == Freshness::Followed || dragging,
+            bent: self.open.undistorted().and_then(|views| {
+                Some((self.open.pictures.as_ref()?.each_ref().map(|opened| opened.shown().clone()), views))
+            }),
         })
     }
 

@@ -3,7 +3,7 @@
 use super::Model;
 use super::document::{PointRef, Side, pair_name};
 use super::messages::MessageKind;
-use super::suggesting::{Repair, RepairQuestion, Repaired, SlidQuestion};
+use super::suggesting::{Repair, RepairQuestion, Repaired, Slid, SlidQuestion};
 use crate::estimate::Verdict;
 use crate::geometry::PointPair;
 use crate::io::PairOrigin;
@@ -38,9 +38,14 @@ impl Model {
     /// Returns how far the match of a pair lies from its right point, px, if it clearly lies elsewhere on the
     /// epipolar line.
     pub fn slid(&self, pair: usize) -> Option<f64> {
+        let place = self.unconfirmed(pair)?.place?;
+        Some((place - self.document.pairs[pair].point2).norm())
+    }
+
+    /// Returns what the images tell about a pair whose place along the line they do not confirm.
+    pub fn unconfirmed(&self, pair: usize) -> Option<&Slid> {
         let points = self.document.pairs.get(pair)?;
-        let slid = self.open.slid.iter().flatten().find(|slid| slid.pair == *points)?;
-        Some((slid.place - points.point2).norm())
+        self.open.slid.iter().flatten().find(|slid| slid.pair == *points)
     }
 
     /// Returns whether no clear match of a pair was found.

@@ -80,7 +80,7 @@ pub fn result_text(stage: Stage, document: &Document, computation: &Computation)
             // Without a validation, the result was the only hypothesis.
             Some(match trace.counts.validated {
                 0 => format!("line cost {score}"),
-                validated => format!("{validated} compared, best line cost {score}"),
+                validated => format!("{validated} compared, line cost of the result {score}"),
             })
         }
         Stage::Refinement => {

@@ -55,13 +55,14 @@ pub struct SlidQuestion {
     pub pairs: Vec<PointPair>,
 }
 
-/// A pair whose match clearly lies elsewhere on the epipolar line.
+/// A pair whose place along the epipolar line the images do not confirm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slid {
     /// The pair.
     pub pair: PointPair,
-    /// Place of the match in the right image, px.
-    pub place: Point,
+    /// Place of the match in the right image, px, if it clearly lies elsewhere on the line. `None` if no
+    /// place is clear.
+    pub place: Option<Point>,
 }
 
 /// Method of repairing a placed pair.

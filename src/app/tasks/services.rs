@@ -147,14 +147,17 @@ fn suggested(
     suggest(prepared, at, clicked, &known, &SuggestParameters::default())
 }
 
-/// Returns the pairs whose match clearly lies elsewhere on the epipolar line.
+/// Returns the pairs whose places along their epipolar lines the images do not confirm.
 fn slid(prepared: &PreparedPair, question: &SlidQuestion) -> Vec<Slid> {
     let least = SLID * prepared.frames()[1].longer_side();
+    let view = Some(question.found.view());
     let check = |pair: &PointPair| {
-        let found =
-            suggested(prepared, pair.point1, ClickedImage::First, Some(&question.found), || None).ok()?;
-        let place = found.clear()?.position;
-        ((place - pair.point2).norm() > least).then_some(Slid { pair: *pair, place })
+        let found = suggested(prepared, pair.point1, ClickedImage::First, Some(&question.found), || None);
+        let place = found.ok().and_then(|found| Some(found.clear()?.position));
+        let is_there = |place: Point| (place - pair.point2).norm() <= least;
+        // At the border of two surfaces, each has its own match. The pair may be of the other one.
+        let is_alike = || refine(prepared, pair, view, &SuggestParameters::default()).is_ok();
+        (!place.is_some_and(is_there) && !is_alike()).then_some(Slid { pair: *pair, place })
     };
     question.pairs.iter().filter_map(check).collect()
 }

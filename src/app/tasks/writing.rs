@@ -88,7 +88,7 @@ impl RectifyOrder {
             .question
             .rectification(&Limits::default())
             .map_err(|e| format!("The rectified pair was not written: {e}."))?;
-        let pictures = &self.question.pictures;
+        let (pictures, rectification) = self.question.sources(rectification);
         step(1, "Drawing the left picture");
         let left = rectification.warp(0, &pictures[0].pixels, cancel).ok_or_else(stopped)?;
         step(2, "Drawing the right picture");
@@ -128,6 +128,7 @@ mod tests {
                 matches: MatchesAtHand::True(Shared::new(sample.truth)),
                 method: RectifyMethod::Auto,
                 moving: false,
+                bent: None,
             },
             folder: folder.to_owned(),
             options: RectifiedOptions { format: PictureFormat::Png, guide_spacing: 40, maps: true },

@@ -10,6 +10,7 @@ use super::disparity::DisparityMap;
 use crate::app::model::picture::{Opened, Pictures};
 use crate::app::model::revision;
 use crate::app::model::shared::Shared;
+use crate::camera::ViewPair;
 use crate::cancel::CancelFlag;
 use crate::estimate::Estimate;
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
@@ -61,6 +62,8 @@ pub struct RectifyQuestion {
     pub method: RectifyMethod,
     /// Whether the geometry is moving, so that another request follows soon.
     pub moving: bool,
+    /// The pictures with the distortion of their lenses, if `pictures` are views without it.
+    pub bent: Option<(Pictures, ViewPair)>,
 }
 
 impl RectifyQuestion {
@@ -68,6 +71,14 @@ impl RectifyQuestion {
     pub fn rectification(&self, limits: &Limits) -> Result<Rectification, RectifyError> {
         let frames = self.pictures.each_ref().map(|picture| picture.frame());
         rectify(&self.fundamental, frames, &self.matches.pairs(), self.method, limits)
+    }
+
+    /// Returns the pictures to draw from, with the maps that lead to them.
+    pub fn sources(&self, rectification: Rectification) -> (&Pictures, Rectification) {
+        match &self.bent {
+            Some((pictures, views)) => (pictures, rectification.through(&views.views)),
+            None => (&self.pictures, rectification),
+        }
     }
 
     /// Draws the pair for the screen; `None` when cancelled.
@@ -106,8 +117,9 @@ impl RectifyQuestion {
 
     /// Draws both pictures.
     fn pictures_of(&self, shown: &Rectification, cancel: &CancelFlag) -> Option<[Opened; 2]> {
-        let left = shown.warp(0, &self.pictures[0].pixels, cancel)?;
-        let right = shown.warp(1, &self.pictures[1].pixels, cancel)?;
+        let (pictures, maps) = self.sources(shown.clone());
+        let [left, right] =
+            [maps.warp(0, &pictures[0].pixels, cancel)?, maps.warp(1, &pictures[1].pixels, cancel)?];
         let opened =
             |name: &str, pixels| Picture::from_pixels(name.into(), None, pixels).ok().map(Opened::new);
         Some([opened("left", left)?, opened("right", right)?])
@@ -184,6 +196,7 @@ mod tests {
             matches: MatchesAtHand::True(Shared::new(sample.truth)),
             method: RectifyMethod::Auto,
             moving: false,
+            bent: None,
         }
     }
 

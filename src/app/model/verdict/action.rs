@@ -9,7 +9,7 @@ use crate::app::model::suggesting::Repair;
 use crate::estimate::{Reason, Verdict};
 
 /// Text of the button that undoes the distortion of the lens.
-pub const USE_LENS: &str = "Undo the lens distortion";
+pub const USE_LENS: &str = "Correct the lens distortion";
 
 /// A button of the verdict.
 #[derive(Debug, Clone, PartialEq)]

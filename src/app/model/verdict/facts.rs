@@ -88,7 +88,19 @@ pub fn lens_fact(lens: &DivisionFit, frames: [Frame; 2]) -> Fact {
         format!("λ {coefficients}, corners move by {:.0} px", lens.corner_shift(frames)),
         "Radial distortion that explains the matches clearly better: coefficient of the division model with its \
          standard deviation, for radii in half diagonals from the middle. Negative for barrel distortion. \
-         \"Undo the lens distortion\" uses it.",
+         \"Correct the lens distortion\" uses it.",
+    )
+}
+
+/// Returns the distortion that is corrected.
+pub fn corrected_fact([left, right]: [f64; 2]) -> Fact {
+    let same = (left - right).abs() < 1e-9;
+    let coefficients = if same { format!("{left:.3}") } else { format!("{left:.3} and {right:.3}") };
+    Fact::new(
+        "Lens",
+        format!("λ {coefficients}, corrected"),
+        "Radial distortion of the pictures that is corrected before the search: coefficient of the division model, \
+         for radii in half diagonals from the middle.",
     )
 }
 

@@ -17,7 +17,8 @@ use crate::presentation::{error_in_words, probability_in_words, reason_in_words,
 pub use action::{CardAction, LineLook, USE_LENS};
 use facts::facts;
 pub use facts::{
-    Fact, card_facts, epipole_text, epipoles, hypothesis_facts, import_facts, lens_fact, pose_facts,
+    Fact, card_facts, corrected_fact, epipole_text, epipoles, hypothesis_facts, import_facts, lens_fact,
+    pose_facts,
 };
 pub use gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text};
 pub use standing::Standing;

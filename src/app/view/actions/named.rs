@@ -109,17 +109,17 @@ pub fn by_name() -> Vec<Action> {
         action(
             Command::UseLens,
             USE_LENS,
-            "Undo the radial distortion that explains the matches clearly better, and estimate again. The pictures \
+            "Correct the radial distortion that explains the matches clearly better, and estimate again. The pictures \
              stay as they are; their epipolar lines are curves then.",
         )
         .listed(|_| USE_LENS)
         .when(|model| model.offered_lens().is_some()),
         action(
             Command::RemoveCalibration,
-            "Remove the calibration",
+            "Remove the lens correction",
             "Take the pictures as they are, without the lens and the focal lengths that were given or fitted.",
         )
-        .listed(|_| "Remove the calibration of the lens")
+        .listed(|_| "Remove the lens correction")
         .when(|model| model.open.views().is_some()),
         action(
             Command::KeepMatches,

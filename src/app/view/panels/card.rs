@@ -12,8 +12,8 @@ use crate::app::model::guide::guide;
 use crate::app::model::ids::OverlayId;
 use crate::app::model::messages::MessageKind;
 use crate::app::model::verdict::{
-    CardAction, Fact, Tone, VerdictInWords, card_facts, epipoles, hypothesis_facts, import_facts,
-    import_warning, lens_fact, pose_facts, verdict,
+    CardAction, Fact, Tone, VerdictInWords, card_facts, corrected_fact, epipoles, hypothesis_facts,
+    import_facts, import_warning, lens_fact, pose_facts, verdict,
 };
 use crate::app::view::theme;
 
@@ -163,6 +163,7 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let pose = model.scene().map(|scene| pose_facts(&scene.fit)).unwrap_or_default();
     let frames = model.document.pictures.as_ref().map(|pictures| pictures.each_ref().map(|of| of.frame));
     let lens = model.offered_lens().zip(frames).map(|(lens, frames)| lens_fact(lens, frames));
+    let lens = lens.or(model.open.corrected_lens().map(corrected_fact));
     let facts: Vec<Fact> = true_error(model).into_iter().chain(facts).chain(pose).chain(lens).collect();
     list(ui, card_facts(&facts).cloned());
     let is_on_card = |fact: &Fact| card_facts(&facts).any(|other| other.name == fact.name);
@@ -183,6 +184,9 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             ui.add(Label::new(text).wrap());
         }
         list(ui, others.into_iter());
+        if model.open.corrected_lens().is_some() {
+            command_button(ui, Command::RemoveCalibration, true, commands);
+        }
     });
 }
 

@@ -211,6 +211,12 @@ fn line(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
                  points are not the same scene point."
             ));
         }
+        if model.unconfirmed(pair).is_some_and(|slid| slid.place.is_none()) {
+            ui.add(Label::new(RichText::new("?").weak()).selectable(false)).on_hover_text(
+                "The images do not show the match of the left point clearly. The distance from the line says \
+                 nothing about the place along it, so compare both points yourself.",
+            );
+        }
         let role = match document.role(pair) {
             Role::Used => "",
             Role::Check => "check",

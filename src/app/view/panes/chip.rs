@@ -41,7 +41,7 @@ impl Chip {
         if let Some(picture) = model.document.pictures.as_ref().map(|p| &p[self.side.index()]) {
             text = format!("{}  {} × {}", picture.name, self.size.width, self.size.height);
             match self.lens {
-                Some(view) if view.camera().focal_deviation().is_none() => text += "  lens fitted",
+                Some(view) if view.camera().division(self.size).is_some() => text += "  lens corrected",
                 Some(_) => text += "  lens calibrated",
                 None => {}
             }

@@ -156,8 +156,7 @@ fn point_columns(contestants: &[Contestant]) -> Vec<Column> {
         let title = if *contestant == Contestant::Truth { "Truth" } else { contestant.name() };
         // This title is longer than the others.
         let width = if *contestant == Contestant::Imported { 86.0 } else { 68.0 };
-        let tooltip = "Mean distance of both points from their epipolar lines in this geometry, px. Empty for \
-                       a geometry that could not be computed.";
+        let tooltip = "Mean distance of both points from their epipolar lines in this geometry, px.";
         Column { title, tooltip, width, is_text: false }
     };
     std::iter::once(point).chain(contestants.iter().map(distance)).collect()
@@ -180,6 +179,8 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
     let document = &model.document;
     let mut contestants = contestants(model);
     contestants.retain(|c| *c != Contestant::Truth || model.truth().is_some());
+    // Compare tells why a geometry could not be computed.
+    contestants.retain(|c| !comparison.of(*c).distances.is_empty());
     let columns = point_columns(&contestants);
     let distances = |column: usize| &comparison.of(contestants[column - 1]).distances;
     let touched = Table {
