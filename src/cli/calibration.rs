@@ -35,8 +35,8 @@ pub(super) struct CameraArguments {
     /// a photograph. The principal point is taken to be in the middle, and the lens without distortion
     #[arg(long, num_args = 1..=2, value_name = "PX")]
     focal_length: Option<Vec<TypedFocal>>,
-    /// Radial distortion of both images or of each without a calibration: λ of the division model, with
-    /// radii in half diagonals from the middle; negative for barrel distortion. "auto" fits it to the matches
+    /// Radial distortion without a calibration, for both images or for each: λ of the division model. Radii
+    /// are in half diagonals, and barrel distortion is negative. "auto" fits λ to the matches
     #[arg(
         long, num_args = 1..=2, value_name = "LAMBDA", conflicts_with = "calibration",
         allow_negative_numbers = true
@@ -47,7 +47,7 @@ pub(super) struct CameraArguments {
 /// Distortion of the command line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum TypedDivision {
-    /// A coefficient.
+    /// λ of the division model.
     Lambda(f64),
     /// The fit to the matches.
     Auto,
@@ -138,7 +138,7 @@ impl CameraArguments {
         self.division.iter().flatten().any(|division| *division == TypedDivision::Auto)
     }
 
-    /// Returns the calibrated cameras, or those of the given focal lengths and distortion. `fitted` is the
+    /// Returns the calibrated cameras, or cameras of the given focal lengths and distortion. `fitted` is the
     /// distortion of each image that was fitted to the matches.
     pub(super) fn of_pictures(
         &self,

@@ -6,11 +6,11 @@ use super::verdict::result::Estimate;
 use super::verdict::trust::Trust;
 
 /// Finds radial distortion that explains the matches of the images clearly better than the result without
-/// it does (arXiv 2410.05984: any solver will do, given a few coefficients to try). It costs about a tenth of
-/// a second beside the search.
+/// distortion. A plain solver tries several coefficients (as in arXiv 2410.05984), within some tenths of a
+/// second.
 ///
-/// Returns `None` if no lens is clear, and where the verdict says that one plane explains the matches:
-/// distortion can then not be told from parallax.
+/// Returns `None` if no lens is clear, and if the verdict says that one plane explains the matches. On one
+/// plane, distortion looks like parallax.
 pub fn find_lens(prepared: &PreparedPair, found: &Estimate) -> Option<DivisionFit> {
     if found.assessment.trust.as_ref().is_some_and(Trust::says_one_plane) {
         return None;

@@ -26,8 +26,8 @@ use crate::suggest::{
     view_at,
 };
 
-/// Distance of a match from the right point of a pair, as a share of the longer side, from which the pair
-/// counts as misplaced along its line: beyond it, a suggestion counts as wrong where the truth is known.
+/// Distance from the match, as a share of the longer side, from which a pair counts as misplaced along its
+/// line. Measurements of suggestions count a larger distance from the truth as wrong.
 const SLID: f64 = 0.01;
 
 /// Searches for a geometry. Tests replace the estimator of this library.

@@ -36,9 +36,9 @@ impl WantedView {
         Self { to, part, since: Instant::now(), picture: None }
     }
 
-    /// Asks the toolkit once, for the frame about to be drawn. Once the picture has arrived or the wait is
-    /// over, ends the screenshot and returns its destination, with the picture and the part to keep; `None`
-    /// if the screen gave no picture.
+    /// Asks the toolkit once, for the frame about to be drawn. Ends the screenshot once the picture has
+    /// arrived or the wait is over. Returns its destination with the picture and the part to keep. The
+    /// picture is `None` if the screen gave none.
     pub fn poll(wanted: &mut Option<Self>, ctx: &Context) -> Option<(Destination, Option<Screen>)> {
         let asked = wanted.as_mut()?.picture.get_or_insert_with(|| {
             let (sender, picture) = channel();

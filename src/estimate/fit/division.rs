@@ -8,8 +8,8 @@
 //!     x = middle + d / (1 + λ r²)
 //! ```
 //!
-//! and `x2ᵀ F x1 = 0` holds for undistorted points. For a given λ, `F` and the noise follow as without a
-//! lens, but residuals are measured in pixels of the pictures. λ is where the likelihood is largest.
+//! and `x2ᵀ F x1 = 0` holds for undistorted points. For a given λ, `F` and the noise are fitted as without a
+//! lens. Residuals are measured in pixels of the pictures. The fit takes the likeliest λ.
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -53,8 +53,8 @@ const LEAST_GAIN: f64 = 0.05;
 /// strong lens moves points by a tenth of the side, but mostly along with their neighbours. Half and twice of
 /// it: `lab/notes.md`.
 const BAND: f64 = 0.03;
-/// Standard deviations from which a coefficient is clear: one in a thousand is as far from zero by chance, in
-/// Student's distribution of the 8 degrees of freedom that 9 regions have.
+/// Standard deviations from which a coefficient is clear. By chance, one coefficient in a thousand is as far
+/// from zero: nine regions have 8 degrees of freedom in Student's distribution.
 const CLEAR: f64 = 5.0;
 /// Gain in log-likelihood from which a lens is clear: the matches are ten thousand times as likely.
 const CLEAR_GAIN: f64 = 9.0;
@@ -172,9 +172,9 @@ impl Fitter<'_> {
         best
     }
 
-    /// Returns the standard deviation of each coefficient, and of their difference, by the jackknife over the
-    /// regions of image 1 (Efron & Stein 1981): how far they move when the matches of one region are left
-    /// out. Matches of one region share their error.
+    /// Returns the standard deviations of both coefficients and of their difference. The jackknife (Efron &
+    /// Stein 1981) leaves out the matches of one region of image 1 at a time, because matches of one region
+    /// share their error.
     fn deviations(&self, best: &Bent, directions: &[[f64; 2]]) -> Option<[f64; 3]> {
         let without = |left_out: usize| {
             let is_kept = |m: &&Match| region(m.pair.point1, self.frames[0]) != left_out;
