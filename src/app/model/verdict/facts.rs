@@ -264,13 +264,13 @@ pub fn pose_facts(fit: &PoseFit) -> Vec<Fact> {
         Fact::new(
             "Rotation",
             format!("{turn:.2}°{}", deviation(|u| u.rotation)),
-            "Angle by which camera 2 is turned against camera 1, with its standard deviation.",
+            "Angle by which the right camera is turned against the left one, with its standard deviation.",
         ),
         Fact::new(
-            "Camera 2 lies at",
+            "Baseline",
             format!("({:.2}, {:.2}, {:.2}){}", place.x, place.y, place.z, deviation(|u| u.translation)),
-            "Direction of camera 2 from camera 1: x right, y down, z forwards. The distance is unknown. The \
-             standard deviation is that of the direction.",
+            "Direction from the left to the right camera, with its standard deviation: x right, y down, z \
+             forwards. The distance is unknown.",
         ),
         Fact::new(
             "Parallax",
