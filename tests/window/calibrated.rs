@@ -10,7 +10,7 @@ use epiline::internals::app::{Opening, Services, Start};
 
 use crate::support::{
     ESTIMATED, Files, Window, click, drag, drop_files, pane, press, press_with, save_as, services, settle,
-    tap, window,
+    tap, undo, window,
 };
 
 const FRAME: Frame = Frame { width: 320, height: 240 };
@@ -222,6 +222,11 @@ fn a_lens_that_explains_the_matches_better_is_offered_used_and_removed() {
         assert!(is_near(found, given, 1e-6), "{found:?}");
     }
     assert!(window.query_by_label("Correct the lens distortion").is_none(), "it is corrected");
+    // Undo takes it back, and the lens is offered again.
+    undo(&mut window);
+    assert_eq!(window.state().document().frame(Side::Left), Some(FRAME));
+    assert!(!window.state().model().can_undo());
+    tap(&mut window, "Correct the lens distortion");
     // The focal lengths are unknown, so a scene asks for them, and the lines stay where they are.
     assert!(window.state().model().scene_question().is_none());
     assert!(window.state().model().open.takes_focal_lengths());

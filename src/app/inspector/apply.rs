@@ -290,6 +290,10 @@ impl Inspector {
     }
 
     fn travel(&mut self, back: bool) {
+        if back && !self.model.history.can_undo() && self.model.history.after_lens {
+            // The correction of the lens came first.
+            return self.remove_calibration();
+        }
         self.model.travel(back);
         self.view.let_go();
     }

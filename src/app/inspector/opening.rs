@@ -116,7 +116,7 @@ impl Inspector {
     /// Continues a document with a new calibration of its pictures. Points stay where they are in the
     /// pictures. A pose of the calibration becomes the imported geometry.
     fn take_over(&mut self, before: Document, [left, right]: &[Opened; 2], calibration: &NewCalibration) {
-        let Model { open, document, .. } = &mut self.model;
+        let Model { open, document, history, .. } = &mut self.model;
         let count = before.pairs.len();
         let (pictures, truth) = (document.pictures.take(), document.truth.take());
         let here = Document { pictures, truth, ..before };
@@ -130,6 +130,7 @@ impl Inspector {
             let (cameras, file) = (views.posed(&pose), calibration.name.clone()?);
             Some(Imported { fundamental, cameras, file, reading, check: None })
         });
+        history.after_lens = calibration.name.is_none() && calibration.cameras.is_some();
         let judged = if document.imported.is_some() { ". Compare judges its pose" } else { "" };
         open.done.tell(match (&calibration.name, &calibration.cameras) {
             (Some(name), _) => format!("Lens calibrated by {name}{judged}"),

@@ -31,6 +31,8 @@ pub struct History {
     undo: VecDeque<Document>,
     redo: VecDeque<Document>,
     open: Option<EditKey>,
+    /// Whether the correction of the lens came before all states. Undo can take it back.
+    pub after_lens: bool,
 }
 
 impl History {

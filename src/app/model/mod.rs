@@ -180,6 +180,11 @@ impl Model {
         self.history.record(before, &self.document, key);
     }
 
+    /// Returns whether there is something to undo.
+    pub fn can_undo(&self) -> bool {
+        self.history.can_undo() || self.history.after_lens
+    }
+
     /// Undoes a step, or redoes one.
     pub fn travel(&mut self, back: bool) {
         self.document = self.history.travel(back, std::mem::take(&mut self.document));

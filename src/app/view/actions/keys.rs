@@ -135,7 +135,7 @@ pub fn with_keys() -> Vec<Action> {
             .when(|model| model.history.can_redo()),
         action(Command::Undo, "Undo", "Undo the last step. A drag is one step.")
             .key(COMMAND, Key::Z)
-            .when(|model| model.history.can_undo()),
+            .when(Model::can_undo),
         action(
             Command::DeleteSelected,
             "Delete the selected pair",
