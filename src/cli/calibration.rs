@@ -32,7 +32,7 @@ pub(super) struct CameraArguments {
     #[command(flatten)]
     calibration: CalibrationArguments,
     /// Focal length of both images or of each, in place of a calibration; "exif" guesses it from the data of
-    /// a photograph. The principal point is taken to be in the middle, and the lens without distortion
+    /// a photograph. The principal point is taken to be in the middle
     #[arg(long, num_args = 1..=2, value_name = "PX")]
     focal_length: Option<Vec<TypedFocal>>,
     /// Radial distortion without a calibration, for both images or for each: λ of the division model. Radii

@@ -117,7 +117,7 @@ impl Inspector {
     /// pictures. A pose of the calibration becomes the imported geometry.
     fn take_over(&mut self, before: Document, [left, right]: &[Opened; 2], calibration: &NewCalibration) {
         let Model { open, document, history, .. } = &mut self.model;
-        let count = before.pairs.len();
+        let (count, had_imported) = (before.pairs.len(), before.imported.is_some());
         let (pictures, truth) = (document.pictures.take(), document.truth.take());
         let here = Document { pictures, truth, ..before };
         *document = here.placed(|points| {
@@ -139,7 +139,12 @@ impl Inspector {
             }
             (None, None) => "Lens correction removed. The pictures are taken as they are".to_owned(),
         });
-        let outside = count - document.pairs.len();
+        if had_imported && document.imported.is_none() {
+            let text = "The imported geometry belongs to the pictures without this change of the lens, and was \
+                        removed. Import it again if you go back.";
+            self.model.messages.tell(text);
+        }
+        let outside = count - self.model.document.pairs.len();
         self.tell_of_pairs_outside(outside);
     }
 
@@ -169,8 +174,9 @@ impl Inspector {
 
     /// Undoes the distortion of the lens that was fitted to the matches.
     pub(super) fn use_lens(&mut self) {
-        let open = &self.model.open;
-        let Some((Some(lens), pictures)) = open.lens.zip(open.pictures.clone()) else { return };
+        let Some((lens, pictures)) = self.model.offered_lens().zip(self.model.open.pictures.clone()) else {
+            return;
+        };
         let camera = |k: usize| CameraModel::of_division(lens.lambdas[k], pictures[k].shown().frame());
         let Some(cameras) = camera(0).zip(camera(1)).map(Into::into) else { return };
         let calibration = NewCalibration { name: None, cameras: Some(cameras), pose: None };

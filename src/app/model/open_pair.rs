@@ -15,7 +15,7 @@ use super::picture::{Opened, Pictures};
 use super::recording::Player;
 use super::rectified::{Rectified, Viewing};
 use super::scene::{Orbit, Scene};
-use super::suggesting::{Slid, Suggested};
+use super::suggesting::{LensQuestion, Slid, Suggested};
 use super::tones::{Tones, TonesCommand};
 use super::truth::KnownTruth;
 use crate::camera::{CameraModel, FocalLength, ViewPair};
@@ -64,9 +64,9 @@ pub struct OpenPair {
     pub suggestion: Option<Suggested>,
     /// Most useful place for one more pair, once known. The inner `None`: no place stands out.
     pub next_click: Option<Option<NextClick>>,
-    /// Lens that explains the matches clearly better than the result without it, once sought. The inner
+    /// Lens that explains the matches clearly better than one result without it, once sought. The inner
     /// `None`: there is no such lens.
-    pub lens: Option<Option<DivisionFit>>,
+    pub lens: Option<(LensQuestion, Option<DivisionFit>)>,
     /// Pairs whose places along their lines the images do not confirm, once sought.
     pub slid: Option<Vec<Slid>>,
     /// The pair whose match was last sought in vain.

@@ -149,7 +149,8 @@ impl Model {
 
     /// Returns the lens that explains the matches of the result clearly better.
     pub fn offered_lens(&self) -> Option<&DivisionFit> {
-        self.open.lens.as_ref()?.as_ref().filter(|_| self.lens_question().is_some())
+        let (question, lens) = self.open.lens.as_ref()?;
+        lens.as_ref().filter(|_| self.lens_question().is_some_and(|now| now == *question))
     }
 
     /// Returns the request for a lens: for a result of pictures without a calibration.

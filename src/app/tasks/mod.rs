@@ -55,7 +55,7 @@ pub struct Tasks {
     inspecting: Following<InspectionRequest, Inspection>,
     suggesting: Following<SuggestQuestion, Suggested>,
     advising: Following<NextClickQuestion, Option<NextClick>>,
-    straightening: Following<LensQuestion, Option<DivisionFit>>,
+    straightening: Following<LensQuestion, (LensQuestion, Option<DivisionFit>)>,
     checking: Following<SlidQuestion, Vec<Slid>>,
     /// Repair of pairs.
     pub repairing: Task<RepairQuestion, Repaired>,
@@ -140,7 +140,10 @@ impl Tasks {
             }),
             suggesting: Following::strict("suggest", &waker, move |question| suggest(&question)),
             advising: Following::strict("next click", &waker, move |question| next_click(&question)),
-            straightening: Following::strict("lens", &waker, move |question| lens(&question)),
+            straightening: Following::strict("lens", &waker, move |question| {
+                let found = lens(&question);
+                (question, found)
+            }),
             checking: Following::strict("places of pairs", &waker, move |question| slid(&question)),
             repairing,
             aligning,

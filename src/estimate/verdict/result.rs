@@ -105,6 +105,7 @@ impl Apart {
 pub struct PlaneHomography {
     /// `x2 ∝ H x1`, in full-size pixels. The last entry is 1, unless it is nearly 0; then the norm
     /// is 1.
+    // Result files have it as nested rows, beside the figures.
     #[serde(skip)]
     pub homography21: Matrix3<f64>,
     /// Number of matches that fit it.

@@ -33,8 +33,7 @@ impl FocalDialog {
     pub fn show(&mut self, ctx: &Context, commands: &mut Vec<Command>) -> bool {
         let open = dialog(ctx, "Focal lengths", 460.0, |ui| {
             let text = "The 3-D points and the pose of the cameras need the focal lengths. The principal points \
-                        are taken to be in the middle. Other distortion than that of a corrected lens is not known. A \
-                        calibration file tells more: drop it on the window.";
+                        are taken to be in the middle. A calibration file tells more: drop it on the window.";
             ui.add(Label::new(text).wrap());
             ui.add_space(6.0);
             for side in Side::BOTH {
