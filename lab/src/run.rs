@@ -185,7 +185,7 @@ fn run_trial(scene: &KnownScene, contender: &dyn Contender, draws: &Draws, job: 
     let failed = TrialRecord {
         trial: job.trial,
         matches: job.matches.clone(),
-        clicks: clicks.iter().map(|c| [c.point1.x, c.point1.y, c.point2.x, c.point2.y]).collect(),
+        clicks: clicks.iter().map(PointPair::numbers).collect(),
         fundamental: None,
         mean: f64::INFINITY,
         median: f64::INFINITY,

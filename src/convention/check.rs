@@ -92,8 +92,7 @@ pub fn check_convention(
     if !matches.iter().all(PointPair::is_finite) {
         return Err(CheckError::NotFinite);
     }
-    let numbers = |m: &PointPair| [m.point1.x, m.point1.y, m.point2.x, m.point2.y];
-    if matches.iter().flat_map(numbers).any(|number| number.abs() > FARTHEST) {
+    if matches.iter().flat_map(PointPair::numbers).any(|number| number.abs() > FARTHEST) {
         return Err(CheckError::TooFar);
     }
     // An even sample: matches are often listed in some order.

@@ -67,10 +67,7 @@ pub fn match_features(set1: &FeatureSet, set2: &FeatureSet) -> Vec<FeatureMatch>
     matches.sort_by(|a, b| a.ratio.total_cmp(&b.ratio).then(a.feature1.cmp(&b.feature1)));
     // A blob with several orientations is matched once for each.
     let mut seen = std::collections::HashSet::new();
-    matches.retain(|m| {
-        let p = m.pair;
-        seen.insert([p.point1.x, p.point1.y, p.point2.x, p.point2.y].map(f64::to_bits))
-    });
+    matches.retain(|m| seen.insert(m.pair.numbers().map(f64::to_bits)));
     matches
 }
 

@@ -25,6 +25,11 @@ impl PointPair {
         Self { point1: Point::new(x1, y1), point2: Point::new(x2, y2) }
     }
 
+    /// Returns the numbers `x1 y1 x2 y2`.
+    pub fn numbers(&self) -> [f64; 4] {
+        [self.point1.x, self.point1.y, self.point2.x, self.point2.y]
+    }
+
     /// Returns the pair with the images exchanged.
     #[must_use]
     pub fn swapped(self) -> Self {

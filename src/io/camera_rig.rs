@@ -72,8 +72,7 @@ impl CameraRig {
                 return read_point_pairs(&file(a, b));
             }
             if file(b, a).is_file() {
-                let turned = |m: PointPair| PointPair { point1: m.point2, point2: m.point1 };
-                return Ok(read_point_pairs(&file(b, a))?.into_iter().map(turned).collect());
+                return Ok(read_point_pairs(&file(b, a))?.into_iter().map(PointPair::swapped).collect());
             }
         }
         let problem = format!(

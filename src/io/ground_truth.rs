@@ -18,13 +18,8 @@ pub enum TruthError {
     #[error(transparent)]
     Read(#[from] ReadError),
     /// The matches of a pair determine no F.
-    #[error("{name} has no true geometry: {source}")]
-    Matches {
-        /// Name of the pair.
-        name: String,
-        /// Cause of the failure.
-        source: EightPointError,
-    },
+    #[error("{0} has no true geometry: {1}")]
+    Matches(String, #[source] EightPointError),
     /// The F of a file does not fit the matches.
     #[error(
         "{name}_F.txt does not fit the matches in {name}.txt. Half of them are more than {off:.0} px from their epipolar \
@@ -37,11 +32,8 @@ pub enum TruthError {
         off: f64,
     },
     /// Both cameras have the same centre.
-    #[error("{name} has no true geometry: the two cameras have the same centre")]
-    SameCentre {
-        /// Name of the pair.
-        name: String,
-    },
+    #[error("{0} has no true geometry: the two cameras have the same centre")]
+    SameCentre(String),
 }
 
 /// Origin of a true F.
@@ -80,12 +72,8 @@ impl GroundTruth {
     /// # Panics
     /// When a view does not exist.
     pub fn of_views(set: &VggFolder, [view1, view2]: [usize; 2]) -> Result<Self, TruthError> {
-        let name = format!("{view1}-{view2}");
-        let Some(fundamental) = Camera::fundamental(&set.cameras[view1], &set.cameras[view2]) else {
-            return Err(TruthError::SameCentre { name });
-        };
-        let matches = set.matches(view1, view2);
-        Ok(Self { name, fundamental, matches, origin: TruthOrigin::Cameras })
+        let matches = || Ok(set.matches(view1, view2));
+        Self::between(format!("{view1}-{view2}"), &set.cameras[view1], &set.cameras[view2], matches)
     }
 
     /// Reads the ground truth of two cameras of a rig, selected by number. F comes from the
@@ -94,11 +82,22 @@ impl GroundTruth {
     /// # Panics
     /// When a camera does not exist.
     pub fn of_cameras(rig: &CameraRig, pair: [usize; 2]) -> Result<Self, TruthError> {
-        let name = rig.pair_name(pair);
-        let Some(fundamental) = Camera::fundamental(&rig.cameras[pair[0]], &rig.cameras[pair[1]]) else {
-            return Err(TruthError::SameCentre { name });
-        };
-        Ok(Self { name, fundamental, matches: rig.matches(pair)?, origin: TruthOrigin::Cameras })
+        let [camera1, camera2] = pair.map(|number| &rig.cameras[number]);
+        Self::between(rig.pair_name(pair), camera1, camera2, || rig.matches(pair))
+    }
+
+    fn between(
+        name: String,
+        camera1: &Camera,
+        camera2: &Camera,
+        matches: impl FnOnce() -> Result<Vec<PointPair>, ReadError>,
+    ) -> Result<Self, TruthError> {
+        match Camera::fundamental(camera1, camera2) {
+            Some(fundamental) => {
+                Ok(Self { name, fundamental, matches: matches()?, origin: TruthOrigin::Cameras })
+            }
+            None => Err(TruthError::SameCentre(name)),
+        }
     }
 
     /// Reads the ground truth of a pair in a folder of pairs. F comes from its own file, or is fitted
@@ -118,7 +117,7 @@ impl GroundTruth {
         }
         match eight_point(&matches) {
             Ok(fundamental) => Ok(Self { name, fundamental, matches, origin: TruthOrigin::Matches }),
-            Err(source) => Err(TruthError::Matches { name, source }),
+            Err(source) => Err(TruthError::Matches(name, source)),
         }
     }
 }

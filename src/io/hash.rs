@@ -7,12 +7,11 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use super::read::ReadError;
-use crate::foreign::{open_input, reason, shown_path};
+use crate::foreign::{open_input, reason};
 
 /// Returns the SHA-256 of a file's bytes, hexadecimal.
 pub(super) fn sha256_of_file(path: &Path) -> Result<String, ReadError> {
-    let failed = |e: std::io::Error| ReadError::Open { path: shown_path(path), reason: reason(&e) };
-    let input = open_input(path).map_err(|reason| ReadError::Open { path: shown_path(path), reason })?;
+    let input = open_input(path).map_err(|reason| ReadError::open(path, &reason))?;
     if input.size.is_none() {
         return Err(ReadError::content(path, "this is not a file"));
     }
@@ -20,19 +19,16 @@ pub(super) fn sha256_of_file(path: &Path) -> Result<String, ReadError> {
     let mut hash = Sha256::new();
     let mut block = vec![0; 1 << 16];
     loop {
-        match file.read(&mut block).map_err(failed)? {
-            0 => break,
+        match file.read(&mut block).map_err(|e| ReadError::open(path, &reason(&e)))? {
+            0 => return Ok(hexadecimal(hash)),
             count => hash.update(&block[..count]),
         }
     }
-    Ok(hexadecimal(hash))
 }
 
 /// Returns the SHA-256 of `bytes`, hexadecimal.
 pub(super) fn sha256_of_bytes(bytes: &[u8]) -> String {
-    let mut hash = Sha256::new();
-    hash.update(bytes);
-    hexadecimal(hash)
+    hexadecimal(Sha256::new_with_prefix(bytes))
 }
 
 fn hexadecimal(hash: Sha256) -> String {

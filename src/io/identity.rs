@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::path::Path;
 
-use super::output::WriteError;
+use super::output::{WriteError, folder_of};
 
 /// Identity of the file at a path.
 #[derive(Debug, PartialEq, Eq)]
@@ -38,8 +38,7 @@ fn identity(path: &Path) -> Option<Identity> {
         Ok(found) if found.is_file() => place(path, &found).map(Identity::Old),
         Ok(_) => None,
         Err(_) => {
-            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-            let folder = folder.unwrap_or(Path::new("."));
+            let folder = folder_of(path);
             let found = folder.metadata().ok()?;
             Some(Identity::New(place(folder, &found)?, path.file_name()?.to_owned()))
         }
@@ -47,10 +46,10 @@ fn identity(path: &Path) -> Option<Identity> {
 }
 
 /// Refuses outputs that would overwrite an input or one another.
-pub fn refuse_clashes(outputs: &[&Path], inputs: &[&Path]) -> Result<(), WriteError> {
+pub fn refuse_clashes<P: AsRef<Path>>(outputs: &[P], inputs: &[&Path]) -> Result<(), WriteError> {
     let inputs: Vec<Identity> = inputs.iter().filter_map(|path| identity(path)).collect();
     let mut seen = Vec::new();
-    for path in outputs {
+    for path in outputs.iter().map(AsRef::as_ref) {
         let Some(identity) = identity(path) else { continue };
         if inputs.contains(&identity) {
             let reason = "it is one of the files that are read, which would be lost. Choose another name";

@@ -5,12 +5,15 @@ use crate::foreign::excerpt;
 /// Parses the finite numbers of a row. Cells are separated by spaces, tabs, commas or semicolons.
 /// The error names the first invalid cell.
 pub(super) fn finite_numbers(row: &str) -> Result<Vec<f64>, String> {
-    cells(row)
-        .map(|cell| match cell.parse::<f64>() {
-            Ok(value) if value.is_finite() => Ok(value),
-            _ => Err(format!("\"{}\" is not a finite number", excerpt(cell))),
-        })
-        .collect()
+    cells(row).map(finite_number).collect()
+}
+
+/// Parses a finite number.
+pub(super) fn finite_number(cell: &str) -> Result<f64, String> {
+    match cell.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(format!("\"{}\" is not a finite number", excerpt(cell))),
+    }
 }
 
 /// Returns the cells of a row.

@@ -72,7 +72,7 @@ impl OutputFile {
             _ => {}
         }
         let output = Self { path: path_behind, private };
-        let folder = output.folder();
+        let folder = folder_of(&output.path);
         match folder.metadata() {
             Ok(found) if !found.is_dir() => {
                 return Err(failed(&format!("{} is not a folder", shown_path(folder))));
@@ -100,31 +100,31 @@ impl OutputFile {
     /// Writes the whole content to a temporary file. The target is unchanged until
     /// [`StagedFile::put`].
     pub(super) fn stage(&self, content: &[u8]) -> Result<StagedFile, WriteError> {
-        let part = PartFile::create(self.folder(), self.private).and_then(|mut part| {
-            part.fill(content)?;
-            Ok(part)
-        });
-        let part = part.map_err(|e| WriteError::new(&self.path, reason(&e)))?;
-        Ok(StagedFile { target: self.clone(), part })
+        self.stage_by(|part| part.fill(content))
     }
 
     /// Copies a stream to a temporary file, which can be changed before [`StagedFile::put`].
     #[cfg(feature = "colmap")]
     pub(super) fn stage_from(&self, content: &mut impl std::io::Read) -> Result<StagedFile, WriteError> {
-        let part = PartFile::create(self.folder(), self.private).and_then(|mut part| {
-            part.copy(content)?;
+        self.stage_by(|part| part.copy(content))
+    }
+
+    fn stage_by(
+        &self,
+        fill: impl FnOnce(&mut PartFile) -> std::io::Result<()>,
+    ) -> Result<StagedFile, WriteError> {
+        let part = PartFile::create(folder_of(&self.path), self.private).and_then(|mut part| {
+            fill(&mut part)?;
             Ok(part)
         });
         let part = part.map_err(|e| WriteError::new(&self.path, reason(&e)))?;
         Ok(StagedFile { target: self.clone(), part })
     }
+}
 
-    fn folder(&self) -> &Path {
-        match self.path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        }
-    }
+/// Returns the folder of a file, `.` for a name alone.
+pub(super) fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 impl StagedFile {

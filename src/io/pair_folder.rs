@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::read::{ReadError, has_image_extension, read_folder};
+use super::read::{ReadError, has_extension, has_image_extension, read_folder};
 
 /// Files of one pair.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -36,7 +36,7 @@ pub(super) fn find_pairs(folder: &Path) -> Result<Vec<PairFiles>, ReadError> {
     let mut pairs = Vec::new();
     for matches in &entries {
         let Some(name) = matches.file_stem().and_then(|s| s.to_str()) else { continue };
-        if matches.extension().is_none_or(|e| !e.eq_ignore_ascii_case("txt")) || !matches.is_file() {
+        if !is_text(matches) {
             continue;
         }
         let [a, b] = ["A", "B"].map(|side| images_named(&entries, &format!("{name}{side}")));
@@ -89,8 +89,11 @@ fn fundamental_of(entries: &[PathBuf], name: &str) -> Option<PathBuf> {
         return None;
     }
     let is_named = |path: &Path| path.file_stem().and_then(|s| s.to_str()) == Some(&name);
-    let is_text = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("txt"));
-    entries.iter().find(|path| is_named(path) && is_text(path) && path.is_file()).cloned()
+    entries.iter().find(|path| is_named(path) && is_text(path)).cloned()
+}
+
+fn is_text(path: &Path) -> bool {
+    has_extension(path, &["txt"]) && path.is_file()
 }
 
 fn images_named<'a>(entries: &'a [PathBuf], stem: &str) -> Vec<&'a PathBuf> {

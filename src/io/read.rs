@@ -1,5 +1,6 @@
 //! Reading of text files and folders, with errors that name the file and the line.
 
+use std::fs::DirEntry;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -13,50 +14,25 @@ const MOST_BYTES: u64 = 64 << 20;
 /// Maximum length of an error message, characters. Other libraries quote any amount of the file.
 const MOST_WORDS: usize = 300;
 
-/// Reason why a file or folder cannot be read. The message is shown to the user.
+/// Reason why a file or folder cannot be read, one sentence.
 #[derive(Debug, Error)]
-pub enum ReadError {
-    /// The file is missing or not readable.
-    #[error("cannot read {path}: {reason}")]
-    Open {
-        /// File or folder.
-        path: String,
-        /// Reason given by the system.
-        reason: String,
-    },
-    /// A line is invalid.
-    #[error("{path}, line {line}: {problem}")]
-    Line {
-        /// Path of the file.
-        path: String,
-        /// Line number, from 1.
-        line: usize,
-        /// Expected and found content.
-        problem: String,
-    },
-    /// The file or folder as a whole is invalid.
-    #[error("{path}: {problem}")]
-    Content {
-        /// File or folder.
-        path: String,
-        /// Expected and found content.
-        problem: String,
-    },
-}
+#[error("{0}")]
+pub struct ReadError(String);
 
 impl ReadError {
     /// Creates an error about one line, counted from 1.
     pub(super) fn line(path: &Path, line: usize, problem: impl Into<String>) -> Self {
-        Self::Line { path: shown_path(path), line, problem: limited(&problem.into()) }
+        Self(format!("{}, line {line}: {}", shown_path(path), limited(&problem.into())))
     }
 
     /// Creates an error about a whole file or folder.
     pub(super) fn content(path: &Path, problem: impl Into<String>) -> Self {
-        Self::Content { path: shown_path(path), problem: limited(&problem.into()) }
+        Self(format!("{}: {}", shown_path(path), limited(&problem.into())))
     }
 
-    fn open(path: &Path, error: &std::io::Error) -> Self {
-        Self::Open { path: shown_path(path), reason: reason(error) }
+    /// Creates an error about a file or folder that is missing or not readable.
+    pub(super) fn open(path: &Path, reason: &str) -> Self {
+        Self(format!("cannot read {}: {reason}", shown_path(path)))
     }
 }
 
@@ -84,7 +60,7 @@ pub(super) fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, ReadError> 
 
 /// Reads a whole file up to the limit for text files.
 pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
-    let input = open_input(path).map_err(|reason| ReadError::Open { path: shown_path(path), reason })?;
+    let input = open_input(path).map_err(|reason| ReadError::open(path, &reason))?;
     let large = || {
         let problem = format!("the file is larger than {} MiB, the limit", MOST_BYTES >> 20);
         Err(ReadError::content(path, problem))
@@ -95,7 +71,7 @@ pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
     let mut bytes = Vec::new();
     // A pipe has no known size.
     let count = input.file.take(MOST_BYTES + 1).read_to_end(&mut bytes);
-    if count.map_err(|e| ReadError::open(path, &e))? as u64 > MOST_BYTES {
+    if count.map_err(|e| ReadError::open(path, &reason(&e)))? as u64 > MOST_BYTES {
         return large();
     }
     Ok(bytes)
@@ -103,11 +79,9 @@ pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
 
 /// Returns the entries of a folder, sorted to be independent of the file system.
 pub(super) fn read_folder(path: &Path) -> Result<Vec<PathBuf>, ReadError> {
-    let entries = std::fs::read_dir(path).map_err(|e| ReadError::open(path, &e))?;
-    let mut paths = entries
-        .map(|entry| entry.map(|e| e.path()))
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(|e| ReadError::open(path, &e))?;
+    let entries = std::fs::read_dir(path).and_then(Iterator::collect::<std::io::Result<Vec<_>>>);
+    let entries = entries.map_err(|e| ReadError::open(path, &reason(&e)))?;
+    let mut paths: Vec<PathBuf> = entries.iter().map(DirEntry::path).collect();
     paths.sort();
     Ok(paths)
 }
@@ -118,7 +92,11 @@ pub const IMAGE_EXTENSIONS: [&str; 12] =
 
 /// Returns whether the extension is one of [`IMAGE_EXTENSIONS`], ignoring case.
 pub fn has_image_extension(path: &Path) -> bool {
-    path.extension()
-        .and_then(|e| e.to_str())
-        .is_some_and(|e| IMAGE_EXTENSIONS.iter().any(|known| known.eq_ignore_ascii_case(e)))
+    has_extension(path, &IMAGE_EXTENSIONS)
+}
+
+/// Returns whether the extension is one of those given, ignoring case.
+pub(super) fn has_extension(path: &Path, known: &[&str]) -> bool {
+    let extension = path.extension().and_then(|e| e.to_str());
+    extension.is_some_and(|e| known.iter().any(|known| known.eq_ignore_ascii_case(e)))
 }

@@ -32,21 +32,13 @@ pub struct RectifiedOptions {
 #[derive(Debug, Error)]
 pub enum RectifiedError {
     /// The folder cannot be created.
-    #[error("cannot make the folder {path}: {reason}")]
-    Folder {
-        /// Path of the folder.
-        path: String,
-        /// Reason given by the system.
-        reason: String,
-    },
+    #[error("cannot make the folder {0}: {1}")]
+    Folder(String, String),
     /// Another run writes into the folder.
     #[error(
-        "another run of the program is writing into the folder {path}. Wait for its end, or choose another folder"
+        "another run of the program is writing into the folder {0}. Wait for its end, or choose another folder"
     )]
-    Busy {
-        /// Path of the folder.
-        path: String,
-    },
+    Busy(String),
     /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -97,14 +89,11 @@ impl RectifiedFiles {
         options: RectifiedOptions,
         inputs: &[&Path],
     ) -> Result<Self, RectifiedError> {
-        std::fs::create_dir_all(folder).map_err(|e| {
-            let reason = if folder.exists() { "there is a file of that name".into() } else { reason(&e) };
-            RectifiedError::Folder { path: shown_path(folder), reason }
-        })?;
+        create_folder(folder)?;
         // Not every system opens folders, and not every file system has locks.
         let locked = File::open(folder).ok();
         if locked.as_ref().is_some_and(|folder| matches!(folder.try_lock(), Err(TryLockError::WouldBlock))) {
-            return Err(RectifiedError::Busy { path: shown_path(folder) });
+            return Err(RectifiedError::Busy(shown_path(folder)));
         }
         let file = |name: &str| OutputFile::prepare(&folder.join(name));
         let picture = |name: &str| file(&format!("{name}.{}", options.format.extension()));
@@ -117,9 +106,7 @@ impl RectifiedFiles {
             trust: None,
             _folder: locked,
         };
-        let outputs = files.paths();
-        let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
-        refuse_clashes(&outputs, inputs)?;
+        refuse_clashes(&files.paths(), inputs)?;
         Ok(files)
     }
 
@@ -192,6 +179,14 @@ impl RectifiedFiles {
             .map(|f| f.path().to_owned())
             .collect()
     }
+}
+
+/// Creates a folder unless it exists.
+pub(super) fn create_folder(folder: &Path) -> Result<(), RectifiedError> {
+    std::fs::create_dir_all(folder).map_err(|e| {
+        let reason = if folder.exists() { "there is a file of that name".into() } else { reason(&e) };
+        RectifiedError::Folder(shown_path(folder), reason)
+    })
 }
 
 /// Returns an array for `cv2.remap`, in the `NumPy` format: rows × columns × (x, y) of `f32`. Entries

@@ -204,7 +204,7 @@ impl<'a> ResultFile<'a> {
                 .matches()
                 .iter()
                 .map(|m| MatchFile {
-                    pair: numbers(&m.pair),
+                    pair: m.pair.numbers(),
                     correlation: m.correlation,
                     residual: sampson_distance(found.fundamental(), &m.pair),
                 })
@@ -222,14 +222,15 @@ impl<'a> ResultFile<'a> {
                 .map(|w| Told { message: warning_in_words(w), warning: w })
                 .collect(),
             images,
-            pairs: pairs.iter().map(numbers).collect(),
+            pairs: pairs.iter().map(PointPair::numbers).collect(),
             pair_distances: pairs
                 .iter()
                 .map(|p| symmetric_epipolar_distance(found.fundamental(), p))
                 .collect(),
             given_matches: Vec::new(),
             given_distances: Vec::new(),
-            chosen: trace.map_or_else(Vec::new, |t| t.clicks.chosen().iter().map(numbers).collect()),
+            chosen: trace
+                .map_or_else(Vec::new, |t| t.clicks.chosen().iter().map(PointPair::numbers).collect()),
             pair_names: Vec::new(),
             pair_origins: Vec::new(),
             calibrated: None,
@@ -249,7 +250,7 @@ impl<'a> ResultFile<'a> {
     #[must_use]
     pub fn with_given(mut self, matches: &[PointPair]) -> Self {
         self.given_distances = matches.iter().map(|pair| sampson_distance(self.fundamental, pair)).collect();
-        self.given_matches = matches.iter().map(numbers).collect();
+        self.given_matches = matches.iter().map(PointPair::numbers).collect();
         self
     }
 
@@ -263,7 +264,7 @@ impl<'a> ResultFile<'a> {
         baseline: Option<Baseline>,
     ) -> Self {
         let pairs: Vec<PointPair> = self.matches.iter().map(|found| from_numbers(&found.pair)).collect();
-        let original = |pair: &PointPair| views.original_from_undistorted(pair).map(|pair| numbers(&pair));
+        let original = |pair: &PointPair| views.original_from_undistorted(pair).map(|pair| pair.numbers());
         self.calibrated = Some(CalibratedFile {
             original_pairs: self.pairs.iter().map(|pair| original(&from_numbers(pair))).collect(),
             original_matches: pairs.iter().map(original).collect(),
@@ -319,11 +320,6 @@ fn nested(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
 /// Returns the rows of a square matrix.
 fn square<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<[f64; N]> {
     matrix.row_iter().map(|row| std::array::from_fn(|k| row[k])).collect()
-}
-
-/// Returns `x1 y1 x2 y2`.
-fn numbers(pair: &PointPair) -> [f64; 4] {
-    [pair.point1.x, pair.point1.y, pair.point2.x, pair.point2.y]
 }
 
 /// Describes the places of both epipoles, a line each, and what is known of them.

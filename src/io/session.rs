@@ -14,7 +14,7 @@ use thiserror::Error;
 
 use super::geometry_file::TrustNote;
 use super::hash::sha256_of_file;
-use super::output::{OutputFile, WriteError};
+use super::output::{OutputFile, WriteError, folder_of};
 use super::read::{ReadError, limited, read_text};
 use super::sequence_file::folder_sha256;
 use crate::foreign::shown_path;
@@ -28,8 +28,8 @@ const FORMAT: &str = "epiline-session";
 /// Largest session file, bytes. Sessions have some kilobytes.
 const LARGEST: u64 = 16 << 20;
 /// Longest name of a file, bytes.
-/// Longest path of a file, bytes.
 const LONGEST_NAME: usize = 1024;
+/// Longest path of a file, bytes.
 const LONGEST_PATH: usize = 8192;
 /// Value of the field `convention`.
 const CONVENTION: &str = "Pixels are (x, y), x right, y down, the centre of the top-left pixel is (0, 0). F is nested \
@@ -42,11 +42,8 @@ pub enum SessionError {
     #[error(transparent)]
     Read(#[from] ReadError),
     /// The file is not a session.
-    #[error("{path} is not a session of Epiline")]
-    Foreign {
-        /// Path of the file.
-        path: String,
-    },
+    #[error("{0} is not a session of Epiline")]
+    Foreign(String),
     /// The file is too large for a session.
     #[error("{path} is too large for a session of Epiline ({megabytes} MiB)")]
     TooLarge {
@@ -67,13 +64,8 @@ pub enum SessionError {
         version: u64,
     },
     /// A part of the session is missing or invalid.
-    #[error("{path} is damaged: {problem}")]
-    Damaged {
-        /// Path of the file.
-        path: String,
-        /// Expected and found content.
-        problem: String,
-    },
+    #[error("{0} is damaged: {1}")]
+    Damaged(String, String),
 }
 
 /// Origin of an image of a session.
@@ -193,15 +185,14 @@ impl<T: DeserializeOwned> SessionFile<T> {
             return Err(SessionError::TooLarge { path: shown(), megabytes: found.len() >> 20 });
         }
         let text = read_text(path)?;
-        let damaged =
-            |e: serde_json::Error| SessionError::Damaged { path: shown(), problem: limited(&e.to_string()) };
+        let damaged = |e: serde_json::Error| SessionError::Damaged(shown(), limited(&e.to_string()));
         let value: Value = match serde_json::from_str(&text) {
             Ok(value) => value,
             Err(error) if text.contains(FORMAT) => return Err(damaged(error)),
-            Err(_) => return Err(SessionError::Foreign { path: shown() }),
+            Err(_) => return Err(SessionError::Foreign(shown())),
         };
         if value.get("format").and_then(Value::as_str) != Some(FORMAT) {
-            return Err(SessionError::Foreign { path: shown() });
+            return Err(SessionError::Foreign(shown()));
         }
         match value.get("version").and_then(Value::as_u64) {
             Some(version) if version > SESSION_VERSION => {
@@ -210,14 +201,14 @@ impl<T: DeserializeOwned> SessionFile<T> {
             Some(1..) => {}
             _ => {
                 let problem = "its version is not a number of at least 1".into();
-                return Err(SessionError::Damaged { path: shown(), problem });
+                return Err(SessionError::Damaged(shown(), problem));
             }
         }
         let ReadSession { images, fundamental, content } = serde_json::from_value(value).map_err(damaged)?;
         if images.iter().any(|image| image.name().len() > LONGEST_NAME || image.place().len() > LONGEST_PATH)
         {
             let problem = "the path of an image is longer than any valid path".into();
-            return Err(SessionError::Damaged { path: shown(), problem });
+            return Err(SessionError::Damaged(shown(), problem));
         }
         Ok(Self { images, fundamental, trust: None, content })
     }
@@ -291,13 +282,6 @@ pub fn resolve(written: &str, session: &Path) -> PathBuf {
         }
     }
     plain
-}
-
-fn folder_of(session: &Path) -> &Path {
-    match session.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
 }
 
 #[cfg(test)]

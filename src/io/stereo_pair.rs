@@ -10,9 +10,8 @@ use nalgebra::{Matrix3, Vector3};
 use super::identity::refuse_clashes;
 use super::output::OutputFile;
 use super::picture_file::{PictureFormat, encode_picture};
-use super::rectified::RectifiedError;
+use super::rectified::{RectifiedError, create_folder};
 use crate::camera::{RelativePose, ViewPair};
-use crate::foreign::{reason, shown_path};
 use crate::geometry::Frame;
 use crate::rectify::StereoRig;
 
@@ -77,14 +76,10 @@ impl StereoPairFiles {
     /// Creates the folder if necessary and checks, before the work, that all files can be written. None of
     /// `inputs` is replaced.
     pub fn prepare(folder: &Path, program: StereoProgram, inputs: &[&Path]) -> Result<Self, RectifiedError> {
-        std::fs::create_dir_all(folder).map_err(|e| {
-            let reason = if folder.exists() { "there is a file of that name".into() } else { reason(&e) };
-            RectifiedError::Folder { path: shown_path(folder), reason }
-        })?;
+        create_folder(folder)?;
         let [left, right, calibration] = program.files().map(|name| OutputFile::prepare(&folder.join(name)));
         let files = Self { program, files: [left?, right?, calibration?] };
-        let paths = files.paths();
-        refuse_clashes(&paths.iter().map(PathBuf::as_path).collect::<Vec<_>>(), inputs)?;
+        refuse_clashes(&files.paths(), inputs)?;
         Ok(files)
     }
 

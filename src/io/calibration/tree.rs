@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Matrix4, Rotation3, Vector3};
 use serde_json::{Map, Value};
 
+use super::super::number::finite_number;
 use super::{CalibratedCamera, CameraPose};
 use crate::camera::{CameraModel, IMPOSSIBLE, LengthUnit, Lens, calibration};
 use crate::foreign::excerpt;
@@ -241,10 +242,7 @@ fn numbers(value: &Value) -> Result<Vec<f64>, String> {
             None => Err("expected numbers".into()),
         },
         Value::Number(number) => Ok(vec![number.as_f64().unwrap_or(f64::NAN)]),
-        Value::String(word) => match word.parse::<f64>() {
-            Ok(number) if number.is_finite() => Ok(vec![number]),
-            _ => Err(format!("\"{}\" is not a finite number", excerpt(word))),
-        },
+        Value::String(word) => Ok(vec![finite_number(word)?]),
         Value::Null => Ok(Vec::new()),
         Value::Bool(_) => Err("expected numbers".into()),
     }

@@ -12,9 +12,9 @@ use rusqlite::{Connection, OpenFlags, OptionalExtension, params_from_iter};
 
 use super::super::output::{OutputFile, StagedFile};
 use super::super::read::ReadError;
-use super::error::ColmapError;
+use super::ColmapError;
 use super::keypoints::Keypoints;
-use crate::foreign::{excerpt, open_input, reason, shown_path};
+use crate::foreign::{excerpt, open_input, reason};
 use crate::geometry::Frame;
 
 /// Start of every SQLite database.
@@ -55,9 +55,8 @@ pub(super) fn pair_id(id1: i64, id2: i64) -> i64 {
 impl Database {
     /// Copies a database to a temporary file beside the output.
     pub(super) fn copied(path: &Path, output: &OutputFile) -> Result<Self, ColmapError> {
-        let unreadable = |reason| ReadError::Open { path: shown_path(path), reason };
         let refused = |problem: &str| ReadError::content(path, problem);
-        let mut input = open_input(path).map_err(unreadable)?.file;
+        let mut input = open_input(path).map_err(|reason| ReadError::open(path, &reason))?.file;
         let mut header = [0; JOURNAL.end];
         if input.read_exact(&mut header).is_err() || !header.starts_with(MARK) {
             return Err(refused("this is not a database of COLMAP (not an SQLite file)").into());

@@ -98,8 +98,7 @@ impl<'a> WrittenGeometry<'a> {
             .collect();
         if !self.pairs.is_empty() {
             for (quantity, side) in [(Quantity::Points1, 0), (Quantity::Points2, 2)] {
-                let values =
-                    self.pairs.iter().flat_map(|p| [pair_numbers(p)[side], pair_numbers(p)[side + 1]]);
+                let values = self.pairs.iter().flat_map(|p| [p.numbers()[side], p.numbers()[side + 1]]);
                 tables.push(NamedTable { quantity, columns: 2, values: values.collect() });
             }
         }
@@ -177,11 +176,6 @@ fn rows<const C: usize>(matrix: &nalgebra::SMatrix<f64, 3, C>) -> Vec<Vec<f64>> 
 /// exponent.
 pub(super) fn numbers(values: &[f64], separator: &str) -> String {
     values.iter().map(|v| format!("{v:?}")).collect::<Vec<_>>().join(separator)
-}
-
-/// Returns `x1 y1 x2 y2`.
-pub(super) fn pair_numbers(pair: &PointPair) -> [f64; 4] {
-    [pair.point1.x, pair.point1.y, pair.point2.x, pair.point2.y]
 }
 
 /// Replaces control characters, which would break the line, with spaces.

@@ -7,6 +7,7 @@ use super::content::{BareNumbers, CalibratedNote, GeometryFile, ImageNote, Probl
 use super::quantity::Quantity;
 use crate::foreign::excerpt;
 use crate::geometry::{Camera, FundamentalMatrix, PointPair};
+use crate::io::number::finite_number;
 
 /// Rectangular table of finite numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -161,10 +162,9 @@ impl Fields {
 
     /// Converts the tables to geometry.
     pub(super) fn interpret(self) -> Result<GeometryFile, Problem> {
-        let frames = match &self.images {
-            [Some(image1), Some(image2)] => Some([image1.frame, image2.frame]),
-            _ => None,
-        };
+        let [image1, image2] = self.images.clone();
+        let images = image1.zip(image2).map(<[ImageNote; 2]>::from);
+        let frames = images.as_ref().map(|images| images.each_ref().map(|image| image.frame));
         let fundamental = self.get(Quantity::Fundamental, |table| {
             FundamentalMatrix::from_numbers(table.matrix3()?, frames).map_err(|e| e.to_string())
         })?;
@@ -173,9 +173,6 @@ impl Fields {
                 .ok_or_else(|| "this matrix is not a camera (its rank is below 3)".to_owned())
         };
         let file = GeometryFile {
-            labels: Vec::new(),
-            trust: None,
-            cloud: None,
             is_undistorted: self.is_undistorted,
             found: self.found.clone(),
             covariance: self.covariance,
@@ -185,10 +182,8 @@ impl Fields {
             homographies: self.both([Quantity::Homography1, Quantity::Homography2], NumberTable::matrix3)?,
             homography21: self.get(Quantity::PlaneHomography, NumberTable::matrix3)?,
             pairs: self.pairs()?,
-            images: match self.images {
-                [Some(image1), Some(image2)] => Some([image1, image2]),
-                _ => None,
-            },
+            images,
+            ..GeometryFile::default()
         };
         let is_finite = |h: &Matrix3<f64>| h.iter().all(|v| v.is_finite());
         let mut homographies = file.homographies.iter().flatten().chain(&file.homography21);
@@ -336,26 +331,18 @@ fn whole(value: &Value) -> Option<usize> {
 fn list(value: &Value) -> Result<Vec<f64>, String> {
     match value {
         Value::Array(cells) => cells.iter().map(cell).collect(),
-        Value::String(text) => text.split_whitespace().map(parse_number).collect(),
+        Value::String(text) => text.split_whitespace().map(finite_number).collect(),
         other => Ok(vec![cell(other)?]),
     }
 }
 
 fn cell(value: &Value) -> Result<f64, String> {
     match value {
-        Value::String(text) => parse_number(text.trim()),
+        Value::String(text) => finite_number(text.trim()),
         Value::Number(number) => {
             number.as_f64().ok_or_else(|| format!("\"{number}\" is not a finite number"))
         }
         other => Err(format!("{} is not a number", excerpt(&other.to_string()))),
-    }
-}
-
-/// Parses a finite number.
-pub(super) fn parse_number(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!("\"{}\" is not a finite number", excerpt(text))),
     }
 }
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::content::CalibratedNote;
-use super::coordinates::{WrittenGeometry, pair_numbers};
+use super::coordinates::WrittenGeometry;
 use super::fields::{Fields, insert, table};
 use super::quantity::Quantity;
 use super::{ImageNote, Problem};
@@ -48,7 +48,7 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
             .iter()
             .map(|m| (m.quantity.word().to_owned(), value(m.quantity, &m.rows)))
             .collect(),
-        pairs: written.pairs.iter().map(pair_numbers).collect(),
+        pairs: written.pairs.iter().map(PointPair::numbers).collect(),
         images: written.images,
         undistorted: written.is_undistorted,
         self_check: written

@@ -14,12 +14,12 @@
 
 use std::fmt::Write;
 
-use super::coordinates::{WrittenGeometry, numbers, one_line, pair_numbers};
+use super::coordinates::{WrittenGeometry, numbers, one_line};
 use super::fields::{Fields, NumberTable};
 use super::labels::runs;
 use super::quantity::Quantity;
 use super::{BareNumbers, ImageNote, Problem};
-use crate::geometry::Frame;
+use crate::geometry::{Frame, PointPair};
 use crate::io::number::{cells, finite_numbers, rows};
 use crate::io::point_pairs::parse_point_pairs;
 
@@ -58,7 +58,7 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
             let _ = writeln!(text, "# {}", one_line(&words));
         }
         for pair in pairs.by_ref().take(count) {
-            let _ = writeln!(text, "{}", numbers(&pair_numbers(pair), " "));
+            let _ = writeln!(text, "{}", numbers(&pair.numbers(), " "));
         }
     }
     text
@@ -153,7 +153,7 @@ fn bare(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
     let count = rows(text).map(|(_, row)| cells(row).count()).sum::<usize>();
     if wanted == BareNumbers::Anything && count != 9 {
         let pairs = parse_point_pairs(text).map_err(|e| Problem::at(e.line, e.problem))?;
-        let numbers: Vec<f64> = pairs.iter().flat_map(pair_numbers).collect();
+        let numbers: Vec<f64> = pairs.iter().flat_map(PointPair::numbers).collect();
         fields.add(Quantity::Pairs, NumberTable::new(pairs.len(), 4, numbers).map_err(Problem::whole)?)?;
         return Ok(fields);
     }

@@ -24,7 +24,7 @@ pub(super) fn read(
     };
     let last = frames.last().map_or(*first, |(number, _)| *number);
     if frames.len() > MOST_FRAMES {
-        return Err(SequenceError::TooLong { path: shown_path(path) });
+        return Err(SequenceError::TooLong(shown_path(path)));
     }
     // Frames may be numbered in steps of ten, for example.
     let step = frames.windows(2).map(|two| two[1].0 - two[0].0).min().unwrap_or(1).max(1);
@@ -47,11 +47,8 @@ pub(super) fn read(
     }
     if !missing.is_empty() {
         let named: Vec<String> = missing.iter().take(NAMED).map(ToString::to_string).collect();
-        let more = if missing.len() > NAMED {
-            format!(" and {} more", missing.len() - NAMED)
-        } else {
-            String::new()
-        };
+        let more = missing.len().saturating_sub(NAMED);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         gathered.notes.push(format!(
             "frames are missing in {}: {}{more}. The frame before replaces each of them",
             shown_path(path),

@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use super::ReadError;
 use super::hash::{sha256_of_bytes, sha256_of_file};
-use super::read::has_image_extension;
+use super::read::{has_extension, has_image_extension};
 use crate::cancel::CancelFlag;
 use crate::foreign::{open_input, shown_path};
 use crate::geometry::Frame;
@@ -57,33 +57,21 @@ pub enum SequenceError {
     #[error(transparent)]
     Motion(#[from] MotionError),
     /// There are too many frames.
-    #[error("{path} has more than {MOST_FRAMES} frames, the limit. Use a part of it, or every second frame")]
-    TooLong {
-        /// File or folder.
-        path: String,
-    },
+    #[error("{0} has more than {MOST_FRAMES} frames, the limit. Use a part of it, or every second frame")]
+    TooLong(String),
     /// The folder or the video has one frame.
-    #[error("{path} has a single frame. A sequence is a folder of numbered frames or a video")]
-    OneFrame {
-        /// Path of the file or folder.
-        path: String,
-    },
+    #[error("{0} has a single frame. A sequence is a folder of numbered frames or a video")]
+    OneFrame(String),
     /// The file is a picture, animated or not.
     #[error(
-        "{path} is a picture. Sequences are not read from pictures, animated or not. Give a video, or a folder with the frames as numbered pictures"
+        "{0} is a picture. Sequences are not read from pictures, animated or not. Give a video, or a folder with the frames as numbered pictures"
     )]
-    Picture {
-        /// Path of the file.
-        path: String,
-    },
+    Picture(String),
     /// The program ffmpeg, which reads videos, is not installed.
     #[error(
-        "cannot read {path}: the program ffmpeg, which reads videos, is not on this machine. Install ffmpeg, or give a folder of frames"
+        "cannot read {0}: the program ffmpeg, which reads videos, is not on this machine. Install ffmpeg, or give a folder of frames"
     )]
-    NoFfmpeg {
-        /// Path of the file.
-        path: String,
-    },
+    NoFfmpeg(String),
     /// The program ffmpeg cannot read the file.
     #[error("ffmpeg cannot read {path} as a video: {reason}")]
     Ffmpeg {
@@ -100,11 +88,7 @@ pub const VIDEO_EXTENSIONS: [&str; 10] =
 
 /// Returns whether a path is a sequence: a folder, or a video by its extension.
 pub fn is_sequence(path: &Path) -> bool {
-    let is_video = path
-        .extension()
-        .and_then(|e| e.to_str())
-        .is_some_and(|e| VIDEO_EXTENSIONS.iter().any(|known| known.eq_ignore_ascii_case(e)));
-    is_video || path.is_dir()
+    has_extension(path, &VIDEO_EXTENSIONS) || path.is_dir()
 }
 
 /// Returns a SHA-256 over the names and bytes of the numbered frames of a folder.
@@ -121,7 +105,7 @@ pub(super) fn folder_sha256(path: &Path) -> Result<String, ReadError> {
 pub fn first_frame(folder: &Path) -> Result<Picture, SequenceError> {
     match folder::numbered(folder)?.first() {
         Some((_, file)) => Ok(Picture::open(file)?),
-        None => Err(SequenceError::OneFrame { path: shown_path(folder) }),
+        None => Err(SequenceError::OneFrame(shown_path(folder))),
     }
 }
 
@@ -134,9 +118,8 @@ pub fn read_sequence(
     if path.is_dir() {
         return folder::read(path, cancel, each);
     }
-    let path_is_gif = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gif"));
-    if path_is_gif || has_image_extension(path) {
-        return Err(SequenceError::Picture { path: shown_path(path) });
+    if has_extension(path, &["gif"]) || has_image_extension(path) {
+        return Err(SequenceError::Picture(shown_path(path)));
     }
     open_input(path).map_err(|reason| LoadError::Open { path: shown_path(path), reason })?;
     video::read(path, "ffmpeg", cancel, each)
@@ -161,7 +144,7 @@ impl<'a> Gathered<'a> {
     fn push(&mut self, gray: &GrayPlane) -> Result<(), SequenceError> {
         self.cancel.check().map_err(MotionError::from)?;
         if self.sequence.len() >= MOST_FRAMES {
-            return Err(SequenceError::TooLong { path: shown_path(self.path) });
+            return Err(SequenceError::TooLong(shown_path(self.path)));
         }
         self.sequence.push(gray)?;
         (self.each)(self.sequence.len());
@@ -181,7 +164,7 @@ impl<'a> Gathered<'a> {
                 let first = Picture { name: name_of(path), path: Some(path.to_owned()), ..first };
                 Ok(SequenceFile { sequence, first, notes })
             }
-            _ => Err(SequenceError::OneFrame { path: shown_path(path) }),
+            _ => Err(SequenceError::OneFrame(shown_path(path))),
         }
     }
 }

@@ -50,7 +50,7 @@ pub(super) fn read(
     let mut running = match started {
         Ok(child) => RunningDecoder(child),
         Err(error) if error.kind() == ErrorKind::NotFound => {
-            return Err(SequenceError::NoFfmpeg { path: shown });
+            return Err(SequenceError::NoFfmpeg(shown));
         }
         Err(error) => return Err(failed(&crate::foreign::reason(&error))),
     };
@@ -66,28 +66,14 @@ pub(super) fn read(
     });
     let mut frames = BufReader::new(running.0.stdout.take().ok_or_else(|| failed("it has no output"))?);
     let mut gathered = Gathered::new(path, cancel, each);
-    let outcome = loop {
-        match next_frame(&mut frames, &shown) {
-            Ok(Some(gray)) if gathered.first.is_none() => {
-                let pixels = gray_picture(&gray);
-                if let Err(error) = Picture::from_pixels(String::new(), None, pixels)
-                    .map_err(SequenceError::from)
-                    .and_then(|picture| gathered.push_picture(picture))
-                {
-                    break Err(error);
-                }
-            }
-            Ok(Some(gray)) => {
-                if let Err(error) = gathered.push(&gray) {
-                    break Err(error);
-                }
-            }
-            Ok(None) => break Ok(()),
-            Err(error) => break Err(error),
+    while let Some(gray) = next_frame(&mut frames, &shown)? {
+        if gathered.first.is_none() {
+            gathered.push_picture(Picture::from_pixels(String::new(), None, gray_picture(&gray))?)?;
+        } else {
+            gathered.push(&gray)?;
         }
-    };
+    }
     drop(frames);
-    outcome?;
     let status = running.0.wait().map_err(|e| failed(&crate::foreign::reason(&e)))?;
     let words = complaints.and_then(|thread| thread.join().ok()).unwrap_or_default();
     let last =

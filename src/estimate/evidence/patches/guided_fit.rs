@@ -24,7 +24,7 @@ use super::near_lines::is_within;
 use super::refinement::{Refined, RefinementLevel};
 use crate::cancel::CancelFlag;
 use crate::estimate::fit::{Evidence, Fitted, Match};
-use crate::geometry::{FundamentalMatrix, Observation, PointPair, sampson_distance};
+use crate::geometry::{FundamentalMatrix, Observation, sampson_distance};
 use crate::image::{GrayPlane, PairLevel, RelativeView};
 
 /// Widest band in which matches are sought, px of the level: that of the first refinement.
@@ -208,8 +208,7 @@ struct Pool {
 impl Pool {
     fn add(&mut self, found: Vec<LevelMatch>) {
         for m in found {
-            let PointPair { point1, point2 } = m.found.pair;
-            if self.known.insert([point1.x, point1.y, point2.x, point2.y].map(f64::to_bits)) {
+            if self.known.insert(m.found.pair.numbers().map(f64::to_bits)) {
                 self.matches.push(m);
             }
         }

@@ -144,9 +144,7 @@ fn pooled(support: &Support, best: &[Proposal]) -> Vec<PointPair> {
     let mut known: HashSet<[u64; 4]> = HashSet::new();
     let matches = best.iter().flat_map(|own| support.matches(&own.fundamental, POOL_BAND));
     let pairs = matches.map(|m| m.pair);
-    let place =
-        |pair: &PointPair| [pair.point1.x, pair.point1.y, pair.point2.x, pair.point2.y].map(f64::to_bits);
-    pairs.filter(|pair| known.insert(place(pair))).collect()
+    pairs.filter(|pair| known.insert(pair.numbers().map(f64::to_bits))).collect()
 }
 
 fn sample(pool: &[PointPair], clicks: &[PointPair], rng: &mut impl Rng) -> Option<FundamentalMatrix> {
