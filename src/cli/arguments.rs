@@ -11,6 +11,7 @@ use crate::geometry::{Point, PointPair};
 use crate::image::Picture;
 use crate::io::{Format, PictureFormat, StereoProgram};
 use crate::rectify::RectifyMethod;
+use crate::suggest::ClickedImage;
 use crate::synthetic::{Sample, SamplePair};
 
 /// Parses finite numbers separated by commas.
@@ -20,10 +21,8 @@ fn numbers<const N: usize>(text: &str, expected: &str) -> Result<[f64; N], Strin
         _ => Err(format!("expected {expected} (pixels), but \"{cell}\" is not a finite number")),
     };
     let cells: Vec<&str> = text.split(',').map(str::trim).collect();
-    let found = cells.len();
-    if found != N {
-        return Err(format!("expected {expected} (pixels), found {found}"));
-    }
+    let wrong = || format!("expected {expected} (pixels), found {}", cells.len());
+    let cells: &[&str; N] = cells.as_slice().try_into().map_err(|_| wrong())?;
     let mut all = [0.0; N];
     for (value, cell) in all.iter_mut().zip(cells) {
         *value = number(cell)?;
@@ -175,6 +174,10 @@ value_enum!(RectifyMethod, Self::ALL, value => PossibleValue::new(value.name()).
     Self::Planar => "one homography per image; epipoles outside both images",
     Self::Polar => "one row per pair of half epipolar lines; epipoles anywhere",
 }));
+value_enum!(ClickedImage, [Self::First, Self::Second], value => match value {
+    Self::First => PossibleValue::new("left").help("First image"),
+    Self::Second => PossibleValue::new("right").help("Second image"),
+});
 value_enum!(PictureFormat, Self::ALL, value => PossibleValue::new(value.extension()));
 
 #[cfg(test)]

@@ -30,7 +30,7 @@ pub(super) struct CalibrationArguments {
 #[command(group = ArgGroup::new("known_cameras").args(["calibration", "focal_length"]))]
 pub(super) struct CameraArguments {
     #[command(flatten)]
-    calibration: CalibrationArguments,
+    pub(super) calibration: CalibrationArguments,
     /// Focal length of both images or of each, in place of a calibration; "exif" guesses it from the data of
     /// a photograph. The principal point is taken to be in the middle
     #[arg(long, num_args = 1..=2, value_name = "PX")]
@@ -87,11 +87,6 @@ impl FromStr for TypedFocal {
     }
 }
 
-/// Two calibrated cameras.
-pub(super) struct CalibratedPair {
-    pub(super) cameras: [CalibratedCamera; 2],
-}
-
 impl CalibrationArguments {
     /// Returns the files.
     pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
@@ -99,7 +94,7 @@ impl CalibrationArguments {
     }
 
     /// Reads the calibration.
-    pub(super) fn read(&self) -> Result<Option<CalibratedPair>, CliError> {
+    pub(super) fn read(&self) -> Result<Option<[CalibratedCamera; 2]>, CliError> {
         let Some(files) = &self.calibration else { return Ok(None) };
         let names = match self.camera_names.as_deref() {
             Some([left, right]) => Some([left.as_str(), right.as_str()]),
@@ -109,25 +104,14 @@ impl CalibrationArguments {
             let found = Calibration::read(path)?.pair(names);
             found.map_err(|e| CliError::Arguments(format!("{}: {e}", shown_path(path))))
         };
-        let [first, second] = match &files[..] {
+        Ok(Some(match &files[..] {
             [left, right] => [pair(left)?[0].clone(), pair(right)?[usize::from(names.is_some())].clone()],
             _ => pair(&files[0])?,
-        };
-        Ok(Some(CalibratedPair { cameras: [first, second] }))
+        }))
     }
 }
 
 impl CameraArguments {
-    /// Returns the files.
-    pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
-        self.calibration.files()
-    }
-
-    /// Reads the calibration.
-    pub(super) fn read(&self) -> Result<Option<CalibratedPair>, CliError> {
-        self.calibration.read()
-    }
-
     /// Returns whether any camera is given.
     pub(super) fn is_given(&self) -> bool {
         self.calibration.calibration.is_some() || self.focal_length.is_some() || self.division.is_some()
@@ -142,10 +126,10 @@ impl CameraArguments {
     /// distortion of each image that was fitted to the matches.
     pub(super) fn of_pictures(
         &self,
-        calibrated: Option<CalibratedPair>,
+        calibrated: Option<[CalibratedCamera; 2]>,
         pictures: &[Picture; 2],
         fitted: Option<[f64; 2]>,
-    ) -> Result<Option<CalibratedPair>, CliError> {
+    ) -> Result<Option<[CalibratedCamera; 2]>, CliError> {
         let camera = |k: usize| -> Result<Option<CalibratedCamera>, CliError> {
             let frame = pictures[k].frame();
             let lambda = match of_image(self.division.as_deref(), k) {
@@ -164,8 +148,7 @@ impl CameraArguments {
             let (frame, unit) = (Some(frame), LengthUnit::Baseline);
             Ok(model.map(|model| CalibratedCamera { name, model, frame, pose: None, unit }))
         };
-        let [first, second] = [camera(0)?, camera(1)?];
-        let of_options = first.zip(second).map(|(first, second)| CalibratedPair { cameras: [first, second] });
+        let of_options = camera(0)?.zip(camera(1)?).map(<[_; 2]>::from);
         Ok(calibrated.or(of_options))
     }
 
@@ -197,19 +180,15 @@ fn of_image<T: Copy>(values: Option<&[T]>, image: usize) -> Option<T> {
     values.get(image).or(values.first()).copied()
 }
 
-impl CalibratedPair {
-    /// Plans the views without distortion, after checking the sizes of the pictures.
-    pub(super) fn views(&self, pictures: &[Picture; 2]) -> Result<ViewPair, CliError> {
-        for (camera, picture) in self.cameras.iter().zip(pictures) {
-            camera.check_frame(picture.frame()).map_err(CliError::Arguments)?;
-        }
-        let views = ViewPair::new(
-            [&self.cameras[0].model, &self.cameras[1].model],
-            [pictures[0].frame(), pictures[1].frame()],
-        );
-        let problem = "the distortion of the lens cannot be undone: it folds back at the principal point";
-        views.ok_or_else(|| CliError::Arguments(problem.into()))
+/// Plans the views without distortion, after checking the sizes of the pictures.
+pub(super) fn views(cameras: &[CalibratedCamera; 2], pictures: &[Picture; 2]) -> Result<ViewPair, CliError> {
+    for (camera, picture) in cameras.iter().zip(pictures) {
+        camera.check_frame(picture.frame()).map_err(CliError::Arguments)?;
     }
+    let models = cameras.each_ref().map(|camera| &camera.model);
+    let views = ViewPair::new(models, pictures.each_ref().map(Picture::frame));
+    let problem = "the distortion of the lens cannot be undone: it folds back at the principal point";
+    views.ok_or_else(|| CliError::Arguments(problem.into()))
 }
 
 /// Draws the pictures without distortion.

@@ -1,18 +1,17 @@
 //! `epiline check`: detection of the convention of a fundamental matrix.
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
 
 use super::CliError;
 use super::geometry_file::{GeometryInput, GeometryOutput};
-use super::output::Output;
 use crate::convention::{ConventionCheck, RankedReading, Reading, check_convention};
 use crate::foreign::shown_path;
 use crate::geometry::FundamentalMatrix;
-use crate::io::{Format, GeometryFile, refuse_clashes};
+use crate::io::{Format, GeometryFile};
 
 /// Find the convention of a fundamental matrix or two cameras, using matches
 ///
@@ -55,14 +54,9 @@ struct CheckFile<'a> {
 
 /// Ranks the readings, writes the files and prints the table.
 pub(super) fn run(arguments: &CheckArguments) -> Result<(), CliError> {
-    let output = Output::prepare(arguments.json.as_deref())?;
-    let corrected = GeometryOutput::prepare_optional(arguments.output.as_deref(), arguments.format)?;
-    if corrected.as_ref().is_some_and(GeometryOutput::is_piped) && matches!(output, Output::Piped) {
-        return Err(CliError::Arguments("--json and --output cannot both be -".into()));
-    }
-    let outputs: Vec<&Path> =
-        output.file().into_iter().chain(corrected.as_ref().and_then(GeometryOutput::file)).collect();
-    refuse_clashes(&outputs, &arguments.input.inputs())?;
+    let corrected = ("--output", arguments.output.as_deref(), arguments.format);
+    let json = arguments.json.as_deref();
+    let (output, corrected) = GeometryOutput::prepare_beside(json, corrected, &arguments.input.inputs())?;
     let (file, format) = arguments.input.read()?;
     let Some(given) = file.geometry() else {
         let problem = format!(
@@ -84,7 +78,6 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), CliError> {
         version: env!("CARGO_PKG_VERSION"),
     };
     let text = table(&check, format, arguments.all);
-    let is_piped = corrected.as_ref().is_some_and(GeometryOutput::is_piped);
     if let (Some(corrected), Some(best)) = (&corrected, believed) {
         // Cameras and homographies keep the convention that was read. Only F was checked.
         let file = GeometryFile {
@@ -95,7 +88,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), CliError> {
         };
         corrected.write(&file)?;
     }
-    if is_piped {
+    if corrected.is_some_and(|corrected| corrected.is_piped()) {
         super::console::tell(text.trim_end());
         super::console::tell(&sentence);
     } else if check.fits() {

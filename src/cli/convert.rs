@@ -37,19 +37,17 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<(), CliError> {
         return to_colmap(arguments, database);
     }
     let output = GeometryOutput::prepare(&arguments.output, arguments.format)?;
-    refuse_clashes(&output.file().into_iter().collect::<Vec<_>>(), &arguments.input.inputs())?;
+    refuse_clashes(output.file().as_slice(), &arguments.input.inputs())?;
     let (file, format) = arguments.input.read()?;
     output.write(&file)?;
-    let parts: Vec<_> = [
+    let parts = [
         file.geometry().map(|_| "F".to_owned()),
         file.cameras.map(|_| "two cameras".to_owned()),
         file.homographies.map(|_| "two homographies".to_owned()),
         file.homography21.map(|_| "the homography of a plane".to_owned()),
         (!file.pairs.is_empty()).then(|| format!("{} point pairs", file.pairs.len())),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
+    ];
+    let parts: Vec<_> = parts.into_iter().flatten().collect();
     let read = shown_path(arguments.input.path());
     let text = format!("{} from {read} ({}) to {}\n", parts.join(", "), format.label(), output.place());
     if output.is_piped() {

@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::CliError;
 use super::arguments::{ImagePair, on_threads, point_pair, threads};
-use super::calibration::{CameraArguments, undistort_matches, undistorted, undistorted_pairs};
+use super::calibration::{CameraArguments, undistort_matches, undistorted, undistorted_pairs, views};
 use super::console::tell;
 use super::overrides::Overrides;
 use super::result_output::{Beside, ResultArguments};
@@ -64,7 +64,11 @@ struct EstimateInput {
 
 /// Estimates F, writes the JSON file and prints the summary.
 pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
-    let files = arguments.images.files().chain(arguments.cameras.files()).chain(arguments.matches.as_deref());
+    let files = arguments
+        .images
+        .files()
+        .chain(arguments.cameras.calibration.files())
+        .chain(arguments.matches.as_deref());
     let output = arguments.result.prepare(&files.collect::<Vec<_>>())?;
     let mut parameters = arguments.overrides.parameters(arguments.preset)?;
     parameters.seed = arguments.seed;
@@ -75,7 +79,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     };
     parameters.method = arguments.method.unwrap_or(fallback);
 
-    let calibrated = arguments.cameras.read()?;
+    let calibrated = arguments.cameras.calibration.read()?;
     let mut given = arguments.matches.as_deref().map(read_matches).transpose()?;
     let mut input = input(arguments, parameters.pairs_needed(), parameters.method)?;
     let (mut first, mut lambdas) = (None, None);
@@ -85,8 +89,8 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
         (first, lambdas) = (Some(found), lens.map(|lens| lens.lambdas));
     }
     let calibrated = arguments.cameras.of_pictures(calibrated, &input.pictures, lambdas)?;
-    let baseline = calibrated.as_ref().and_then(|calibrated| CalibratedCamera::baseline(&calibrated.cameras));
-    let views = calibrated.map(|calibrated| calibrated.views(&input.pictures)).transpose()?;
+    let baseline = calibrated.as_ref().and_then(CalibratedCamera::baseline);
+    let views = calibrated.map(|cameras| views(&cameras, &input.pictures)).transpose()?;
     if let Some(views) = &views {
         input.pairs = undistorted_pairs(&input.pairs, views)?;
         undistort_matches(&mut given, views)?;

@@ -6,10 +6,12 @@ use clap::Args;
 
 use super::CliError;
 use super::console::{print, tell};
+use super::output::Output;
 use crate::foreign::shown_path;
 use crate::image::Picture;
 use crate::io::{
     Format, GeometryFile, ImageNote, OutputFile, cloud_as_ply, matrix_as_npy, read_camera, read_point_pairs,
+    refuse_clashes,
 };
 
 /// Source of a geometry.
@@ -127,12 +129,21 @@ impl GeometryOutput {
         Ok(Self { file: if is_piped { None } else { Some(OutputFile::prepare(path)?) }, content })
     }
 
-    /// Prepares an optional output.
-    pub(super) fn prepare_optional(
-        path: Option<&Path>,
-        format: Option<Format>,
-    ) -> Result<Option<Self>, CliError> {
-        path.map(|path| Self::prepare(path, format)).transpose()
+    /// Prepares the geometry of a command beside its JSON and text. `option` names the option of the
+    /// geometry. Fails if the outputs would overwrite each other or an input.
+    pub(super) fn prepare_beside(
+        json: Option<&Path>,
+        (option, path, format): (&str, Option<&Path>, Option<Format>),
+        inputs: &[&Path],
+    ) -> Result<(Output, Option<Self>), CliError> {
+        let output = Output::prepare(json)?;
+        let geometry = path.map(|path| Self::prepare(path, format)).transpose()?;
+        if geometry.as_ref().is_some_and(Self::is_piped) && matches!(output, Output::Piped) {
+            return Err(CliError::Arguments(format!("--json and {option} cannot both be -")));
+        }
+        let outputs = output.file().into_iter().chain(geometry.as_ref().and_then(Self::file));
+        refuse_clashes(&outputs.collect::<Vec<_>>(), inputs)?;
+        Ok((output, geometry))
     }
 
     /// Returns the output file, if there is one.

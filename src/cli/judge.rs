@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::CliError;
 use super::arguments::{ImagePair, on_threads, pixels, threads};
-use super::calibration::{CalibrationArguments, undistort_matches, undistorted};
+use super::calibration::{CalibrationArguments, undistort_matches, undistorted, views};
 use super::estimate::watched;
 use super::output::Output;
 use crate::camera::{PoseDifference, RelativePose, ViewPair};
@@ -113,8 +113,8 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     let (mut pictures, _) = arguments.images.load()?;
     let mut stereo = None;
     if let Some(calibrated) = calibrated {
-        let (pose, _) = CalibratedCamera::relative_pose(&calibrated.cameras).ok_or_else(no_pose)?;
-        let views = calibrated.views(&pictures)?;
+        let (pose, _) = CalibratedCamera::relative_pose(&calibrated).ok_or_else(no_pose)?;
+        let views = views(&calibrated, &pictures)?;
         undistort_matches(&mut matches, &views)?;
         pictures = undistorted(pictures, &views);
         given = Some(of_pose(&pose, &views).ok_or_else(no_pose)?);
@@ -183,7 +183,7 @@ impl JudgeArguments {
                 cameras: Some([read_camera(left)?, read_camera(right)?]),
                 ..GeometryFile::default()
             },
-            (Some([one]), _) | (None, Some(one)) => GeometryFile::read_geometry(one)?.0,
+            (Some([one]), _) | (None, Some(one)) => GeometryFile::read_geometry(one)?.1,
             _ => GeometryFile::default(),
         };
         if self.cameras.is_some() && file.cameras.is_none() {

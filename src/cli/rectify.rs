@@ -8,7 +8,7 @@ use image::DynamicImage;
 
 use super::CliError;
 use super::arguments::{ImagePair, megapixels, on_threads, threads};
-use super::calibration::{CalibratedPair, CameraArguments, undistorted_pairs};
+use super::calibration::{CameraArguments, undistorted_pairs, views};
 use super::console::print;
 use crate::camera::{RelativePose, ViewPair};
 use crate::cancel::CancelFlag;
@@ -71,7 +71,7 @@ struct Posed {
 
 /// Rectifies the images, writes the folder and prints a summary.
 pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
-    let calibrated = arguments.cameras.read()?;
+    let calibrated = arguments.cameras.calibration.read()?;
     let given = arguments.matches.as_deref().map(read_point_pairs).transpose()?;
     if arguments.cameras.fits_lens() {
         let unknown = "without an estimate there is nothing to fit the distortion to. Give the coefficient that \
@@ -83,7 +83,7 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let (pictures, known) = arguments.images.load()?;
     let mut matches = given.or(known).unwrap_or_default();
     let calibrated = arguments.cameras.of_pictures(calibrated, &pictures, None)?;
-    let views = calibrated.as_ref().map(|calibrated| calibrated.views(&pictures)).transpose()?;
+    let views = calibrated.as_ref().map(|cameras| views(cameras, &pictures)).transpose()?;
     let fundamental = fundamental.transpose()?;
     if let Some(views) = &views {
         matches = undistorted_pairs(&matches, views)?;
@@ -98,7 +98,7 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let limits = arguments.max_megapixels.map_or_else(Limits::default, |pixels| Limits { pixels });
     let images = pictures.iter().filter_map(|picture| picture.path.as_deref());
     let inputs = images.chain(arguments.fundamental.as_deref()).chain(arguments.matches.as_deref());
-    let inputs: Vec<&Path> = inputs.chain(arguments.cameras.files()).collect();
+    let inputs: Vec<&Path> = inputs.chain(arguments.cameras.calibration.files()).collect();
     if let (Some(program), Some(views)) = (arguments.program, &views) {
         let posed = posed.ok_or_else(no_pose)??;
         let files = StereoPairFiles::prepare(&arguments.output, program, &inputs)?;
@@ -146,9 +146,7 @@ fn drawn(
 
 /// Reads F and the matches of a result. A result for views without distortion needs a calibration.
 fn read_result(path: &Path, is_calibrated: bool) -> Result<(FundamentalMatrix, Vec<PointPair>), CliError> {
-    let (file, _) = GeometryFile::read_geometry(path)?;
-    let missing = || CliError::Arguments(format!("{}: there is no F", shown_path(path)));
-    let fundamental = file.geometry().ok_or_else(missing)?;
+    let (fundamental, file) = GeometryFile::read_geometry(path)?;
     if file.is_undistorted && !is_calibrated {
         return Err(CliError::Arguments(format!(
             "{} belongs to views without distortion. Give the calibration or \
@@ -162,12 +160,12 @@ fn read_result(path: &Path, is_calibrated: bool) -> Result<(FundamentalMatrix, V
 /// Returns the pose of F or, without F, that of the calibration. Only the calibration tells the length of
 /// the baseline.
 fn posed(
-    calibrated: &CalibratedPair,
+    calibrated: &[CalibratedCamera; 2],
     views: &ViewPair,
     fundamental: Option<&FundamentalMatrix>,
     matches: &[PointPair],
 ) -> Result<Posed, CliError> {
-    let own = CalibratedCamera::relative_pose(&calibrated.cameras);
+    let own = CalibratedCamera::relative_pose(calibrated);
     let Some(fundamental) = fundamental else {
         let (pose, baseline) = own.ok_or_else(no_pose)?;
         return Ok(Posed { pose, baseline: Some(baseline) });

@@ -33,10 +33,6 @@ fn help() -> String {
     add("epiline", &mut command);
     for sub in command.get_subcommands_mut() {
         add(&format!("epiline {}", sub.get_name()), sub);
-        for kind in sub.get_subcommands_mut() {
-            let title = kind.get_bin_name().unwrap_or(kind.get_name()).to_owned();
-            add(&title, kind);
-        }
     }
     text
 }

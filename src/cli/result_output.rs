@@ -12,8 +12,7 @@ use crate::estimate::{Estimate, Parameters, Uncertainty};
 use crate::geometry::{PointPair, median, sampson_distance};
 use crate::image::Picture;
 use crate::io::{
-    CalibratedNote, Format, GeometryFile, PairLabel, PairOrigin, ResultFile, TrustNote, refuse_clashes,
-    result_in_words,
+    CalibratedNote, Format, GeometryFile, PairLabel, PairOrigin, ResultFile, TrustNote, result_in_words,
 };
 use crate::presentation::pose_in_words;
 
@@ -56,14 +55,8 @@ impl ResultArguments {
     /// Checks the outputs. Fails if one cannot be written, or would overwrite an input or the other
     /// output.
     pub(super) fn prepare(&self, inputs: &[&Path]) -> Result<ResultOutput, CliError> {
-        let output = Output::prepare(self.json.as_deref())?;
-        let export = GeometryOutput::prepare_optional(self.export.as_deref(), self.format)?;
-        if export.as_ref().is_some_and(GeometryOutput::is_piped) && matches!(output, Output::Piped) {
-            return Err(CliError::Arguments("--json and --export cannot both be -".into()));
-        }
-        let outputs: Vec<&Path> =
-            output.file().into_iter().chain(export.as_ref().and_then(GeometryOutput::file)).collect();
-        refuse_clashes(&outputs, inputs)?;
+        let export = ("--export", self.export.as_deref(), self.format);
+        let (output, export) = GeometryOutput::prepare_beside(self.json.as_deref(), export, inputs)?;
         Ok(ResultOutput { output, export })
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
 
 use super::CliError;
@@ -24,8 +24,8 @@ pub(super) struct SuggestArguments {
     #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
     at: Point,
     /// Image that contains the point
-    #[arg(long = "in", value_enum, default_value_t = ImageSide::Left, value_name = "IMAGE")]
-    side: ImageSide,
+    #[arg(long = "in", value_enum, default_value_t = ClickedImage::First, value_name = "IMAGE")]
+    clicked: ClickedImage,
     /// Search along the epipolar line of this fundamental matrix: a result of estimate, whose matches
     /// help too, nine numbers, or any other format
     #[arg(long, value_name = "FILE")]
@@ -41,35 +41,17 @@ pub(super) struct SuggestArguments {
     json: Option<PathBuf>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-enum ImageSide {
-    /// First image
-    Left,
-    /// Second image
-    Right,
-}
-
-impl From<ImageSide> for ClickedImage {
-    fn from(side: ImageSide) -> Self {
-        match side {
-            ImageSide::Left => Self::First,
-            ImageSide::Right => Self::Second,
-        }
-    }
-}
-
 /// Suggests matches, writes the JSON file and prints the candidates.
 pub(super) fn run(arguments: &SuggestArguments) -> Result<(), CliError> {
     let output = Output::prepare(arguments.json.as_deref())?;
     let inputs: Vec<&Path> = arguments.images.files().chain(arguments.fundamental.as_deref()).collect();
-    refuse_clashes(&output.file().into_iter().collect::<Vec<_>>(), &inputs)?;
+    refuse_clashes(output.file().as_slice(), &inputs)?;
     let file = arguments.fundamental.as_deref().map(GeometryFile::read_geometry).transpose()?;
-    let fundamental = file.as_ref().and_then(|(file, _)| file.geometry());
-    let matches = file.map_or_else(Vec::new, |(file, _)| file.found);
+    let (fundamental, matches) = file.map(|(fundamental, file)| (fundamental, file.found)).unzip();
+    let matches = matches.unwrap_or_default();
     let ([image1, image2], _) = arguments.images.load()?;
     let parameters = SuggestParameters { band: arguments.band, ..SuggestParameters::default() };
-    let clicked = ClickedImage::from(arguments.side);
+    let clicked = arguments.clicked;
     let found = on_threads(arguments.threads, || {
         let prepared = PreparedPair::new(&image1.gray, &image2.gray);
         let known = Known { fundamental, view: None, matches: &matches };
@@ -77,7 +59,7 @@ pub(super) fn run(arguments: &SuggestArguments) -> Result<(), CliError> {
     })??;
     let result = SuggestionFile {
         at: arguments.at,
-        side: arguments.side,
+        side: if clicked == ClickedImage::First { "left" } else { "right" },
         fundamental,
         clear: found.clear().is_some(),
         message: found.verdict.to_string(),
@@ -94,7 +76,7 @@ pub(super) fn run(arguments: &SuggestArguments) -> Result<(), CliError> {
 struct SuggestionFile<'a> {
     at: Point,
     #[serde(rename = "in")]
-    side: ImageSide,
+    side: &'static str,
     fundamental: Option<FundamentalMatrix>,
     clear: bool,
     message: String,

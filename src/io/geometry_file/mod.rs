@@ -80,18 +80,16 @@ impl GeometryFile {
     }
 
     /// Reads a file that must hold `F` or two cameras. Six bare rows of four numbers are cameras.
-    pub fn read_geometry(path: &Path) -> Result<(Self, Format), ReadError> {
-        let (file, format) = Self::read_for(path, BareNumbers::Geometry)?;
-        if file.geometry().is_none() {
-            let problem = match &file.cameras {
-                Some(_) => "the two cameras have the same centre, so there is no fundamental matrix",
-                None => {
-                    "there is no fundamental matrix in it (\"F\" or \"fundamental\"), nor two cameras (\"P1\" and \"P2\")"
-                }
-            };
-            return Err(ReadError::content(path, problem));
-        }
-        Ok((file, format))
+    pub fn read_geometry(path: &Path) -> Result<(FundamentalMatrix, Self), ReadError> {
+        let (file, _) = Self::read_for(path, BareNumbers::Geometry)?;
+        let missing = match &file.cameras {
+            Some(_) => "the two cameras have the same centre, so there is no fundamental matrix",
+            None => {
+                "there is no fundamental matrix in it (\"F\" or \"fundamental\"), nor two cameras (\"P1\" and \"P2\")"
+            }
+        };
+        let fundamental = file.geometry().ok_or_else(|| ReadError::content(path, missing))?;
+        Ok((fundamental, file))
     }
 
     fn read_for(path: &Path, wanted: BareNumbers) -> Result<(Self, Format), ReadError> {
@@ -130,9 +128,7 @@ const MATLAB_SCRIPT: &str = "this is a MATLAB script, which is written but not r
 /// Reads `F` from a file of any [`Format`]. Two cameras in place of `F` are accepted, as are nine
 /// bare numbers row by row or six rows of four (two cameras).
 pub fn read_fundamental(path: &Path) -> Result<FundamentalMatrix, ReadError> {
-    let (file, _) = GeometryFile::read_geometry(path)?;
-    let missing = || ReadError::content(path, "there is no fundamental matrix in it");
-    file.geometry().ok_or_else(missing)
+    Ok(GeometryFile::read_geometry(path)?.0)
 }
 
 /// Returns the text of a file, or the rows of a NumPy array as text.
