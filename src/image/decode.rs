@@ -13,7 +13,7 @@ use image::{
     ColorType, DynamicImage, ImageBuffer, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits,
 };
 
-use super::deep_tiff::{DeepProblem, DeepTiff, within_unit};
+use super::deep_tiff::{DeepTiff, within_unit};
 use super::tiff_header::lists_fit;
 use super::webp::WebpClaims;
 use super::whole::what_is_missing;
@@ -43,11 +43,11 @@ pub(super) fn decode(
     // The content alone decides: a file with a misleading name is not damaged.
     let format = guess(&mut reader).map_err(|e| job.io(&e))?;
     let Some(format) = format else {
-        return Err(LoadError::Format { path: path.to_owned() });
+        return Err(LoadError::Format(job.path()));
     };
     if !KNOWN.contains(&format) {
         let format = format.extensions_str()[0].to_uppercase();
-        return Err(LoadError::OtherFormat { path: path.to_owned(), format });
+        return Err(LoadError::OtherFormat { path: job.path(), format });
     }
     if let Some(missing) = what_is_missing(format, &mut reader).map_err(|e| job.io(&e))? {
         // A size above the limit is the more useful error.
@@ -72,10 +72,8 @@ pub(super) fn decode(
     {
         let [width, height] = deep.size;
         job.check(width, height, deep.bytes_a_pixel)?;
-        return deep.read().map_err(|problem| match problem {
-            DeepProblem::NotFinite => LoadError::NotFinite { path: path.to_owned() },
-            DeepProblem::Decoder(error) => job.damaged(&error.to_string()),
-        });
+        let pixels = deep.read().map_err(|error| job.damaged(&error.to_string()))?;
+        return pixels.ok_or_else(|| LoadError::NotFinite(job.path()));
     }
     rewind(&mut reader, &job)?;
     let mut decoder = job.decoder(format, &mut reader)?;
@@ -89,7 +87,7 @@ pub(super) fn decode(
     let orientation = orientation.unwrap_or(Orientation::NoTransforms);
     let mut pixels = job.pixels(decoder, color)?;
     pixels.apply_orientation(orientation);
-    within_unit(pixels).ok_or_else(|| LoadError::NotFinite { path: path.to_owned() })
+    within_unit(pixels).ok_or_else(|| LoadError::NotFinite(job.path()))
 }
 
 /// Name and options of the file being decoded, for checks and messages.
@@ -107,15 +105,15 @@ impl Job<'_> {
         let reason = plain(reason);
         // Each decoder words its complaint about dimensions differently.
         if ["too large", "dimensions"].iter().any(|words| reason.contains(words)) {
-            return LoadError::Enormous { path: self.path() };
+            return LoadError::Enormous(self.path());
         }
-        LoadError::Damaged { path: self.path(), reason }
+        LoadError::Damaged(self.path(), reason)
     }
 
     fn io(&self, error: &std::io::Error) -> LoadError {
         match error.kind() {
             ErrorKind::UnexpectedEof => self.damaged("it ends too early"),
-            _ => LoadError::Open { path: self.path(), reason: reason(error) },
+            _ => LoadError::Open(self.path(), reason(error)),
         }
     }
 
@@ -130,10 +128,10 @@ impl Job<'_> {
                 _ => self.io(&error),
             },
             ImageError::Unsupported(error) => match self.damaged(&error.to_string()) {
-                LoadError::Damaged { path, reason } => LoadError::Unsupported { path, reason },
+                LoadError::Damaged(path, reason) => LoadError::Unsupported(path, reason),
                 enormous => enormous,
             },
-            ImageError::Limits(_) => LoadError::Memory { path: self.path() },
+            ImageError::Limits(_) => LoadError::Memory(self.path()),
             other => self.damaged(&other.to_string()),
         }
     }
@@ -194,10 +192,7 @@ impl Job<'_> {
             ColorType::Rgba16 => self.buffer(decoder).map(Kind::ImageRgba16),
             ColorType::Rgb32F => self.buffer(decoder).map(Kind::ImageRgb32F),
             ColorType::Rgba32F => self.buffer(decoder).map(Kind::ImageRgba32F),
-            other => {
-                let reason = format!("pixels of the kind {other:?}");
-                Err(LoadError::Unsupported { path: self.path(), reason })
-            }
+            other => Err(LoadError::Unsupported(self.path(), format!("pixels of the kind {other:?}"))),
         }
     }
 
@@ -206,7 +201,7 @@ impl Job<'_> {
         P: image::Pixel<Subpixel: bytemuck::Pod>,
     {
         let (width, height) = decoder.dimensions();
-        let memory = |_| LoadError::Memory { path: self.path() };
+        let memory = |_| LoadError::Memory(self.path());
         let count = width as usize * height as usize;
         // The grey plane needs memory next. An error here is better than an abort there.
         Vec::<f32>::new().try_reserve_exact(count).map_err(memory)?;
@@ -214,11 +209,7 @@ impl Job<'_> {
         let length = count * usize::from(P::CHANNEL_COUNT);
         values.try_reserve_exact(length).map_err(memory)?;
         values.resize(length, bytemuck::Zeroable::zeroed());
-        match decoder.read_image(bytemuck::cast_slice_mut(&mut values)) {
-            Err(ImageError::Limits(_)) => return Err(LoadError::Memory { path: self.path() }),
-            Err(error) => return Err(self.failed(error)),
-            Ok(()) => {}
-        }
+        decoder.read_image(bytemuck::cast_slice_mut(&mut values)).map_err(|e| self.failed(e))?;
         ImageBuffer::from_raw(width, height, values)
             .ok_or_else(|| self.damaged("its pixels are not all there"))
     }

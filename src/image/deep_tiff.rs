@@ -28,14 +28,6 @@ pub(super) struct DeepTiff<R: BufRead + Seek> {
     pub bytes_a_pixel: u64,
 }
 
-/// The reason why the pixels could not be read.
-pub(super) enum DeepProblem {
-    /// Some numbers are not finite.
-    NotFinite,
-    /// The decoder's error.
-    Decoder(TiffError),
-}
-
 impl<R: BufRead + Seek> DeepTiff<R> {
     /// Reads the header of such a grey TIFF file. Returns `None` for every other file.
     pub fn open(reader: R) -> Option<Self> {
@@ -52,14 +44,14 @@ impl<R: BufRead + Seek> DeepTiff<R> {
         Some(Self { decoder, size: [width, height], bytes_a_pixel: u64::from(bits / 8) })
     }
 
-    /// Reads all pixels, converted to 16 bits.
-    pub fn read(self) -> Result<DynamicImage, DeepProblem> {
+    /// Reads all pixels, converted to 16 bits. `None` when some are not finite.
+    pub fn read(self) -> Result<Option<DynamicImage>, TiffError> {
         let [width, height] = self.size;
         let bytes = u64::from(width) * u64::from(height) * self.bytes_a_pixel;
         let mut limits = Limits::default();
         limits.decoding_buffer_size = usize::try_from(bytes).unwrap_or(usize::MAX);
         limits.intermediate_buffer_size = limits.decoding_buffer_size;
-        let pixels = self.decoder.with_limits(limits).read_image().map_err(DeepProblem::Decoder)?;
+        let pixels = self.decoder.with_limits(limits).read_image()?;
         let pixels = match pixels {
             DecodingResult::F16(values) => bright(&values, |v| f64::from(v.to_f32())),
             DecodingResult::F32(values) => bright(&values, |v| f64::from(*v)),
@@ -73,10 +65,9 @@ impl<R: BufRead + Seek> DeepTiff<R> {
             DecodingResult::U32(values) => bright(&values, |v| f64::from(*v)),
             DecodingResult::U64(values) => bright(&values, |v| *v as f64),
         };
-        let pixels = pixels.ok_or(DeepProblem::NotFinite)?;
-        image::ImageBuffer::from_raw(width, height, pixels)
-            .map(DynamicImage::ImageLuma16)
-            .ok_or(DeepProblem::Decoder(TiffError::IntSizeError))
+        let image =
+            |pixels| image::ImageBuffer::from_raw(width, height, pixels).ok_or(TiffError::IntSizeError);
+        Ok(pixels.map(image).transpose()?.map(DynamicImage::ImageLuma16))
     }
 }
 

@@ -42,7 +42,7 @@ impl Picture {
     /// Reads a file with the given options.
     pub fn open_with(path: &Path, options: LoadOptions) -> Result<Self, LoadError> {
         let shown = shown_path(path);
-        let failed = |reason| LoadError::Open { path: shown.clone(), reason };
+        let failed = |reason| LoadError::Open(shown.clone(), reason);
         let input = open_input(path).map_err(failed)?;
         // Any reasonable picture compresses to fewer bytes than its pixels.
         let most_bytes = options.most_pixels.saturating_mul(super::limit::WIDE_PIXEL).max(1 << 20);
@@ -80,7 +80,7 @@ impl Picture {
     /// Creates a picture from decoded pixels.
     pub fn from_pixels(name: String, path: Option<PathBuf>, pixels: DynamicImage) -> Result<Self, LoadError> {
         if pixels.width() == 0 || pixels.height() == 0 {
-            return Err(LoadError::Empty { path: name });
+            return Err(LoadError::Empty(name));
         }
         let gray = gray_plane(&pixels);
         Ok(Self { name, path, pixels, gray })

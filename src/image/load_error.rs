@@ -4,23 +4,16 @@ use thiserror::Error;
 
 use super::limit::{MEGAPIXELS_VARIABLE, weight};
 
-/// The reason why a picture could not be read. Each message is one sentence for the user.
+/// The reason why a picture could not be read. Each message is one sentence for the user. The first text of a
+/// variant is the path for display, the second one the reason.
 #[derive(Debug, Error)]
 pub enum LoadError {
     /// The file is missing, unreadable, or not a regular file.
-    #[error("cannot open the image {path}: {reason}")]
-    Open {
-        /// Path for display.
-        path: String,
-        /// The system's reason.
-        reason: String,
-    },
+    #[error("cannot open the image {0}: {1}")]
+    Open(String, String),
     /// The content is not a picture in a known format.
-    #[error("{path} is not an image in a known format (PNG, JPEG, TIFF, BMP, PNM or WebP)")]
-    Format {
-        /// Path for display.
-        path: String,
-    },
+    #[error("{0} is not an image in a known format (PNG, JPEG, TIFF, BMP, PNM or WebP)")]
+    Format(String),
     /// The content is a picture in an unsupported format.
     #[error(
         "the image {path} has the format {format}, which is not read: convert it to TIFF or PNG{}",
@@ -33,32 +26,17 @@ pub enum LoadError {
         format: String,
     },
     /// The format is known, but this variant of it is not supported.
-    #[error(
-        "the image {path} is of a kind that is not read ({reason}): save it with 8 or 16 bits, grey or colour"
-    )]
-    Unsupported {
-        /// Path for display.
-        path: String,
-        /// The unsupported property.
-        reason: String,
-    },
+    #[error("the image {0} is of a kind that is not read ({1}): save it with 8 or 16 bits, grey or colour")]
+    Unsupported(String, String),
     /// The file is damaged or truncated.
-    #[error("the image {path} is damaged or incomplete: {reason}; get it anew")]
-    Damaged {
-        /// Path for display.
-        path: String,
-        /// The decoder's reason.
-        reason: String,
-    },
+    #[error("the image {0} is damaged or incomplete: {1}; get it anew")]
+    Damaged(String, String),
     /// The header claims a size that the decoder rejects without reporting it.
     #[error(
-        "the image {path} claims a size beyond what its format allows or this program reads: its header is damaged, or \
+        "the image {0} claims a size beyond what its format allows or this program reads: its header is damaged, or \
          make it smaller"
     )]
-    Enormous {
-        /// Path for display.
-        path: String,
-    },
+    Enormous(String),
     /// The picture has more pixels than the limit.
     #[error("the image {}", too_large(path, *width, *height, *bytes_a_pixel, *most_pixels))]
     TooLarge {
@@ -84,23 +62,14 @@ pub enum LoadError {
         megabytes: u64,
     },
     /// The picture does not fit into memory.
-    #[error("the image {path} needs more memory than there is: make it smaller")]
-    Memory {
-        /// Path for display.
-        path: String,
-    },
+    #[error("the image {0} needs more memory than there is: make it smaller")]
+    Memory(String),
     /// The image has no pixels.
-    #[error("the image {path} has no pixels")]
-    Empty {
-        /// Path for display.
-        path: String,
-    },
+    #[error("the image {0} has no pixels")]
+    Empty(String),
     /// Some pixels are infinite or NaN.
-    #[error("the image {path} has pixels that are not finite numbers (NaN or infinite): replace them first")]
-    NotFinite {
-        /// Path for display.
-        path: String,
-    },
+    #[error("the image {0} has pixels that are not finite numbers (NaN or infinite): replace them first")]
+    NotFinite(String),
     /// An environment variable has an invalid value.
     #[error("{name} is \"{value}\", expected {expected}")]
     Setting {

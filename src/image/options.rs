@@ -47,7 +47,7 @@ impl LoadOptions {
     ) -> Result<(), LoadError> {
         let path = path.to_owned();
         if width == 0 || height == 0 {
-            return Err(LoadError::Empty { path });
+            return Err(LoadError::Empty(path));
         }
         let (width, height) = (u64::from(width), u64::from(height));
         if self.allows(width * height, bytes_a_pixel) {

@@ -10,9 +10,9 @@ use nalgebra::Matrix3;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
-use super::Match;
 use super::noise::{LEAST_SCALE, Noise, residuals};
 use super::scoring::{BAND, Consensus, Units, Witness};
+use super::{Match, climbed};
 use crate::cancel::CancelFlag;
 use crate::estimate::sampling::{Draws, Purpose, best, different};
 use crate::geometry::{
@@ -31,9 +31,6 @@ const OPTIMISED: usize = 4;
 /// Bands of local optimisation, in units of the scale. The first are wide, because a sample is off by
 /// more than the noise far from its matches.
 const LOCAL_BANDS: [f64; 4] = [6.0, 4.0, BAND, BAND];
-/// Largest number of rounds of estimating the noise and fitting to it. They end earlier when the
-/// likelihood no longer grows.
-const ROUNDS: usize = 6;
 /// Gain in log-likelihood below which the rounds end: the likelihood grows by less than a tenth.
 const LEAST_GAIN: f64 = 0.1;
 /// Fewest matches from which samples are drawn: otherwise from the likelier half.
@@ -90,20 +87,11 @@ impl Evidence<'_> {
     /// Fits a geometry and the noise to the matches in turns, from a start. `None` if the matches do not
     /// determine it.
     pub fn fitted(&self, start: &FundamentalMatrix) -> Option<Fitted> {
-        let mut best = self.explained(start);
-        for _ in 0..ROUNDS {
-            let observations = self.observations(&best);
-            let fit = fit_fundamental(&best.fundamental, &observations, 1.0)?;
-            let next = self.explained(&fit.fundamental);
-            let gain = next.log_likelihood - best.log_likelihood;
-            if gain > 0.0 {
-                best = next;
-            }
-            if gain < LEAST_GAIN {
-                break;
-            }
-        }
-        Some(best)
+        let refitted = |last: &Fitted| {
+            let fit = fit_fundamental(&last.fundamental, &self.observations(last), 1.0)?;
+            Some(self.explained(&fit.fundamental))
+        };
+        climbed(self.explained(start), LEAST_GAIN, |fitted| fitted.log_likelihood, refitted)
     }
 
     /// Returns a geometry as it is, with the noise of the matches.

@@ -14,8 +14,8 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::Match;
 use super::noise::{Noise, Residual};
+use super::{Match, climbed};
 use crate::geometry::{
     Frame, FundamentalMatrix, Observation, Point, PointPair, REGIONS, Vector, fit_fundamental, region,
 };
@@ -45,8 +45,6 @@ const LIMITS: [f64; 2] = [-0.6, 0.3];
 const STEPS: [f64; 2] = [0.08, 0.0005];
 /// First step of a search that begins at the best λ of slightly fewer matches.
 const NEAR: f64 = 0.01;
-/// Largest number of rounds of estimating the noise and fitting to it.
-const ROUNDS: usize = 6;
 /// Gain in log-likelihood below which the rounds end.
 const LEAST_GAIN: f64 = 0.05;
 /// Width of the band around the lines of the start in which matches count, as a share of the longer side. A
@@ -132,25 +130,17 @@ impl Fitter<'_> {
 
     /// Fits the geometry with one pair of coefficients.
     fn fitted(&self, start: &FundamentalMatrix, lambdas: [f64; 2]) -> Option<Bent> {
-        let mut best = self.explained(start, lambdas);
-        for _ in 0..ROUNDS {
+        let refitted = |last: &Bent| {
             let of = |m: &Match| {
-                let scale = self.distance(&best.fundamental, &m.pair, lambdas).1;
-                let sigma = m.sigma * best.noise.scale * scale;
+                let scale = self.distance(&last.fundamental, &m.pair, lambdas).1;
+                let sigma = m.sigma * last.noise.scale * scale;
                 Observation { pair: self.undistorted(&m.pair, lambdas), sigma }
             };
             let observations: Vec<Observation> = self.matches.iter().map(of).collect();
-            let fit = fit_fundamental(&best.fundamental, &observations, 1.0)?;
-            let next = self.explained(&fit.fundamental, lambdas);
-            let gain = next.log_likelihood - best.log_likelihood;
-            if gain > 0.0 {
-                best = next;
-            }
-            if gain < LEAST_GAIN {
-                break;
-            }
-        }
-        Some(best)
+            let fit = fit_fundamental(&last.fundamental, &observations, 1.0)?;
+            Some(self.explained(&fit.fundamental, lambdas))
+        };
+        climbed(self.explained(start, lambdas), LEAST_GAIN, |bent| bent.log_likelihood, refitted)
     }
 
     /// Returns the likeliest geometry with a lens, in steps from `start`.

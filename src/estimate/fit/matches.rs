@@ -27,18 +27,12 @@ pub struct MatchFit {
 /// The reason why matches gave no fundamental matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum MatchFitError {
-    /// Too few matches.
-    #[error("a fit needs at least {} matches, {found} were given", LEAST_MATCHES)]
-    TooFew {
-        /// Number of matches given.
-        found: usize,
-    },
-    /// A match has no finite points, or an invalid scale or prior.
-    #[error("match {number} needs finite coordinates, a sigma above 0 and a prior above 0 and up to 1")]
-    Invalid {
-        /// Number of the match, from 1.
-        number: usize,
-    },
+    /// Too few matches were given: so many.
+    #[error("a fit needs at least {LEAST_MATCHES} matches, {0} were given")]
+    TooFew(usize),
+    /// The match of this number, from 1, has no finite points, or an invalid scale or prior.
+    #[error("match {0} needs finite coordinates, a sigma above 0 and a prior above 0 and up to 1")]
+    Invalid(usize),
     /// No geometry explains enough matches.
     #[error(
         "no epipolar geometry explains {} or more of the matches: most of them may be wrong",
@@ -71,14 +65,14 @@ pub fn estimate_fundamental(
     seed: u64,
 ) -> Result<MatchFit, MatchFitError> {
     if matches.len() < LEAST_MATCHES {
-        return Err(MatchFitError::TooFew { found: matches.len() });
+        return Err(MatchFitError::TooFew(matches.len()));
     }
     let is_valid = |m: &Match| {
         let is_positive = m.sigma > 0.0 && m.sigma.is_finite() && m.prior > 0.0 && m.prior <= 1.0;
         is_positive && m.pair.is_finite()
     };
     if let Some(wrong) = matches.iter().position(|m| !is_valid(m)) {
-        return Err(MatchFitError::Invalid { number: wrong + 1 });
+        return Err(MatchFitError::Invalid(wrong + 1));
     }
     let cancel = CancelFlag::default();
     let side = frames[0].longer_side().max(frames[1].longer_side());
@@ -262,11 +256,11 @@ mod tests {
         let scene = ExactScene::aside();
         let few = matches(&scene, 13, 0, 0.1, 1);
         let found = estimate_fundamental(&few, [FRAME; 2], 1).unwrap_err();
-        assert_eq!(found, MatchFitError::TooFew { found: 13 });
+        assert_eq!(found, MatchFitError::TooFew(13));
         let mut broken = matches(&scene, 20, 0, 0.1, 1);
         broken[4].pair.point2.x = f64::NAN;
         let found = estimate_fundamental(&broken, [FRAME; 2], 1).unwrap_err();
-        assert_eq!(found, MatchFitError::Invalid { number: 5 });
+        assert_eq!(found, MatchFitError::Invalid(5));
         let same: Vec<Match> = vec![PointPair::new(5.0, 6.0, 7.0, 8.0).into(); 40];
         assert_eq!(estimate_fundamental(&same, [FRAME; 2], 1).unwrap_err(), MatchFitError::NoAgreement);
     }

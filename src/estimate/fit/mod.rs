@@ -21,6 +21,32 @@ pub(super) use consensus::{Evidence, Fitted};
 pub(super) use division::fit_division;
 pub(super) use scoring::{BAND, Consensus, Units, Witness, residual};
 
+/// Largest number of rounds of estimating the noise and fitting to it. They end earlier when the
+/// likelihood no longer grows.
+const ROUNDS: usize = 6;
+
+/// Fits in rounds from a start, until the log-likelihood grows by less than `least_gain`. Returns the
+/// likeliest fit, and `None` if a fit fails.
+fn climbed<T>(
+    start: T,
+    least_gain: f64,
+    log_likelihood: impl Fn(&T) -> f64,
+    refitted: impl Fn(&T) -> Option<T>,
+) -> Option<T> {
+    let mut best = start;
+    for _ in 0..ROUNDS {
+        let next = refitted(&best)?;
+        let gain = log_likelihood(&next) - log_likelihood(&best);
+        if gain > 0.0 {
+            best = next;
+        }
+        if gain < least_gain {
+            break;
+        }
+    }
+    Some(best)
+}
+
 /// A putative match.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Match {

@@ -15,7 +15,7 @@
 use std::f64::consts::PI;
 
 use super::Match;
-use crate::geometry::{FundamentalMatrix, sampson_distance};
+use crate::geometry::{FundamentalMatrix, median, sampson_distance};
 
 /// Smallest scale, px. Without a limit, a geometry that fits a few matches exactly would outweigh all
 /// others. Matches of usual pictures are several times less precise, but a fit to fewer than some 200
@@ -58,14 +58,12 @@ pub(super) fn residuals(f: &FundamentalMatrix, matches: &[Match]) -> Vec<Residua
 impl Noise {
     /// Estimates the noise from residuals, of which outliers spread over `spread` px.
     pub(super) fn of(residuals: &[Residual], spread: f64) -> Self {
-        let mut near: Vec<f64> =
-            residuals.iter().filter(|r| 2.0 * r.distance < spread).map(|r| r.distance / r.sigma).collect();
-        let middle = near.len() / 2;
-        if near.is_empty() {
+        let mut near =
+            residuals.iter().filter(|r| 2.0 * r.distance < spread).map(|r| r.distance / r.sigma).peekable();
+        if near.peek().is_none() {
             return Self { scale: LEAST_SCALE, inliers: LEAST_SHARE, spread };
         }
-        let median = *near.select_nth_unstable_by(middle, f64::total_cmp).1;
-        let mut noise = Self { scale: median.max(LEAST_SCALE), inliers: 0.5, spread };
+        let mut noise = Self { scale: median(near).max(LEAST_SCALE), inliers: 0.5, spread };
         let priors: f64 = residuals.iter().map(|r| r.prior).sum();
         for _ in 0..ITERATIONS {
             let (mut shares, mut squares) = (0.0, 0.0);

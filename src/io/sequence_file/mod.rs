@@ -121,7 +121,7 @@ pub fn read_sequence(
     if has_extension(path, &["gif"]) || has_image_extension(path) {
         return Err(SequenceError::Picture(shown_path(path)));
     }
-    open_input(path).map_err(|reason| LoadError::Open { path: shown_path(path), reason })?;
+    open_input(path).map_err(|reason| LoadError::Open(shown_path(path), reason))?;
     video::read(path, "ffmpeg", cancel, each)
 }
 
