@@ -10,7 +10,7 @@ use nalgebra::{Matrix2, Matrix3, SVector, Vector2, Vector3};
 use serde::Serialize;
 
 use crate::geometry::{
-    Frame, FundamentalMatrix, Matrix9, Point, PointPair, finite_point, rescaled, rescaling,
+    Frame, FundamentalMatrix, Matrix9, Point, PointPair, finite_point, median, rescaled, rescaling,
 };
 
 /// Covariance of a fundamental matrix.
@@ -130,10 +130,9 @@ impl Uncertainty {
 
     /// Returns the median deviation of the lines of matches in image 2, px. `None` without matches.
     pub fn median_line2_deviation(&self, matches: &[PointPair]) -> Option<f64> {
-        let mut deviations: Vec<f64> =
+        let deviations: Vec<f64> =
             matches.iter().filter_map(|m| self.line2_deviation(m.point1, m.point2)).collect();
-        deviations.sort_by(f64::total_cmp);
-        deviations.get(deviations.len() / 2).copied()
+        (!deviations.is_empty()).then(|| median(deviations))
     }
 
     /// Returns the position of the epipole in image 1, of this size.

@@ -5,12 +5,12 @@ use super::judged::{Found, Judged, report_preliminary};
 use super::record::SearchRecord;
 use super::refinement::refine_best;
 use super::stand_ins::farthest_apart;
-use crate::estimate::evidence::lines::{LineConsensus, compare_lines, geometries_from_lines};
+use crate::estimate::evidence::lines::{LineCandidate, LineConsensus, compare_lines, geometries_from_lines};
 use crate::estimate::evidence::viewed::ViewedPair;
 use crate::estimate::verdict::result::REPORTED;
 use crate::estimate::{Clicks, Estimate, EstimateError, Parameters, PreparedPair, Search, Stage};
 use crate::geometry::{FundamentalMatrix, PointPair};
-use crate::similarity::SimilarityParameters;
+use crate::similarity::{ScaledSimilarity, SimilarityParameters, SimilaritySource};
 
 /// Smallest reach of disparities without a click to fix their zero, as a share of the longer side:
 /// a quarter of the image. The time grows with it. Never varied.
@@ -25,28 +25,13 @@ pub(in crate::estimate) fn search(
     parameters: &Parameters,
     record: &mut SearchRecord,
 ) -> Result<Judged, EstimateError> {
-    record.enter(Stage::Pencils)?;
-    let cancel = record.cancel();
     let viewed = ViewedPair::upright(prepared, parameters);
     let reach = parameters.similarity.disparity_reach.max(UNANCHORED_REACH);
     let similarity = SimilarityParameters { disparity_reach: reach, ..parameters.similarity };
     let unanchored = Parameters { similarity, ..parameters.clone() };
     let source = prepared.similarity_source(viewed.patches.view(), &unanchored);
-    let alone = &parameters.lines_alone;
-    let level = source.at(alone.side);
-    let compared = compare_lines(&level, alone.lines, source.rotation(), &parameters.pencils, cancel)?;
-    record.lines_alone(compared.lines, compared.pairs.len());
-
-    record.enter(Stage::Hypotheses)?;
-    let how = LineConsensus { draws: alone.draws, area: alone.agreement, seed: parameters.seed };
-    let found = geometries_from_lines(&compared.pairs, level.frames, &how, cancel)?;
-    record.counts.hypotheses = alone.draws;
-    let full_size = level.scales.map(f64::recip);
-    let geometries: Vec<FundamentalMatrix> = found
-        .iter()
-        .filter_map(|one| one.fundamental.rescaled(full_size[0], full_size[1]))
-        .take(REPORTED)
-        .collect();
+    let mut geometries = from_all_lines(&*source, parameters, record, |_, pairs| Ok(pairs))?;
+    geometries.truncate(REPORTED);
     let hypotheses: Vec<Estimate> = geometries.iter().map(|f| Estimate::from(*f)).collect();
     let fundamental = *geometries.first().ok_or(EstimateError::NothingWithoutClicks)?;
     report_preliminary(fundamental, &hypotheses, None, &viewed, clicks, parameters, record);
@@ -57,11 +42,35 @@ pub(in crate::estimate) fn search(
         return Ok(found);
     }
     record.enter(Stage::Refinement)?;
-    let refined = refine_best(geometries.into_iter(), &viewed, clicks, parameters, cancel)?;
+    let refined = refine_best(geometries.into_iter(), &viewed, clicks, parameters, record.cancel())?;
     let matches = refined.iter().flat_map(|refined| &refined.refinement.matches);
     let supporting = matches.map(|m| m.pair).collect();
     let found = Found { fundamental, hypotheses, supporting, refined, clicks_alone: false };
     Ok(Judged::of(found, &viewed, clicks, parameters, record))
+}
+
+/// Returns geometries from the consensus of all lines, best first, full-size pixels. `sharpened` may move
+/// the candidates, in pixels of the level, before they are drawn.
+pub(super) fn from_all_lines(
+    source: &dyn SimilaritySource,
+    parameters: &Parameters,
+    record: &mut SearchRecord,
+    sharpened: impl FnOnce(&ScaledSimilarity, Vec<LineCandidate>) -> Result<Vec<LineCandidate>, EstimateError>,
+) -> Result<Vec<FundamentalMatrix>, EstimateError> {
+    record.enter(Stage::Pencils)?;
+    let cancel = record.cancel();
+    let alone = &parameters.lines_alone;
+    let level = source.at(alone.side);
+    let compared = compare_lines(&level, alone.lines, source.rotation(), &parameters.pencils, cancel)?;
+    record.lines_alone = Some((compared.lines, compared.pairs.len()));
+
+    record.enter(Stage::Hypotheses)?;
+    let pairs = sharpened(&level, compared.pairs)?;
+    let how = LineConsensus { draws: alone.draws, area: alone.agreement, seed: parameters.seed };
+    let found = geometries_from_lines(&pairs, level.frames, &how, cancel)?;
+    record.counts.hypotheses += alone.draws;
+    let full_size = level.scales.map(f64::recip);
+    Ok(found.iter().filter_map(|one| one.fundamental.rescaled(full_size[0], full_size[1])).collect())
 }
 
 /// Ranks, refines and judges the proposals by patches. `None` if too few patches match.

@@ -23,7 +23,7 @@ pub(in crate::estimate) struct SearchRecord<'a> {
     /// Pencils through the anchors of the present clicks. They change with the clicks.
     pencils: Vec<Arc<ComparedPencils>>,
     /// Numbers of lines and candidates in the search with all lines.
-    lines_alone: Option<([usize; 2], usize)>,
+    pub lines_alone: Option<([usize; 2], usize)>,
     /// Numbers of examined lines and hypotheses so far.
     pub counts: SearchCounts,
 }
@@ -89,11 +89,6 @@ impl<'a> SearchRecord<'a> {
     /// Returns the pencils through the present anchors.
     pub fn present_pencils(&self) -> &[Arc<ComparedPencils>] {
         &self.pencils
-    }
-
-    /// Records the numbers of lines and candidates of the search with all lines.
-    pub fn lines_alone(&mut self, lines: [usize; 2], candidates: usize) {
-        self.lines_alone = Some((lines, candidates));
     }
 
     /// Reports a geometry good enough to draw.

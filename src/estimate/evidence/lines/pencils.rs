@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::SHORTEST_LINE;
 use crate::cancel::CancelFlag;
 use crate::estimate::{EstimateError, PencilParameters};
-use crate::geometry::{AnchoredLine, Frame, Point, PointPair, angle_between, pencil_angles};
+use crate::geometry::{AnchoredLine, Frame, Point, PointPair, angle_between, median, pencil_angles};
 use crate::similarity::{CostMatrix, LineSimilarity, SimilaritySource};
 
 /// A pair of lines through a click that may be corresponding epipolar lines.
@@ -156,9 +156,7 @@ pub(super) fn have_texture(
     shortest: f64,
 ) -> Vec<bool> {
     let information = similarity.information(image, lines);
-    let mut sorted = information.clone();
-    sorted.sort_by(f64::total_cmp);
-    let threshold = sorted.get(sorted.len() / 2).map_or(0.0, |median| median * fraction);
+    let threshold = median(information.iter().copied()) * fraction;
     let shortest = shortest * frame.shorter_side();
     let is_kept = |(line, value): (&AnchoredLine, f64)| {
         let length = frame.clip(&line.line()).map_or(0.0, |s| s.length());

@@ -12,7 +12,7 @@ use super::corner_patches::Likeness;
 use super::level_corners::mutual_matches;
 use super::matches::{LevelMatch, MATCH_SIGMA, RefinedMatch};
 use super::near_lines::{Places, is_within};
-use crate::geometry::{FundamentalMatrix, Line, Point, PointPair};
+use crate::geometry::{FundamentalMatrix, Point, PointPair};
 use crate::image::{Alignment, HALF, PairLevel, Patch, PatchSampler, Placement, Warp, align, correlation};
 
 /// Corners of each image. With half as many the pose is less precise (`lab/notes.md`); more were not
@@ -49,13 +49,7 @@ pub(super) fn densified(
         .unzip();
     let (points1, affines): (Vec<Point>, Vec<Warp>) = points1.into_iter().unzip();
     let places2 = Places::new(points2);
-    let lines1: Vec<Option<Line>> = places2.points.iter().map(|p| f.line1_from_point2(*p)).collect();
-    let reach = band.max(CORNER_ERROR);
-    let find = |point1: Point, near: &mut Vec<usize>| {
-        let Some(line2) = f.line2_from_point1(point1) else { return };
-        places2.near_line(&line2, reach, near);
-        near.retain(|j| lines1[*j].as_ref().is_some_and(|line1| line1.distance(point1) <= reach));
-    };
+    let find = places2.mutually_near(f, band.max(CORNER_ERROR));
     let likeness =
         |i: usize, j: usize| Likeness { correlation: correlation(&patches1[i], &patches2[j]), warp: 0 };
     let mutual = mutual_matches([&points1, &places2.points], find, likeness);

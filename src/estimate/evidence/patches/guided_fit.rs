@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 use super::aligned_features::AlignedFeatures;
 use super::dense::densified;
-use super::matches::{LEAST_MATCHES, LevelMatch, MATCH_SIGMA};
+use super::matches::{LEAST_MATCHES, LevelMatch, MATCH_SIGMA, at_level};
 use super::near_lines::is_within;
 use super::refinement::{Refined, RefinementLevel};
 use crate::cancel::CancelFlag;
@@ -75,15 +75,7 @@ impl GuidedMatcher<'_> {
         cancel: &CancelFlag,
     ) -> Option<Refined> {
         let [s1, s2] = self.level.scales;
-        let clicks: Vec<Observation> = settling
-            .clicks
-            .iter()
-            .map(|c| Observation {
-                pair: self.level.resized(&c.pair),
-                // Never below the level's own precision.
-                sigma: (c.sigma * s1).max(MATCH_SIGMA),
-            })
-            .collect();
+        let clicks = settling.clicks.iter().map(|click| at_level(click, self.level)).collect();
         let start = start.rescaled(s1, s2)?;
         let given = settling.given.iter().map(|m| Match { pair: self.level.resized(&m.pair), ..*m });
         // Matches of another geometry lie anywhere, so few of them are near these lines.

@@ -107,6 +107,20 @@ fn single(f: &FundamentalMatrix) -> [f32; 9] {
     std::array::from_fn(|k| scaled[(k / 3, k % 3)] as f32)
 }
 
+/// Returns the lines of a group of corners, and the largest squared product with a point in their band.
+#[inline]
+fn lines(group: &CornerGroup, f: &[f32; 9], band: f32) -> [Lanes; 4] {
+    let [mut a, mut b, mut c, mut limit] = [[0f32; LANES]; 4];
+    for k in 0..LANES {
+        let (x, y) = (group.x1[k], group.y1[k]);
+        a[k] = f[0] * x + f[1] * y + f[2];
+        b[k] = f[3] * x + f[4] * y + f[5];
+        c[k] = f[6] * x + f[7] * y + f[8];
+        limit[k] = band * band * (a[k] * a[k] + b[k] * b[k]);
+    }
+    [a, b, c, limit]
+}
+
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
 fn near(
     groups: &[CornerGroup],
@@ -120,14 +134,7 @@ fn near(
         let (own, others) = places.split_at(group.ranks);
         let (of_own, of_others) = pairs.split_at(group.ranks);
         (places, pairs) = (others, of_others);
-        let [mut a, mut b, mut c, mut limit] = [[0f32; LANES]; 4];
-        for k in 0..LANES {
-            let (x, y) = (group.x1[k], group.y1[k]);
-            a[k] = f[0] * x + f[1] * y + f[2];
-            b[k] = f[3] * x + f[4] * y + f[5];
-            c[k] = f[6] * x + f[7] * y + f[8];
-            limit[k] = band * band * (a[k] * a[k] + b[k] * b[k]);
-        }
+        let [a, b, c, limit] = lines(group, f, band);
         for (rank, pairs) in own.iter().zip(of_own) {
             let mut is_near = [0u8; LANES];
             for k in 0..LANES {
@@ -154,14 +161,7 @@ fn most_support(
         let (own, others) = places.split_at(group.ranks);
         let (of_own, of_others) = excesses.split_at(group.ranks);
         (places, excesses) = (others, of_others);
-        let [mut a, mut b, mut c, mut limit] = [[0f32; LANES]; 4];
-        for k in 0..LANES {
-            let (x, y) = (group.x1[k], group.y1[k]);
-            a[k] = f[0] * x + f[1] * y + f[2];
-            b[k] = f[3] * x + f[4] * y + f[5];
-            c[k] = f[6] * x + f[7] * y + f[8];
-            limit[k] = band * band * (a[k] * a[k] + b[k] * b[k]);
-        }
+        let [a, b, c, limit] = lines(group, f, band);
         let mut best = [0f32; LANES];
         for (rank, excess) in own.iter().zip(of_own) {
             for k in 0..LANES {

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use crate::geometry::PointPair;
-use crate::image::Warp;
+use crate::geometry::{Observation, PointPair};
+use crate::image::{PairLevel, Warp};
 
 /// A match found along the epipolar lines, full-size pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -31,5 +31,11 @@ pub(super) struct LevelMatch {
 /// final fit estimates the noise of the matches itself. Half and twice of it change up to 2 of 41
 /// verdicts, and typical lines by 0.06 px.
 pub(super) const MATCH_SIGMA: f64 = 0.3;
+/// Returns a click in pixels of a level. It is never more precise than the level.
+pub(super) fn at_level(click: &Observation, level: &PairLevel) -> Observation {
+    let sigma = (click.sigma * level.scales[0]).max(MATCH_SIGMA);
+    Observation { pair: level.resized(&click.pair), sigma }
+}
+
 /// Fewest matches of a refinement: twice the seven unknowns, and two more.
 pub(in crate::estimate) const LEAST_MATCHES: usize = 16;

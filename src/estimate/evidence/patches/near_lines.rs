@@ -134,6 +134,17 @@ impl Places {
         points_near_line(&self.circles, &self.blocks, coefficients, (band + SLACK) as f32, near);
         near.retain(|j| line.distance(self.points[*j]) <= band);
     }
+
+    /// Returns a function that adds the indices of the points within `band` px of the line of a point of
+    /// image 1, if that point is as near to their lines.
+    pub fn mutually_near(&self, f: &FundamentalMatrix, band: f64) -> impl Fn(Point, &mut Vec<usize>) + Sync {
+        let lines1: Vec<Option<Line>> = self.points.iter().map(|p| f.line1_from_point2(*p)).collect();
+        move |point1, near| {
+            let Some(line2) = f.line2_from_point1(point1) else { return };
+            self.near_line(&line2, band, near);
+            near.retain(|j| lines1[*j].as_ref().is_some_and(|line1| line1.distance(point1) <= band));
+        }
+    }
 }
 
 impl PlaceBlock {

@@ -15,12 +15,12 @@ use super::aligned_features::AlignedFeatures;
 use super::corner_patches::CornerPatches;
 use super::feature_support::FLOOR;
 use super::level_corners::{Alike, LevelCorners, MutualMatch};
-use super::matches::{LEAST_MATCHES, LevelMatch, MATCH_SIGMA, RefinedMatch};
+use super::matches::{LEAST_MATCHES, LevelMatch, MATCH_SIGMA, RefinedMatch, at_level};
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lazy::Lazy;
 use crate::estimate::fit::Uncertainty;
 use crate::geometry::{
-    FundamentalMatrix, Line, Matrix9, Observation, Point, PointPair, fit_fundamental, sampson_distance,
+    FundamentalMatrix, Matrix9, Observation, PointPair, fit_fundamental, sampson_distance,
 };
 use crate::image::{Alignment, PairLevel, Placement, RelativeView, align, warps_around};
 
@@ -172,11 +172,7 @@ impl RefinementLevel {
             let observations: Vec<Observation> = matches
                 .iter()
                 .map(|m| Observation { pair: m.found.pair, sigma: m.sigma })
-                .chain(clicks.iter().map(|c| Observation {
-                    pair: level.resized(&c.pair),
-                    // Never below the level's own precision.
-                    sigma: (c.sigma * s1).max(MATCH_SIGMA),
-                }))
+                .chain(clicks.iter().map(|click| at_level(click, level)))
                 .collect();
             let scale = (band / BAND_DEVIATIONS / MATCH_SIGMA).max(LEAST_SCALE);
             let fitted = fit_fundamental(&current, &observations, scale)?;
@@ -210,23 +206,7 @@ impl RefinementLevel {
         f: &FundamentalMatrix,
         band: f64,
     ) -> Vec<LevelMatch> {
-        let lines1: Vec<Option<Line>> =
-            corners.places2.points.iter().map(|point2| f.line1_from_point2(*point2)).collect();
-        self.mutual_matches(level, corners, |point1, near| {
-            let Some(line2) = f.line2_from_point1(point1) else { return };
-            corners.places2.near_line(&line2, band, near);
-            near.retain(|j| lines1[*j].as_ref().is_some_and(|line1| line1.distance(point1) <= band));
-        })
-    }
-
-    /// Returns mutual best matches of corners among the candidates of `find`, at sub-pixel positions.
-    fn mutual_matches(
-        &self,
-        level: &PairLevel,
-        corners: &LevelCorners,
-        find: impl Fn(Point, &mut Vec<usize>) + Sync,
-    ) -> Vec<LevelMatch> {
-        let mutual = corners.mutual(find);
+        let mutual = corners.mutual(corners.places2.mutually_near(f, band));
         let placements = self.placements(level, corners, &mutual);
         mutual
             .iter()

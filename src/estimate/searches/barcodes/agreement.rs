@@ -33,17 +33,11 @@ impl Pencils {
             silhouettes[image].barcode(&AnchoredLine { anchor, direction: line.direction() }, scales[image])
         };
         let (e1, e2) = (f.epipole1(), f.epipole2());
-        let mut pairs = Vec::with_capacity(2 * LINES);
-        for at in border(frame1) {
-            let lines = Line::joining(&e1, &at.to_homogeneous()).zip(f.line2_from_point1(at));
-            pairs
-                .extend(lines.map(|(line1, line2)| [barcode(0, &line1, frame1), barcode(1, &line2, frame2)]));
-        }
-        for at in border(frame2) {
-            let lines = f.line1_from_point2(at).zip(Line::joining(&e2, &at.to_homogeneous()));
-            pairs
-                .extend(lines.map(|(line1, line2)| [barcode(0, &line1, frame1), barcode(1, &line2, frame2)]));
-        }
+        let through1 = |at: Point| Line::joining(&e1, &at.to_homogeneous()).zip(f.line2_from_point1(at));
+        let through2 = |at: Point| f.line1_from_point2(at).zip(Line::joining(&e2, &at.to_homogeneous()));
+        let lines = border(frame1).filter_map(through1).chain(border(frame2).filter_map(through2));
+        let pairs: Vec<[Barcode; 2]> =
+            lines.map(|(line1, line2)| [barcode(0, &line1, frame1), barcode(1, &line2, frame2)]).collect();
         (!pairs.is_empty()).then_some(Self { pairs })
     }
 

@@ -13,20 +13,21 @@ mod precision;
 mod refinement;
 mod sharpening;
 
-use crate::estimate::evidence::lines::{LineConsensus, compare_lines, geometries_from_lines};
+use crate::estimate::evidence::lines::LineCandidate;
 use crate::estimate::evidence::viewed::ViewedPair;
 use crate::estimate::searches::judged::{Judged, report_preliminary};
+use crate::estimate::searches::lines::from_all_lines;
 use crate::estimate::searches::published;
 use crate::estimate::searches::record::SearchRecord;
 use crate::estimate::verdict::assessment::little_texture;
 use crate::estimate::verdict::result::{BarcodeFigures, REPORTED};
-use crate::estimate::verdict::trust::{BarcodeEvidence, Evidence, RefinedOn, Together};
+use crate::estimate::verdict::trust::{BarcodeEvidence, Evidence};
 use crate::estimate::{
     Assessment, Clicks, Estimate, EstimateError, Parameters, PreparedPair, Preset, Search, Stage, Trust,
 };
 use crate::geometry::{FundamentalMatrix, PointPair, epipolar_difference, line_spacing, sampson_distance};
 use crate::motion::Silhouettes;
-use crate::similarity::SimilaritySource;
+use crate::similarity::ScaledSimilarity;
 
 use agreement::Pencils;
 use precision::deviation;
@@ -91,7 +92,11 @@ pub(in crate::estimate) fn search(
             Err(error) => return Err(error),
         }
     }
-    let alone = from_all_lines(&*viewed.source, parameters, record)?;
+    let sharpened = |level: &ScaledSimilarity, pairs: Vec<LineCandidate>| {
+        let spacing = line_spacing(level.frames[0], parameters.lines_alone.lines);
+        sharpen(level, &pairs, spacing, parameters.seed, cancel)
+    };
+    let alone = from_all_lines(&*viewed.source, parameters, record, sharpened)?;
     proposed.extend(alone.iter().take(parameters.barcodes.refined));
     hypotheses.extend(alone.into_iter().map(Estimate::from));
     hypotheses.truncate(REPORTED);
@@ -102,15 +107,16 @@ pub(in crate::estimate) fn search(
     record.enter(Stage::Refinement)?;
     let events =
         proposed.first().and_then(|f| Pencils::new(silhouettes, f)).map_or(1.0, |pencils| pencils.events());
-    let objective = Objective::new(silhouettes, &clicks.observed(), parameters.click_sigma, events);
-    let mut refined = Vec::new();
+    let observed = clicks.observed();
+    let objective = Objective { silhouettes, clicks: &observed, click_sigma: parameters.click_sigma, events };
+    let mut refined: Vec<RefinedByBarcodes> = Vec::new();
     // Half the size suffices to rank proposals and for the jackknife over frames.
     let half = silhouettes.map(Silhouettes::halved);
-    let coarse = objective.with([&half[0], &half[1]]);
+    let coarse = Objective { silhouettes: half.each_ref(), ..objective };
     for start in &proposed {
         refined.extend(refine(&coarse, start, refinement::FROM_AFAR, parameters.seed, 0, cancel)?);
     }
-    refined.sort_by(|a: &RefinedByBarcodes, b| a.value.total_cmp(&b.value));
+    refined.sort_by(|a, b| a.value.total_cmp(&b.value));
     let best = refined.first().ok_or(EstimateError::NothingFromBarcodes)?;
     let best = refine(&objective, &best.fundamental, refinement::NEARBY, parameters.seed, 0, cancel)?
         .unwrap_or_else(|| best.clone());
@@ -144,33 +150,6 @@ pub(in crate::estimate) fn search(
     })
 }
 
-/// Returns geometries from the consensus of all lines (paper, section 4), full-size pixels.
-fn from_all_lines(
-    source: &dyn SimilaritySource,
-    parameters: &Parameters,
-    record: &mut SearchRecord,
-) -> Result<Vec<FundamentalMatrix>, EstimateError> {
-    record.enter(Stage::Pencils)?;
-    let cancel = record.cancel();
-    let alone = &parameters.lines_alone;
-    let level = source.at(alone.side);
-    let compared = compare_lines(&level, alone.lines, source.rotation(), &parameters.pencils, cancel)?;
-    record.lines_alone(compared.lines, compared.pairs.len());
-    record.enter(Stage::Hypotheses)?;
-    let pairs = sharpen(
-        &level,
-        &compared.pairs,
-        line_spacing(level.frames[0], alone.lines),
-        parameters.seed,
-        cancel,
-    )?;
-    let how = LineConsensus { draws: alone.draws, area: alone.agreement, seed: parameters.seed };
-    let found = geometries_from_lines(&pairs, level.frames, &how, cancel)?;
-    record.counts.hypotheses += alone.draws;
-    let full_size = level.scales.map(f64::recip);
-    Ok(found.iter().filter_map(|one| one.fundamental.rescaled(full_size[0], full_size[1])).collect())
-}
-
 /// Returns the mean distance between the lines of two geometries, as a share of the longer side of
 /// image 2.
 fn apart(a: &FundamentalMatrix, b: &FundamentalMatrix, silhouettes: [&Silhouettes; 2]) -> f64 {
@@ -191,23 +170,17 @@ fn assessed(
     let distances: Vec<f64> =
         clicks.observed().iter().map(|pair: &PointPair| sampson_distance(f, pair)).collect();
     let trust = Trust::judge(&Evidence {
-        patches: false,
         barcodes: Some(BarcodeEvidence {
             correlation: figures.correlation,
             by_chance: figures.by_chance,
             lines: figures.lines,
         }),
-        refined_on: RefinedOn::Nothing,
         clicks: &distances,
         click_sigma: parameters.click_sigma,
         margin,
         deviation: figures.deviation,
-        plane: None,
-        together: Together::default(),
-        relief: None,
-        mirror: None,
-        pattern: None,
         side: prepared.frames()[0].longer_side(),
+        ..Evidence::default()
     });
     Assessment {
         barcodes: Some(figures),

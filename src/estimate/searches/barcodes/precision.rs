@@ -3,7 +3,7 @@
 use super::refinement::{NEARBY, Objective, refine};
 use crate::cancel::CancelFlag;
 use crate::estimate::EstimateError;
-use crate::geometry::{FundamentalMatrix, Point, rescaled};
+use crate::geometry::{FundamentalMatrix, Point, median, rescaled};
 use crate::motion::{FEWEST_FRAMES, Silhouettes};
 
 /// Groups of frames left out in turn (jackknife). More take more time; fewer leave the deviation
@@ -36,18 +36,15 @@ pub(super) fn deviation(
     for group in 0..GROUPS {
         let times: Vec<usize> = (0..count).filter(|t| t * GROUPS * RUNS / count % GROUPS != group).collect();
         let [first, second] = objective.silhouettes.map(|silhouettes| silhouettes.at_times(&times));
-        let fewer = objective.with([&first, &second]);
+        let fewer = Objective { silhouettes: [&first, &second], ..*objective };
         let Some(refined) = refine(&fewer, f, NEARBY, seed, group as u64 + 1, cancel)? else {
             return Ok(None);
         };
         left.push(refined.fundamental);
     }
-    let mut deviations: Vec<f64> = moving_places(objective.silhouettes)
-        .into_iter()
-        .filter_map(|at| line_deviation(&left, f, at))
-        .collect();
-    deviations.sort_by(f64::total_cmp);
-    Ok(deviations.get(deviations.len() / 2).copied())
+    let places = moving_places(objective.silhouettes).into_iter();
+    let deviations: Vec<f64> = places.filter_map(|at| line_deviation(&left, f, at)).collect();
+    Ok((!deviations.is_empty()).then(|| median(deviations)))
 }
 
 /// Returns the jackknife deviation of the epipolar line of one place. It is measured across the
@@ -57,19 +54,15 @@ fn line_deviation(
     f: &FundamentalMatrix,
     (at, seen): (Point, Point),
 ) -> Option<f64> {
-    let foot = f.line2_from_point1(at)?.foot(seen);
-    let distances: Vec<f64> =
-        left.iter().map(|g| Some(g.line2_from_point1(at)?.signed_distance(foot))).collect::<Option<_>>()?;
+    let line = f.line2_from_point1(at)?;
+    let (foot, normal) = (line.foot(seen), line.coefficients().xy());
     // Lines have no orientation, so the normals give comparable signs to the distances.
-    let normal = f.line2_from_point1(at)?.coefficients().xy();
-    let signed: Vec<f64> = left
-        .iter()
-        .zip(&distances)
-        .map(|(g, d)| {
-            let own = g.line2_from_point1(at).map_or(normal, |line| line.coefficients().xy());
-            if own.dot(&normal) < 0.0 { -d } else { *d }
-        })
-        .collect();
+    let signed = |g: &FundamentalMatrix| {
+        let own = g.line2_from_point1(at)?;
+        let distance = own.signed_distance(foot);
+        Some(if own.coefficients().xy().dot(&normal) < 0.0 { -distance } else { distance })
+    };
+    let signed: Vec<f64> = left.iter().map(signed).collect::<Option<_>>()?;
     let n = signed.len() as f64;
     let mean = signed.iter().sum::<f64>() / n;
     Some(((n - 1.0) / n * signed.iter().map(|d| (d - mean).powi(2)).sum::<f64>()).sqrt())
@@ -150,7 +143,8 @@ mod tests {
     fn too_few_frames_give_no_deviation_and_independent_rows_a_small_one() {
         let measured = |frames: usize| {
             let seen = bands(frames, by_itself);
-            let objective = Objective::new([&seen, &seen], &[], 1.0, 50.0);
+            let objective =
+                Objective { silhouettes: [&seen, &seen], clicks: &[], click_sigma: 1.0, events: 50.0 };
             deviation(&objective, &rows(0.0), 1, &CancelFlag::default()).unwrap()
         };
         assert_eq!(measured(FEWEST_FRAMES), None);

@@ -12,7 +12,7 @@ use super::agreement::Pencils;
 use crate::cancel::CancelFlag;
 use crate::estimate::EstimateError;
 use crate::estimate::sampling::{Purpose, stream};
-use crate::geometry::{Frame, FundamentalMatrix, PointPair, Vector7, sampson_distance};
+use crate::geometry::{FundamentalMatrix, PointPair, Vector7, sampson_distance};
 use crate::motion::Silhouettes;
 
 /// Extent of the search.
@@ -40,11 +40,12 @@ const ELITE: usize = 8;
 const INERTIA: f64 = 0.3;
 
 /// Objective of the refinement: the disagreement of barcodes, and the distances of clicks.
+#[derive(Clone, Copy)]
 pub(super) struct Objective<'a> {
     pub silhouettes: [&'a Silhouettes; 2],
-    clicks: Vec<PointPair>,
-    click_sigma: f64,
-    events: f64,
+    pub clicks: &'a [PointPair],
+    pub click_sigma: f64,
+    pub events: f64,
 }
 
 /// Refined geometry in full-size pixels, and its objective; lower is better.
@@ -54,30 +55,7 @@ pub(super) struct RefinedByBarcodes {
     pub value: f64,
 }
 
-impl<'a> Objective<'a> {
-    pub(super) fn new(
-        silhouettes: [&'a Silhouettes; 2],
-        clicks: &[PointPair],
-        click_sigma: f64,
-        events: f64,
-    ) -> Self {
-        Self { silhouettes, clicks: clicks.to_vec(), click_sigma, events }
-    }
-
-    /// Returns the objective with other frames and the same clicks.
-    pub(super) fn with<'b>(&self, silhouettes: [&'b Silhouettes; 2]) -> Objective<'b> {
-        Objective {
-            silhouettes,
-            clicks: self.clicks.clone(),
-            click_sigma: self.click_sigma,
-            events: self.events,
-        }
-    }
-
-    pub(super) fn frames(&self) -> [Frame; 2] {
-        self.silhouettes.map(Silhouettes::full_size)
-    }
-
+impl Objective<'_> {
     /// Returns the negative log-likelihood up to a constant. The time of each event has a
     /// Laplace-distributed error of unknown spread, which gives `events · ln cost`. Clicks have
     /// Gaussian errors, whose influence is bounded at four deviations. `events` are counted once,
@@ -98,7 +76,7 @@ pub(super) fn refine(
     task: u64,
     cancel: &CancelFlag,
 ) -> Result<Option<RefinedByBarcodes>, EstimateError> {
-    let frames = objective.frames();
+    let frames = objective.silhouettes.map(Silhouettes::full_size);
     let mut random = stream(seed, Purpose::BarcodeRefinement, task);
     let mut best = RefinedByBarcodes { fundamental: *start, value: objective.value(start) };
     let (mut mean, mut deviation) = (Vector7::zeros(), Vector7::repeat(search.first));
@@ -144,7 +122,7 @@ mod tests {
     fn clicks_count_up_to_four_deviations_and_barcodes_by_their_events() {
         let seen = bands(100, by_itself);
         let value = |clicks: &[PointPair], events: f64, shift: f64| {
-            Objective::new([&seen, &seen], clicks, 2.0, events).value(&rows(shift))
+            Objective { silhouettes: [&seen, &seen], clicks, click_sigma: 2.0, events }.value(&rows(shift))
         };
         // A click 3 px off its row has the Sampson distance 3/√2.
         let off = |by: f64| PointPair::new(10.0, 10.0, 20.0, 10.0 + by);
@@ -158,7 +136,8 @@ mod tests {
     #[test]
     fn a_start_a_few_pixels_off_is_refined_until_barcodes_agree() {
         let seen = bands(200, by_itself);
-        let objective = Objective::new([&seen, &seen], &[], 1.0, 50.0);
+        let objective =
+            Objective { silhouettes: [&seen, &seen], clicks: &[], click_sigma: 1.0, events: 50.0 };
         let search = |seed: u64| {
             let far = Steps { first: 0.05, ..FROM_AFAR };
             refine(&objective, &rows(2.0), far, seed, 0, &CancelFlag::default()).unwrap().unwrap()

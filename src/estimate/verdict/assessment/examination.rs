@@ -2,7 +2,7 @@
 
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::{LineExaminer, LineFigures, PencilAngles};
-use crate::estimate::evidence::patches::{BAND, SupportLevel};
+use crate::estimate::evidence::patches::BAND;
 use crate::estimate::evidence::viewed::ViewedPair;
 use crate::estimate::{Assessment, Estimate, Parameters, PatchSupport, PreparedPair, Search};
 use crate::geometry::{FundamentalMatrix, PointPair};
@@ -31,7 +31,8 @@ impl Examiner<'_> {
         turn: f64,
     ) -> Option<LineFigures> {
         let mut angles = PencilAngles::of(f, &clicks, turn)?;
-        if let Some(fine) = self.fine() {
+        if self.parameters.search == Search::Patches {
+            let fine = self.viewed.fine();
             let at_fine = f.rescaled(fine.scales[0], fine.scales[1])?;
             let matches = fine.support.matches(&at_fine, BAND);
             let own = clicks.map(|click| click.rescaled(fine.scales));
@@ -42,13 +43,6 @@ impl Examiner<'_> {
         let cancel = CancelFlag::default();
         let examiner = LineExaminer::new(&*self.viewed.source, clicks, self.parameters, &cancel);
         examiner.figures(&[angles]).pop().flatten()
-    }
-
-    fn fine(&self) -> Option<&SupportLevel> {
-        match self.parameters.search {
-            Search::Patches => Some(self.viewed.fine()),
-            Search::Lines => None,
-        }
     }
 }
 

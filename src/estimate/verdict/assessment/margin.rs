@@ -40,10 +40,8 @@ pub(super) fn margin(hypotheses: &[Estimate], rival: Option<usize>, search: Sear
     let (best, other) = (hypotheses.first()?, hypotheses.get(rival?)?);
     Some(match search {
         Search::Patches => relative(best.support_score()?, other.support_score()?),
-        Search::Lines => {
-            let (best, other) = (best.line_score()?, other.line_score()?);
-            (other - best) / other.max(best).max(1e-9)
-        }
+        // Lower scores of lines are better.
+        Search::Lines => relative(other.line_score()?, best.line_score()?),
     })
 }
 
@@ -57,16 +55,6 @@ pub(super) fn relative(own: f64, rival: f64) -> f64 {
 pub(super) fn least_clear(weight: f64, weight_deviation: f64) -> f64 {
     let by_chance = CHANCE_DEVIATIONS * SQRT_2 * weight_deviation / weight.max(f64::MIN_POSITIVE);
     by_chance.max(CLEAR_MARGIN)
-}
-
-/// Returns the index of the best clearly different hypothesis. Stops at the first one.
-pub(super) fn rival(
-    fundamental: &FundamentalMatrix,
-    hypotheses: &[Estimate],
-    matches: &[PointPair],
-    frames: [Frame; 2],
-) -> Option<usize> {
-    hypotheses.iter().position(|other| differs(fundamental, other.fundamental(), matches, frames))
 }
 
 /// Returns whether another geometry is clearly different. With supporting matches, more than half
@@ -129,10 +117,9 @@ mod tests {
     }
 
     fn of(hypotheses: &[Estimate], matches: &[PointPair], search: Search) -> Option<f64> {
-        let rival = rival(&rows(0.0), hypotheses, matches, FRAMES);
         let apart = all_apart(&rows(0.0), hypotheses, matches, FRAMES);
-        assert_eq!((apart.rival(), apart.distances.len()), (rival, hypotheses.len()));
-        margin(hypotheses, rival, search)
+        assert_eq!(apart.distances.len(), hypotheses.len());
+        margin(hypotheses, apart.rival(), search)
     }
 
     fn close(a: Option<f64>, b: f64) -> bool {

@@ -30,7 +30,7 @@ use crate::estimate::{
 };
 use crate::geometry::{FundamentalMatrix, PointPair, finite_point, median, sampson_distance, transfer_error};
 use examination::Examiner;
-use margin::{all_apart, differs, least_clear, margin, rival};
+use margin::{all_apart, differs, least_clear, margin};
 use parallax::{CORNER_SIGMA, OffPlane, precision};
 
 /// Largest distance of a match from a homography that explains it, px: three deviations of a
@@ -68,21 +68,14 @@ struct FoundPlane {
 impl Judge<'_> {
     /// Returns the assessment of a preliminary geometry, without a verdict.
     pub fn preliminary(&self, f: &FundamentalMatrix, support: Option<PatchSupport>) -> Assessment {
+        let frames = self.viewed.prepared.frames();
+        let rival = self.hypotheses.iter().position(|other| differs(f, other.fundamental(), &[], frames));
         Assessment {
             lines: self.hypotheses.first().and_then(|best| best.assessment.lines.clone()),
             support,
-            margin: margin(
-                self.hypotheses,
-                rival(f, self.hypotheses, &[], self.viewed.prepared.frames()),
-                self.parameters.search,
-            ),
-            refined_margin: None,
-            apart: None,
-            barcodes: None,
-            refinement: None,
+            margin: margin(self.hypotheses, rival, self.parameters.search),
             warnings: self.warnings(f),
-            trust: None,
-            plane: None,
+            ..Assessment::default()
         }
     }
 

@@ -39,7 +39,7 @@ use nalgebra::Matrix3;
 use crate::estimate::evidence::patches::BAND;
 use crate::estimate::verdict::poisson::fewer_than;
 use crate::estimate::verdict::trust::{Together, WRONG_TOGETHER};
-use crate::geometry::{FundamentalMatrix, PointPair, Vector, finite_point};
+use crate::geometry::{FundamentalMatrix, PointPair, Vector, finite_point, median};
 
 /// Matches off the largest plane, as evidence for the epipoles.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -112,9 +112,7 @@ struct MotionGroup {
 /// one plane: the lines of any epipole pass through them.
 pub(super) fn precision(matches: &[PointPair], f: &FundamentalMatrix) -> f64 {
     let distance = |m: &PointPair| Some(f.line2_from_point1(m.point1)?.distance(m.point2));
-    let mut distances: Vec<f64> = matches.iter().filter_map(distance).collect();
-    distances.sort_by(f64::total_cmp);
-    distances.get(distances.len() / 2).map_or(ALIGNED, |median| (median / MEDIAN).max(ALIGNED))
+    (median(matches.iter().filter_map(distance)) / MEDIAN).max(ALIGNED)
 }
 
 impl MotionGroup {
@@ -138,17 +136,14 @@ impl OffPlane {
         let off = parallaxes(matches, h, OFF_PLANE * sigma);
         let group = |members: Vec<usize>| {
             let count = members.len() as f64;
-            let mut distances: Vec<f64> = members
-                .iter()
-                .filter_map(|k| Some((f.line2_from_point1(off[*k].0.point1)?, off[*k].0.point2)))
-                .map(|(line, point2)| line.signed_distance(point2))
-                .collect();
-            distances.sort_by(f64::total_cmp);
+            let distance = |PointPair { point1, point2 }: PointPair| {
+                Some(f.line2_from_point1(point1)?.signed_distance(point2))
+            };
             MotionGroup {
                 matches: members.len(),
                 parallax: members.iter().map(|k| off[*k].1).sum::<Vector>() / count,
                 // Only the epipole has no line, and is off it by nothing.
-                off_line: distances.get(distances.len() / 2).map_or(0.0, |distance| distance.abs()),
+                off_line: median(members.iter().filter_map(|k| distance(off[*k].0))).abs(),
                 precision: sigma / count.sqrt(),
             }
         };

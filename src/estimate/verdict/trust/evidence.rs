@@ -274,9 +274,10 @@ pub(in crate::estimate) struct BarcodeEvidence {
 }
 
 /// Data that a result was refined on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(in crate::estimate) enum RefinedOn {
     /// None: refinement was off, or the search has no patches.
+    #[default]
     Nothing,
     /// The clicks alone.
     Clicks,
@@ -287,7 +288,7 @@ pub(in crate::estimate) enum RefinedOn {
 }
 
 /// Figures that a verdict rests on.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(in crate::estimate) struct Evidence<'a> {
     /// Whether patches were compared.
     pub patches: bool,
