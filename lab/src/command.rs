@@ -169,7 +169,7 @@ fn run(arguments: &CommandLine) -> Result<(), LabError> {
     let contenders = contenders(&options.methods, &presets)?;
     let inputs = files_read(folder);
     let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
-    refuse_clashes(&output.file().into_iter().collect::<Vec<_>>(), &inputs).map_err(CliError::from)?;
+    refuse_clashes(output.file().as_slice(), &inputs).map_err(CliError::from)?;
     let SceneSet { scenes, left_out } = match step {
         Some(step) => vgg_scene_set(folder, step, &options.only)?,
         None if of_sequences => sequence_scene_set(folder, &options.only, &CancelFlag::default())?,

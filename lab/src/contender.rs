@@ -88,26 +88,11 @@ pub struct MethodEntry {
 /// All methods.
 pub const METHODS: [MethodEntry; 8] = [
     MethodEntry { name: "no-clicks", has_presets: true, build: without_clicks },
-    MethodEntry {
-        name: "two-point",
-        has_presets: true,
-        build: |parameters| {
-            Box::new(Clicked { clicks: 2, parameters: Parameters { method: Method::TwoPoint, ..parameters } })
-        },
-    },
-    MethodEntry {
-        name: "three-point",
-        has_presets: true,
-        build: |parameters| {
-            Box::new(Clicked {
-                clicks: 3,
-                parameters: Parameters { method: Method::ThreePoint, ..parameters },
-            })
-        },
-    },
-    MethodEntry { name: "four-clicks", has_presets: true, build: |parameters| more_clicks(4, parameters) },
-    MethodEntry { name: "five-clicks", has_presets: true, build: |parameters| more_clicks(5, parameters) },
-    MethodEntry { name: "eight-clicks", has_presets: true, build: |parameters| more_clicks(8, parameters) },
+    MethodEntry { name: "two-point", has_presets: true, build: |p| clicked(2, Method::TwoPoint, p) },
+    MethodEntry { name: "three-point", has_presets: true, build: |p| clicked(3, Method::ThreePoint, p) },
+    MethodEntry { name: "four-clicks", has_presets: true, build: |p| clicked(4, Method::TwoPoint, p) },
+    MethodEntry { name: "five-clicks", has_presets: true, build: |p| clicked(5, Method::TwoPoint, p) },
+    MethodEntry { name: "eight-clicks", has_presets: true, build: |p| clicked(8, Method::TwoPoint, p) },
     MethodEntry { name: "seven-point", has_presets: false, build: |_| Box::new(SevenPoint) },
     MethodEntry { name: "eight-point", has_presets: false, build: |_| Box::new(EightPoint) },
 ];
@@ -124,10 +109,8 @@ pub fn contenders(
 ) -> Result<Vec<Box<dyn Contender>>, EvaluateError> {
     let mut chosen = Vec::new();
     for (k, name) in names.iter().enumerate() {
-        let entry = METHODS.iter().find(|m| m.name == name).ok_or_else(|| EvaluateError::UnknownMethod {
-            name: name.clone(),
-            known: method_names().join(", "),
-        })?;
+        let unknown = || EvaluateError::UnknownMethod(name.clone(), method_names().join(", "));
+        let entry = METHODS.iter().find(|m| m.name == name).ok_or_else(unknown)?;
         if names[..k].contains(name) {
             continue;
         }
@@ -143,19 +126,15 @@ struct Clicked {
     parameters: Parameters,
 }
 
-/// Creates this program's estimator with more clicks than necessary.
-fn more_clicks(clicks: usize, mut parameters: Parameters) -> Box<dyn Contender> {
-    parameters.method = Method::TwoPoint;
-    Box::new(Clicked { clicks, parameters })
+/// Creates this program's estimator with a number of clicks.
+fn clicked(clicks: usize, method: Method, parameters: Parameters) -> Box<dyn Contender> {
+    Box::new(Clicked { clicks, parameters: Parameters { method, ..parameters } })
 }
 
 /// Creates this program's estimator without clicks. The published search then compares all lines.
-fn without_clicks(mut parameters: Parameters) -> Box<dyn Contender> {
-    parameters.method = match parameters.search {
-        Search::Lines => Method::LinesAlone,
-        Search::Patches => Method::TwoPoint,
-    };
-    Box::new(Clicked { clicks: 0, parameters })
+fn without_clicks(parameters: Parameters) -> Box<dyn Contender> {
+    let lines_alone = parameters.search == Search::Lines;
+    clicked(0, if lines_alone { Method::LinesAlone } else { Method::TwoPoint }, parameters)
 }
 
 impl Clicked {

@@ -11,6 +11,7 @@ use super::report::{Overall, Record, Report, Settings, TrialRecord};
 use super::{Contender, Draws, EvaluateError, KnownScene, Outcome, Plan};
 use super::{mean, median};
 use epiline::estimate::CancelFlag;
+use epiline::geometry::PointPair;
 
 /// Progress message after a trial.
 #[derive(Debug, Clone, PartialEq)]
@@ -226,7 +227,6 @@ mod tests {
     use super::*;
     use crate::Protocol;
     use crate::scene::tests::example_scene;
-    use epiline::geometry::PointPair;
 
     /// Contender that returns the truth, except where it fails deliberately.
     struct Oracle {

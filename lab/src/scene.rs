@@ -38,13 +38,8 @@ pub enum EvaluateError {
     #[error(transparent)]
     Truth(#[from] TruthError),
     /// There is no pair of the requested name.
-    #[error("there is no pair {name}. Choose one of {known}")]
-    UnknownPair {
-        /// Requested name.
-        name: String,
-        /// All names, separated by commas.
-        known: String,
-    },
+    #[error("there is no pair {0}. Choose one of {1}")]
+    UnknownPair(String, String),
     /// No two views have the requested step.
     #[error("the folder has only {views} views, too few for a step of {step}")]
     Step {
@@ -54,13 +49,8 @@ pub enum EvaluateError {
         step: usize,
     },
     /// There is no such method.
-    #[error("there is no method {name}. Choose one of {known}")]
-    UnknownMethod {
-        /// Requested name.
-        name: String,
-        /// All names, separated by commas.
-        known: String,
-    },
+    #[error("there is no method {0}. Choose one of {1}")]
+    UnknownMethod(String, String),
     /// Threads cannot be started.
     #[error("cannot start {threads} threads: {reason}")]
     Threads {
@@ -314,7 +304,7 @@ pub fn files_read(folder: &Path) -> Vec<PathBuf> {
 fn chosen<T>(all: Vec<T>, only: &[String], name: impl Fn(&T) -> &String) -> Result<Vec<T>, EvaluateError> {
     if let Some(unknown) = only.iter().find(|asked| all.iter().all(|t| name(t) != *asked)) {
         let known = all.iter().map(|t| name(t).as_str()).collect::<Vec<_>>().join(", ");
-        return Err(EvaluateError::UnknownPair { name: unknown.clone(), known });
+        return Err(EvaluateError::UnknownPair(unknown.clone(), known));
     }
     Ok(all.into_iter().filter(|t| only.is_empty() || only.contains(name(t))).collect())
 }

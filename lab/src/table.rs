@@ -6,68 +6,30 @@ use super::bootstrap::Interval;
 use super::median;
 use super::report::{Overall, Record, Report, Shares, Verdicts};
 
-/// Summary of a report: one row per pair and contender, then one per contender over all pairs.
-/// Errors in px, times in seconds.
-pub(super) struct Summary {
-    /// Column headings.
-    pub(super) headings: Vec<String>,
-    /// Cells, row by row.
-    pub(super) rows: Vec<Vec<String>>,
-    /// Rows that begin a pair, except the first, and the row that begins the summary over all
-    /// pairs.
-    pub(super) groups: Vec<usize>,
-    /// Remarks, one sentence each.
-    pub(super) remarks: Vec<String>,
-}
+/// Number of text columns, from the left.
+const WORDS: usize = 2;
 
-impl Summary {
-    /// Number of text columns, from the left.
-    pub(super) const WORDS: usize = 2;
-
-    /// Creates the cells of a report. Errors printed by the published experiment stand beside the
-    /// median of the same pair and method.
-    pub(super) fn new(report: &Report) -> Self {
-        let printed = has_printed(report);
-        let (mut rows, mut groups) = (Vec::new(), Vec::new());
-        let mut last = None;
-        for record in &report.records {
-            let name = if last == Some(&record.pair) { "" } else { &record.pair };
-            if !name.is_empty() && last.is_some() {
-                groups.push(rows.len());
-            }
-            last = Some(&record.pair);
-            rows.push(pair_row(name, record, printed));
-        }
-        groups.push(rows.len());
-        rows.extend(report.overall.iter().enumerate().map(|(k, o)| overall_row(k, o, printed)));
-        let mut remarks = Vec::new();
-        if printed {
-            remarks.push(
-                "Printed: Fig. 8 of the paper, which uses the protocol paper and, as here, the best of three solutions for seven-point."
-                    .to_owned(),
-            );
-        }
-        if report.records.iter().any(|r| r.method == "seven-point") {
-            remarks.push("For seven-point, the solution nearest to all true matches counts.".to_owned());
-        }
-        Self { headings: headings(printed), rows, groups, remarks }
-    }
-}
-
-/// Returns whether the published experiment prints an error for any pair and method.
-pub(super) fn has_printed(report: &Report) -> bool {
-    report.records.iter().any(|r| r.printed.is_some())
-}
-
-/// Formats the summary as plain text, with remarks and notes.
+/// Formats the report as plain text, with remarks and notes: one row per pair and contender, then one per
+/// contender over all pairs. Errors in px, times in seconds. Errors printed by the published experiment
+/// stand beside the median of the same pair and method.
 pub fn table(report: &Report) -> String {
-    let summary = Summary::new(report);
-    let body_end = 1 + summary.groups.last().copied().unwrap_or(0);
-    let mut rows = vec![summary.headings];
-    rows.extend(summary.rows);
+    let printed = report.records.iter().any(|r| r.printed.is_some());
+    let mut rows = vec![headings(printed)];
+    let mut last = None;
+    for record in &report.records {
+        let name = if last == Some(&record.pair) { "" } else { &record.pair };
+        last = Some(&record.pair);
+        rows.push(pair_row(name, record, printed));
+    }
+    let body_end = rows.len();
+    rows.extend(report.overall.iter().enumerate().map(|(k, o)| overall_row(k, o, printed)));
     let mut text = layout(&rows, &[1, body_end]);
-    for remark in &summary.remarks {
-        let _ = writeln!(text, "{remark}");
+    if printed {
+        text += "Printed: Fig. 8 of the paper, which uses the protocol paper and, as here, the best of three \
+                 solutions for seven-point.\n";
+    }
+    if report.records.iter().any(|r| r.method == "seven-point") {
+        text += "For seven-point, the solution nearest to all true matches counts.\n";
     }
     for note in &report.notes {
         let _ = writeln!(text, "Note: {note}");
@@ -176,7 +138,7 @@ fn sentence_on_matches(v: &Verdicts) -> String {
 }
 
 /// Formats a number with its noun.
-pub(super) fn counted(number: usize, thing: &str) -> String {
+fn counted(number: usize, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
@@ -192,7 +154,7 @@ fn layout(rows: &[Vec<String>], ruled: &[usize]) -> String {
         }
         let cells = row.iter().zip(&widths).enumerate().map(|(c, (cell, width))| {
             // Text is left-aligned, numbers are right-aligned.
-            if c < Summary::WORDS { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+            if c < WORDS { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
         });
         let _ = writeln!(text, "{}", cells.collect::<Vec<_>>().join("  ").trim_end());
     }
@@ -200,7 +162,7 @@ fn layout(rows: &[Vec<String>], ruled: &[usize]) -> String {
 }
 
 /// Returns the name of a method with its preset.
-pub(super) fn label(method: &str, preset: Option<&str>) -> String {
+fn label(method: &str, preset: Option<&str>) -> String {
     preset.map_or_else(|| method.to_owned(), |preset| format!("{method} {preset}"))
 }
 
@@ -251,7 +213,7 @@ fn overall_row(index: usize, overall: &Overall, printed: bool) -> Vec<String> {
 }
 
 /// Formats an interval.
-pub(super) fn range(interval: Option<Interval>) -> String {
+fn range(interval: Option<Interval>) -> String {
     interval.map_or_else(|| "-".to_owned(), |i| format!("{}–{}", pixels(i.low), pixels(i.high)))
 }
 
@@ -260,12 +222,12 @@ fn shares(shares: &Shares) -> [String; 3] {
 }
 
 /// Formats a fraction of the trials as per cent.
-pub(super) fn share(part: f64) -> String {
+fn share(part: f64) -> String {
     if part.is_nan() { "-".to_owned() } else { format!("{:.0} %", 100.0 * part) }
 }
 
 /// Formats pixels: two decimals below 100 px, none above.
-pub(super) fn pixels(value: f64) -> String {
+fn pixels(value: f64) -> String {
     match value {
         v if v.is_nan() => "-".to_owned(),
         v if v.is_infinite() => "inf".to_owned(),
@@ -275,7 +237,7 @@ pub(super) fn pixels(value: f64) -> String {
 }
 
 /// Formats seconds: two decimals, or five below a hundredth of a second.
-pub(super) fn seconds(value: f64) -> String {
+fn seconds(value: f64) -> String {
     match value {
         v if v.is_nan() => "-".to_owned(),
         v if v < 0.01 => format!("{v:.5}"),

@@ -26,12 +26,9 @@ pub struct PointFit {
 /// Reason why there is no fit. Each message is a clause.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum FitError {
-    /// There are too few pairs.
-    #[error("needs {missing} more pair{}", if *.missing == 1 { "" } else { "s" })]
-    TooFew {
-        /// Number of missing pairs.
-        missing: usize,
-    },
+    /// So many pairs are missing.
+    #[error("needs {} more pair{}", .0, if *.0 == 1 { "" } else { "s" })]
+    TooFew(usize),
     /// The seven-point algorithm failed.
     #[error(transparent)]
     Seven(#[from] SevenPointError),
@@ -47,7 +44,7 @@ pub enum FitError {
 /// one with the smallest mean symmetric epipolar distance of the points in `judged`.
 pub fn fit_seven(pairs: &[PointPair], judged: &[PointPair]) -> Result<PointFit, FitError> {
     let Some(seven) = pairs.first_chunk::<7>() else {
-        return Err(FitError::TooFew { missing: 7 - pairs.len() });
+        return Err(FitError::TooFew(7 - pairs.len()));
     };
     let solutions = seven_point(seven)?;
     let error = |f: &FundamentalMatrix| mean(&Distances::of(f, judged).symmetric);
@@ -60,7 +57,7 @@ pub fn fit_seven(pairs: &[PointPair], judged: &[PointPair]) -> Result<PointFit, 
 /// Runs the normalised eight-point algorithm on all pairs, at least eight.
 pub fn fit_eight(pairs: &[PointPair]) -> Result<PointFit, FitError> {
     if pairs.len() < 8 {
-        return Err(FitError::TooFew { missing: 8 - pairs.len() });
+        return Err(FitError::TooFew(8 - pairs.len()));
     }
     Ok(PointFit { fundamental: eight_point(pairs)?, pairs: pairs.len(), solutions: 1 })
 }

@@ -52,7 +52,7 @@ fn best_of_samples(
     reach: impl Fn(f64) -> f64,
 ) -> Result<PointFit, FitError> {
     if pairs.len() < FEWEST {
-        return Err(FitError::TooFew { missing: FEWEST - pairs.len() });
+        return Err(FitError::TooFew(FEWEST - pairs.len()));
     }
     let mut random = generator(seed, "", Purpose::Samples, 0);
     let rated = |f: FundamentalMatrix| {
@@ -124,7 +124,7 @@ mod tests {
     #[test]
     fn too_few_and_degenerate_pairs_are_refused() {
         let pairs = RandomScene::new(1).pairs(7);
-        assert_eq!(fit_msac(&pairs, 0), Err(FitError::TooFew { missing: 1 }));
+        assert_eq!(fit_msac(&pairs, 0), Err(FitError::TooFew(1)));
         assert_eq!(fit_least_median(&[pairs[0]; 9], 0), Err(FitError::NoSample));
     }
 }

@@ -18,12 +18,9 @@ pub enum EstimateError {
         /// Pairs needed.
         needed: usize,
     },
-    /// A coordinate is NaN or infinite.
-    #[error("point pair {pair} has a coordinate that is not a finite number")]
-    NotFinite {
-        /// Number of the pair, from 1.
-        pair: usize,
-    },
+    /// A coordinate of the pair of this number, from 1, is NaN or infinite.
+    #[error("point pair {0} has a coordinate that is not a finite number")]
+    NotFinite(usize),
     /// A point lies outside its image.
     #[error("point ({x}, {y}) of pair {pair} lies outside image {image}, which is {width}×{height} pixels")]
     Outside {
@@ -64,12 +61,9 @@ pub enum EstimateError {
         /// Smallest side allowed, px.
         smallest: usize,
     },
-    /// An image of (nearly) one intensity.
-    #[error("image {image} is (nearly) uniform")]
-    Flat {
-        /// Number of the image, 1 or 2.
-        image: usize,
-    },
+    /// The image of this number, 1 or 2, is of (nearly) one intensity.
+    #[error("image {0} is (nearly) uniform")]
+    Flat(usize),
     /// A parameter is out of range.
     #[error("parameter {key} is {value}, outside {least} to {most}{unit}", least = range[0], most = range[1])]
     Parameter {
@@ -93,12 +87,9 @@ pub enum EstimateError {
     /// The two images are (nearly) the same picture.
     #[error("the two images are nearly identical")]
     NoParallax,
-    /// No pencil lines with enough texture pass through a click.
-    #[error("no textured lines pass through point pair {pair}")]
-    NoCandidates {
-        /// Number of the pair, from 1.
-        pair: usize,
-    },
+    /// No pencil lines with enough texture pass through the pair of this number, from 1.
+    #[error("no textured lines pass through point pair {0}")]
+    NoCandidates(usize),
     /// No hypothesis survived.
     #[error("no epipolar geometry was found")]
     NoGeometry,
@@ -131,7 +122,7 @@ impl EstimateError {
     pub fn is_bad_input(&self) -> bool {
         !matches!(
             self,
-            Self::NoCandidates { .. }
+            Self::NoCandidates(_)
                 | Self::NoGeometry
                 | Self::NothingWithoutClicks
                 | Self::NothingFromBarcodes

@@ -34,14 +34,11 @@ pub enum MotionError {
         /// Height of the first frame, px.
         first_height: usize,
     },
-    /// Hardly any pixel moves.
+    /// Hardly any pixel moves in the sequence of this name.
     #[error(
-        "nothing moves in {name}: motion barcodes need things that move in front of a camera that stands still"
+        "nothing moves in {0}: motion barcodes need things that move in front of a camera that stands still"
     )]
-    NothingMoves {
-        /// Name of the sequence.
-        name: String,
-    },
+    NothingMoves(String),
     /// More than half of the pixels move, so there is no background.
     #[error(
         "{percent} % of the pixels of {name} show something that moves nearly all the time, so that there is no background: something covers most of the picture, or the light flickers"

@@ -92,7 +92,7 @@ impl Silhouettes {
         let shares: Vec<f64> = clean.iter().map(covered).collect();
         let name = name.to_owned();
         if shares.iter().sum::<f64>() < NOTHING * frames as f64 {
-            return Err(MotionError::NothingMoves { name });
+            return Err(MotionError::NothingMoves(name));
         }
         let middle = median(shares);
         if middle > EVERYTHING {
@@ -259,14 +259,9 @@ impl Silhouettes {
 /// Returns the overlap at an offset: its first frame in each sequence, and its number of frames,
 /// possibly 0.
 pub fn common_frames(counts: [usize; 2], offset: i32) -> ([usize; 2], usize) {
-    let first = starts(offset);
+    let first = [(-offset).max(0) as usize, offset.max(0) as usize];
     let left = |k: usize| counts[k].saturating_sub(first[k]);
     (first, left(0).min(left(1)))
-}
-
-/// Returns the first frames in common at an offset.
-fn starts(offset: i32) -> [usize; 2] {
-    [(-offset).max(0) as usize, offset.max(0) as usize]
 }
 
 #[cfg(test)]

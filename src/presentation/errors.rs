@@ -9,7 +9,7 @@ pub fn error_in_words(error: &EstimateError) -> String {
     let more = match error {
         EstimateError::TooFewPairs { .. } => ". Mark more scene points in both images",
         EstimateError::TooClose { .. } => ". Choose points farther from each other",
-        EstimateError::Flat { .. } => ", so lines cannot be compared. Use an image with texture",
+        EstimateError::Flat(_) => ", so lines cannot be compared. Use an image with texture",
         EstimateError::Parameter { key, value, range: [least, most], unit } => {
             let (name, least, most) = (key.replace('_', " "), in_words(*least), in_words(*most));
             return format!("parameter {name} is {value}: it must be between {least} and {most}{unit}");
@@ -20,7 +20,7 @@ pub fn error_in_words(error: &EstimateError) -> String {
         EstimateError::NoParallax => {
             ", so there is no parallax and every geometry fits. Use images taken from different places"
         }
-        EstimateError::NoCandidates { .. } => ". Choose a point in a textured part of the images",
+        EstimateError::NoCandidates(_) => ". Choose a point in a textured part of the images",
         EstimateError::NoGeometry => ". Check that the point pairs match, or choose other points",
         EstimateError::NothingWithoutClicks => ". Mark two scene points in both images and try again",
         EstimateError::NoSequences => ". Open sequences, or compare lines by stereo",
@@ -28,7 +28,7 @@ pub fn error_in_words(error: &EstimateError) -> String {
             ", since too few lines have a distinctive motion. \
              Use longer recordings, or recordings with motion in more places"
         }
-        EstimateError::NotFinite { .. }
+        EstimateError::NotFinite(_)
         | EstimateError::TooSmall { .. }
         | EstimateError::Outside { .. }
         | EstimateError::Motion(_)
@@ -70,7 +70,7 @@ mod tests {
         parameters.pencils.line_spacing = 100.0;
         let told = error_in_words(&parameters.check().unwrap_err());
         assert_eq!(told, "parameter line spacing is 100: it must be between 0.5 and 16 px");
-        let told = error_in_words(&EstimateError::Flat { image: 2 });
+        let told = error_in_words(&EstimateError::Flat(2));
         let expected = "image 2 is (nearly) uniform, so lines cannot be compared. Use an image with texture";
         assert_eq!(told, expected);
     }

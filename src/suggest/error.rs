@@ -42,26 +42,17 @@ pub enum SuggestError {
         "the point is the epipole of its image, so its match may lie on any epipolar line. Choose a point away from the epipole"
     )]
     AtEpipole,
-    /// The epipolar line does not cross the other image.
-    #[error("the epipolar line of the point misses image {image}, so the match is not visible there")]
-    LineOutside {
-        /// Number of the image that should hold the match, 1 or 2.
-        image: usize,
-    },
-    /// No place near the given point resembles the surroundings of its match.
+    /// The epipolar line does not cross the other image, of this number.
+    #[error("the epipolar line of the point misses image {0}, so the match is not visible there")]
+    LineOutside(usize),
+    /// No place near the given point, in the image of this number, resembles the surroundings of its match.
     #[error(
-        "no place near the point in image {image} looks like the surroundings of its match in the other image"
+        "no place near the point in image {0} looks like the surroundings of its match in the other image"
     )]
-    NotAligned {
-        /// Number of the searched image, 1 or 2.
-        image: usize,
-    },
-    /// No place resembles the surroundings of the point.
-    #[error("no place in image {image} looks like the surroundings of the point")]
-    NothingAlike {
-        /// Number of the searched image, 1 or 2.
-        image: usize,
-    },
+    NotAligned(usize),
+    /// No place in the image of this number resembles the surroundings of the point.
+    #[error("no place in image {0} looks like the surroundings of the point")]
+    NothingAlike(usize),
 }
 
 impl SuggestError {

@@ -102,7 +102,7 @@ pub fn suggest(
     let upright = search(RelativeView::UPRIGHT);
     let settled = match &upright {
         Ok(found) => found.clear().is_some(),
-        Err(error) => *error != SuggestError::NothingAlike { image: clicked.other().number() },
+        Err(error) => *error != SuggestError::NothingAlike(clicked.other().number()),
     };
     if settled {
         return upright;
@@ -133,7 +133,7 @@ fn seen(
         Some(f) => {
             let line = epipolar_line(f, clicked, point).ok_or(SuggestError::AtEpipole)?;
             if prepared.frames()[other.index()].clip(&line).is_none() {
-                return Err(SuggestError::LineOutside { image: other.number() });
+                return Err(SuggestError::LineOutside(other.number()));
             }
             Some(line)
         }
@@ -143,7 +143,7 @@ fn seen(
     if forth.is_flat(point) {
         return Err(SuggestError::Flat);
     }
-    let poses = poses(forth.usual_pose(), 2);
+    let poses = poses(forth.usual, 2);
     let band = |line: Line| (line, parameters.band.max(0.0));
     let mut found = forth.candidates(&Quest { at: point, poses: &poses, band: line.map(band) });
     let side = prepared.frames()[other.index()].longer_side();
@@ -155,7 +155,7 @@ fn seen(
     // The order is stable, so the best comes first among those that are expected.
     found.sort_by_key(|candidate| !is_expected(candidate));
     let Some(best) = found.first() else {
-        return Err(SuggestError::NothingAlike { image: other.number() });
+        return Err(SuggestError::NothingAlike(other.number()));
     };
 
     let way_back = SearchView::new(prepared, other.index(), view);
@@ -205,12 +205,12 @@ pub fn refine(
         return Err(SuggestError::Flat);
     }
     let reach = REFINED_REACH * prepared.frames()[ClickedImage::Second.index()].longer_side();
-    let poses = poses(search.usual_pose(), 2);
+    let poses = poses(search.usual, 2);
     let found = search.nearby(pair.point1, pair.point2, reach, &poses);
     found
         .filter(|found| found.correlation >= parameters.least_correlation)
         .map(|found| suggestion(&search, pair.point1, &found))
-        .ok_or(SuggestError::NotAligned { image: ClickedImage::Second.number() })
+        .ok_or(SuggestError::NotAligned(ClickedImage::Second.number()))
 }
 
 fn check(prepared: &PreparedPair, point: Point, clicked: ClickedImage) -> Result<(), SuggestError> {

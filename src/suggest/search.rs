@@ -35,7 +35,8 @@ struct SearchStage<'a> {
 pub(super) struct SearchView<'a> {
     stages: Vec<SearchStage<'a>>,
     full: SearchStage<'a>,
-    usual: Pose,
+    /// Pose of the view between the smallest levels.
+    pub usual: Pose,
 }
 
 /// Candidate position of the match, full-size px.
@@ -121,11 +122,6 @@ impl<'a> SearchView<'a> {
             }
         };
         Self { stages: SIDES.map(stage).to_vec(), full: stage(f64::INFINITY), usual }
-    }
-
-    /// Returns the pose of the view between the smallest levels.
-    pub fn usual_pose(&self) -> Pose {
-        self.usual
     }
 
     /// Returns the distance below which two candidates are one place, full-size px.

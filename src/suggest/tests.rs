@@ -104,10 +104,7 @@ fn refining_moves_a_similar_pair_and_leaves_a_dissimilar_one() {
             assert!(error < 0.2, "{degrees}° {scale} {off:?}: {error}");
         }
         let elsewhere = PointPair { point1: point, point2: Point::new(330.0, 120.0) };
-        assert_eq!(
-            refine(&prepared, &elsewhere, None, &parameters),
-            Err(SuggestError::NotAligned { image: 2 })
-        );
+        assert_eq!(refine(&prepared, &elsewhere, None, &parameters), Err(SuggestError::NotAligned(2)));
     }
 }
 
@@ -168,7 +165,7 @@ fn repeated_and_flat_surroundings_are_reported() {
     assert_eq!(flat, Err(SuggestError::Flat));
     let nowhere = PreparedPair::new(&tiles, &GrayPlane::from_fn(frame, |_, _| 9.0));
     let nothing = free(&nowhere, Point::new(60.0, 150.0), ClickedImage::First);
-    assert_eq!(nothing, Err(SuggestError::NothingAlike { image: 2 }));
+    assert_eq!(nothing, Err(SuggestError::NothingAlike(2)));
 }
 
 #[test]

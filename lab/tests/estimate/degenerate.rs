@@ -90,7 +90,7 @@ fn flat_images_are_refused() {
     for parameters in both_presets() {
         for (images, image) in [([&flat, &**textured], 1), ([textured, &flat], 2), ([&flat, &flat], 1)] {
             let outcome = run(images, &COURTYARD.show_me, &parameters);
-            assert_eq!(outcome.map(|_| ()), Err(EstimateError::Flat { image }));
+            assert_eq!(outcome.map(|_| ()), Err(EstimateError::Flat(image)));
         }
     }
 }

@@ -96,7 +96,7 @@ impl FeatureProposals {
             if all.is_empty() && !clicks.chosen().is_empty() {
                 // Pencils through stand-ins are shown; the geometry does not depend on them.
                 match compare_pencils(&viewed, clicks, parameters, record) {
-                    Ok(_) | Err(EstimateError::NoCandidates { .. }) => {}
+                    Ok(_) | Err(EstimateError::NoCandidates(_)) => {}
                     Err(error) => return Err(error),
                 }
             }
@@ -128,7 +128,7 @@ pub(in crate::estimate) fn search(
     match patches::search(&upright, clicks, parameters, record) {
         Ok(found) if found.is_clear() => return Ok(found),
         Ok(found) => all.push(found),
-        Err(error @ (EstimateError::NoCandidates { .. } | EstimateError::NoGeometry)) => failure = error,
+        Err(error @ (EstimateError::NoCandidates(_) | EstimateError::NoGeometry)) => failure = error,
         Err(error) => return Err(error),
     }
     for of in [FeatureViews::Frontal, FeatureViews::Slanted] {

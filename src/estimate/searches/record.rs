@@ -80,7 +80,7 @@ impl<'a> SearchRecord<'a> {
         if let Some(anchor) = without {
             // The user cannot move a match that stands in for a click.
             let number = clicks.anchor_numbers().get(anchor).copied().flatten();
-            return Err(number.map_or(EstimateError::NoGeometry, |pair| EstimateError::NoCandidates { pair }));
+            return Err(number.map_or(EstimateError::NoGeometry, EstimateError::NoCandidates));
         }
         self.monitor.report(Progress::Pencils(self.pencils.clone()));
         Ok(())
@@ -177,7 +177,7 @@ mod tests {
         let warnings = little_texture(&clicks, record.present_pencils());
         assert_eq!(warnings, [Warning::LittleTexture { pair: 3, textured: 19, lines: 60 }]);
         let nothing = record.pencils(&clicks, pencils(&clicks, [30, 0]));
-        assert!(matches!(nothing, Err(EstimateError::NoCandidates { pair: 3 })));
+        assert!(matches!(nothing, Err(EstimateError::NoCandidates(3))));
         // Matches that stand in for clicks have no number.
         let unclicked = Clicks::default().with_chosen([clicks.anchors()[0], clicks.anchors()[1]]);
         assert!(unclicked.iter().all(|click| click.role == ClickRole::Chosen));
@@ -193,7 +193,7 @@ mod tests {
         let [p, q] = [PointPair::new(40.0, 20.0, 41.0, 20.0), PointPair::new(5.0, 80.0, 6.0, 80.0)];
         let second = Clicks::default().with_chosen([p, q]);
         let mut record = SearchRecord::new(Instant::now(), &monitor);
-        record.lines_alone([7, 8], 9);
+        record.lines_alone = Some(([7, 8], 9));
         record.pencils(&first, pencils(&first, [30, 40])).unwrap();
         let of_first = record.present_pencils().to_vec();
         record.pencils(&second, pencils(&second, [50, 60])).unwrap();

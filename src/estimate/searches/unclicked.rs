@@ -43,7 +43,7 @@ pub(in crate::estimate) fn search(
     for pair in drawn_stand_ins(prepared, &putative, parameters.features.stand_ins, parameters.seed) {
         let found = match patches::search(&viewed, &clicks.with_chosen(pair), parameters, record) {
             Ok(found) => found,
-            Err(EstimateError::NoCandidates { .. } | EstimateError::NoGeometry) => continue,
+            Err(EstimateError::NoCandidates(_) | EstimateError::NoGeometry) => continue,
             Err(error) => return Err(error),
         };
         let is_open = found.is_open();

@@ -88,7 +88,7 @@ pub(in crate::estimate) fn search(
                 report_preliminary(proposed[0], &hypotheses, None, viewed, clicks, parameters, record);
             }
             // If nothing crosses the lines through the clicks, all lines still propose.
-            Err(EstimateError::NoCandidates { .. } | EstimateError::NoGeometry) => {}
+            Err(EstimateError::NoCandidates(_) | EstimateError::NoGeometry) => {}
             Err(error) => return Err(error),
         }
     }

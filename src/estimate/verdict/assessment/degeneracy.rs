@@ -50,7 +50,7 @@ pub(in crate::estimate) fn check_points(
     }
     for (k, pair) in pairs.iter().enumerate() {
         if !pair.is_finite() {
-            return Err(EstimateError::NotFinite { pair: k + 1 });
+            return Err(EstimateError::NotFinite(k + 1));
         }
         for (image, point) in [pair.point1, pair.point2].into_iter().enumerate() {
             let frame = frames[image];
@@ -92,7 +92,7 @@ pub(in crate::estimate) fn check_images(prepared: &PreparedPair) -> Result<(), E
     let level = prepared.pyramids().level(LOOK_SIDE);
     for (image, plane) in level.planes.iter().enumerate() {
         if plane.contrast() < FLAT {
-            return Err(EstimateError::Flat { image: image + 1 });
+            return Err(EstimateError::Flat(image + 1));
         }
     }
     let [a, b] = level.planes;
@@ -163,7 +163,7 @@ mod tests {
         let other = [60.0, 60.0, 50.0, 60.0];
         assert_eq!(check(&[good, other]), Ok(()));
         assert_eq!(check(&[good]), Err(EstimateError::TooFewPairs { found: 1, needed: 2 }));
-        assert_eq!(check(&[good, [f64::NAN, 0.0, 0.0, 0.0]]), Err(EstimateError::NotFinite { pair: 2 }));
+        assert_eq!(check(&[good, [f64::NAN, 0.0, 0.0, 0.0]]), Err(EstimateError::NotFinite(2)));
         assert!(matches!(
             check(&[good, [60.0, 60.0, 50.0, 80.0]]),
             Err(EstimateError::Outside { pair: 2, image: 2, .. })
@@ -185,7 +185,7 @@ mod tests {
         let frame = Frame::new(120, 90);
         let texture = GrayPlane::from_fn(frame, |x, y| ((x * x + 3 * y * x + y) % 251) as f32);
         let flat = GrayPlane::from_fn(frame, |_, _| 80.0);
-        assert_eq!(check_images(&PreparedPair::new(&texture, &flat)), Err(EstimateError::Flat { image: 2 }));
+        assert_eq!(check_images(&PreparedPair::new(&texture, &flat)), Err(EstimateError::Flat(2)));
         assert_eq!(check_images(&PreparedPair::new(&texture, &texture)), Err(EstimateError::NoParallax));
     }
 
