@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::lens::{Lens, Projection, Radial};
-use crate::geometry::{Frame, Point};
+use crate::geometry::{Frame, Point, scaling};
 
 /// A camera model: calibration matrix and lens. The centre of the top-left pixel is (0, 0).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -92,9 +92,8 @@ impl CameraModel {
     pub fn of_focal_length(focal: FocalLength, frame: Frame) -> Option<Self> {
         let FocalLength { pixels, deviation } = focal;
         let middle = frame.centre();
-        let calibration = Matrix3::new(pixels, 0.0, middle.x, 0.0, pixels, middle.y, 0.0, 0.0, 1.0);
-        let camera = Self::new(&calibration, Lens::IDEAL).filter(|_| (0.0..1.0).contains(&deviation))?;
-        Some(Self { focal_deviation: deviation, ..camera })
+        let calibration = scaling(pixels, middle.x, middle.y);
+        Self::new(&calibration, Lens::IDEAL)?.with_deviation(deviation)
     }
 
     /// Returns a camera of unknown focal length with radial distortion by the division model, its middle in
@@ -121,8 +120,11 @@ impl CameraModel {
             _ => return None,
         };
         let calibration = self.calibration() * Matrix3::from_diagonal(&Vector3::new(by, by, 1.0));
-        let camera = Self::new(&calibration, lens).filter(|_| (0.0..1.0).contains(&focal.deviation))?;
-        Some(Self { focal_deviation: focal.deviation, ..camera })
+        Self::new(&calibration, lens)?.with_deviation(focal.deviation)
+    }
+
+    fn with_deviation(self, focal_deviation: f64) -> Option<Self> {
+        (0.0..1.0).contains(&focal_deviation).then_some(Self { focal_deviation, ..self })
     }
 
     /// Returns the coefficient of the division model for radii in half diagonals of a picture of this size, if
@@ -172,23 +174,19 @@ impl CameraModel {
     pub fn jacobian(&self, ray: &Vector3<f64>) -> Option<Matrix2x3<f64>> {
         let (_, derivatives, flat) = self.distorted(ray)?;
         let (x, y, z) = (ray.x, ray.y, ray.z);
+        let across = (x * x + y * y).sqrt();
         let by_ray = match self.lens.projection {
-            Projection::Perspective => Matrix2x3::new(1.0, 0.0, -flat.x, 0.0, 1.0, -flat.y) / z,
-            Projection::Equidistant => {
-                let across = (x * x + y * y).sqrt();
+            Projection::Equidistant if across > 1e-9 * z.abs() => {
+                // The angle a = atan2(across, z), and flat = a · (x, y) / across.
                 let square = x * x + y * y + z * z;
-                if across <= 1e-9 * z.abs() {
-                    Matrix2x3::new(1.0, 0.0, -flat.x, 0.0, 1.0, -flat.y) / z
-                } else {
-                    // The angle a = atan2(across, z), and flat = a · (x, y) / across.
-                    let angle = flat.norm();
-                    let unit = Vector2::new(x, y) / across;
-                    let by_across = unit * unit.transpose() * (z / square)
-                        + (Matrix2::identity() - unit * unit.transpose()) * (angle / across);
-                    let by_z = unit * (-across / square);
-                    Matrix2x3::from_columns(&[by_across.column(0).into(), by_across.column(1).into(), by_z])
-                }
+                let angle = flat.norm();
+                let unit = Vector2::new(x, y) / across;
+                let by_across = unit * unit.transpose() * (z / square)
+                    + (Matrix2::identity() - unit * unit.transpose()) * (angle / across);
+                let by_z = unit * (-across / square);
+                Matrix2x3::from_columns(&[by_across.column(0).into(), by_across.column(1).into(), by_z])
             }
+            _ => Matrix2x3::new(1.0, 0.0, -flat.x, 0.0, 1.0, -flat.y) / z,
         };
         let [fx, fy] = self.focal;
         Some(Matrix2::new(fx, self.skew, 0.0, fy) * derivatives * by_ray)

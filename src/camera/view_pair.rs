@@ -82,18 +82,12 @@ impl ViewPair {
 
     /// Returns a point pair of the pictures in the views.
     pub fn undistorted_from_original(&self, pair: &PointPair) -> Option<PointPair> {
-        Some(PointPair {
-            point1: self.views[0].undistorted_from_original(pair.point1)?,
-            point2: self.views[1].undistorted_from_original(pair.point2)?,
-        })
+        pair.mapped(|k, point| self.views[k].undistorted_from_original(point))
     }
 
     /// Returns a point pair of the views in the pictures.
     pub fn original_from_undistorted(&self, pair: &PointPair) -> Option<PointPair> {
-        Some(PointPair {
-            point1: self.views[0].original_from_undistorted(pair.point1)?,
-            point2: self.views[1].original_from_undistorted(pair.point2)?,
-        })
+        pair.mapped(|k, point| self.views[k].original_from_undistorted(point))
     }
 
     /// Returns the mean distance in the pictures of both points of a pair of the views from their

@@ -309,15 +309,9 @@ fn distances(f: &FundamentalMatrix, matches: &[PointPair]) -> Vec<f64> {
 
 /// Returns the diagonal of the bounding rectangle of the points, of the larger of both images, px.
 fn extent(matches: &[PointPair]) -> f64 {
-    let diagonal = |coordinates: [&dyn Fn(&PointPair) -> f64; 2]| {
-        let side = |of: &dyn Fn(&PointPair) -> f64| {
-            let range = matches
-                .iter()
-                .map(of)
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
-            range.1 - range.0
-        };
-        side(coordinates[0]).hypot(side(coordinates[1]))
+    let side = |coordinate: usize| {
+        let all = || matches.iter().map(|pair| pair.numbers()[coordinate]);
+        all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min)
     };
-    diagonal([&|p| p.point1.x, &|p| p.point1.y]).max(diagonal([&|p| p.point2.x, &|p| p.point2.y]))
+    side(0).hypot(side(1)).max(side(2).hypot(side(3)))
 }

@@ -43,7 +43,7 @@ fn written(f: &FundamentalMatrix, reading: &Reading) -> FundamentalMatrix {
     let (s, o) = (reading.scale, 0.5 * reading.scale - 0.5 + reading.origin);
     let swap = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
     let axes = if reading.axes_exchanged { swap } else { Matrix3::identity() };
-    let theirs_from_ours = axes * Matrix3::new(s, 0.0, o, 0.0, s, o, 0.0, 0.0, 1.0);
+    let theirs_from_ours = axes * crate::geometry::scaling(s, o, o);
     let ours_from_theirs = theirs_from_ours.try_inverse().unwrap();
     let matrix = ours_from_theirs.transpose() * f.matrix() * ours_from_theirs;
     FundamentalMatrix::from_rank_two(if reading.transposed { matrix.transpose() } else { matrix }).unwrap()

@@ -8,7 +8,7 @@ use super::{Frame, Line, Point};
 /// The lines are first oriented alike, which selects the acute wedge. The area has a closed form:
 /// the sampling rectangle is clipped by half planes and measured by the shoelace formula.
 pub fn area_between_lines(a: &Line, b: &Line, frame: Frame) -> f64 {
-    wedges(a, b, frame).iter().map(Polygon::area).sum()
+    wedges(a, b, frame).iter().map(|wedge| polygon_area(&wedge.points[..wedge.len])).sum()
 }
 
 /// Returns the corners of the two wedges measured by [`area_between_lines`]. Either wedge may be
@@ -62,16 +62,17 @@ impl Polygon {
             self.len += 1;
         }
     }
+}
 
-    fn area(&self) -> f64 {
-        let twice: f64 = (0..self.len)
-            .map(|k| {
-                let (p, q) = (self.points[k], self.points[(k + 1) % self.len]);
-                p.x * q.y - q.x * p.y
-            })
-            .sum();
-        twice.abs() / 2.0
-    }
+/// Returns the area of a polygon, by the shoelace formula.
+pub(crate) fn polygon_area(corners: &[Point]) -> f64 {
+    let twice: f64 = (0..corners.len())
+        .map(|k| {
+            let (p, q) = (corners[k], corners[(k + 1) % corners.len()]);
+            p.x * q.y - q.x * p.y
+        })
+        .sum();
+    twice.abs() / 2.0
 }
 
 #[cfg(test)]

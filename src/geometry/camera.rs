@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Matrix3x4, Point3, Vector3, Vector4};
 use serde::{Deserialize, Serialize};
 
-use super::{FundamentalMatrix, Point};
+use super::{FundamentalMatrix, Point, scaling};
 
 /// A projection matrix `P`: `x ∝ P (X, 1)`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -32,7 +32,7 @@ impl Camera {
         let right = forward.cross(&up).try_normalize(1e-12)?;
         let down = forward.cross(&right);
         let rotation = Matrix3::from_rows(&[right.transpose(), down.transpose(), forward.transpose()]);
-        let intrinsic = Matrix3::new(focal, 0.0, principal.x, 0.0, focal, principal.y, 0.0, 0.0, 1.0);
+        let intrinsic = scaling(focal, principal.x, principal.y);
         let m = intrinsic * rotation;
         let t = m * -position.coords;
         Self::from_matrix(Matrix3x4::from_columns(&[

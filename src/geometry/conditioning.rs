@@ -6,7 +6,7 @@
 
 use nalgebra::{Matrix3, SVector};
 
-use super::{Frame, Point, PointPair};
+use super::{Frame, Point, PointPair, scaling};
 
 /// Returns the similarities that condition the points of image 1 and of image 2. Returns `None`
 /// when all points of an image coincide.
@@ -21,7 +21,14 @@ pub(super) fn conditioning(pairs: &[PointPair]) -> Option<[Matrix3<f64>; 2]> {
 pub(super) fn pixels_from_conditioned(frame: Frame) -> Matrix3<f64> {
     let unit = 0.5 * frame.longer_side().max(1.0);
     let (x, y) = (0.5 * frame.width as f64, 0.5 * frame.height as f64);
-    Matrix3::new(unit, 0.0, x, 0.0, unit, y, 0.0, 0.0, 1.0)
+    scaling(unit, x, y)
+}
+
+/// Returns the map to pixels from coordinates with their origin at the middle of the pixels and half the
+/// diagonal as unit.
+pub(crate) fn pixels_from_half_diagonals(frame: Frame) -> Matrix3<f64> {
+    let middle = frame.centre();
+    scaling(0.5 * frame.diagonal(), middle.x, middle.y)
 }
 
 /// Returns the coefficients of `x2ᵀ F x1 = 0` in the entries of `F`, row by row, after
@@ -39,5 +46,5 @@ fn normalisation(points: impl Iterator<Item = Point> + Clone) -> Option<Matrix3<
     let centroid = points.clone().fold(Point::origin(), |sum, p| sum + p.coords) / count;
     let spread = points.map(|p| (p - centroid).norm()).sum::<f64>() / count;
     let s = std::f64::consts::SQRT_2 / spread;
-    s.is_finite().then(|| Matrix3::new(s, 0.0, -s * centroid.x, 0.0, s, -s * centroid.y, 0.0, 0.0, 1.0))
+    s.is_finite().then(|| scaling(s, -s * centroid.x, -s * centroid.y))
 }

@@ -22,16 +22,13 @@ pub enum NotFundamental {
     /// The matrix has rank 1 or 0.
     #[error("the matrix has rank 1 or 0, a fundamental matrix has 2")]
     RankBelowTwo,
-    /// The matrix is far from every matrix of rank 2.
+    /// The matrix is far from every matrix of rank 2. The number is the ratio of the third to the second
+    /// singular value, 0 to 1: the larger of the ratios in pixels and in conditioned coordinates.
     #[error(
         "the matrix has rank 3 (its third singular value is {:.2} % of the second), a fundamental matrix has 2: is it a homography, or rounded to too few digits?",
-        100.0 * third_to_second
+        100.0 * .0
     )]
-    RankThree {
-        /// Ratio of the third to the second singular value, 0 to 1: the larger of the ratios in
-        /// pixels and in conditioned coordinates.
-        third_to_second: f64,
-    },
+    RankThree(f64),
 }
 
 /// Largest accepted ratio of the third to the second singular value, in conditioned coordinates.
@@ -79,7 +76,7 @@ impl FundamentalMatrix {
 
     /// Returns the matrix as nested rows, as in result files.
     pub fn rows(&self) -> [[f64; 3]; 3] {
-        std::array::from_fn(|r| std::array::from_fn(|c| self.0[(r, c)]))
+        self.0.transpose().data.0
     }
 
     /// Creates a fundamental matrix from numbers of unknown origin, in pixels of images of the
@@ -117,7 +114,7 @@ impl FundamentalMatrix {
         // pixels than in conditioned coordinates.
         let is_map_of_points = in_pixels > CLEAR_IN_PIXELS && ratio < 1e-2 * in_pixels;
         if ratio > MOST_THIRD || is_map_of_points {
-            return Err(NotFundamental::RankThree { third_to_second: ratio.max(in_pixels) });
+            return Err(NotFundamental::RankThree(ratio.max(in_pixels)));
         }
         let back = |t: Matrix3<f64>| t.try_inverse().ok_or(NotFundamental::NotFinite);
         let rank_two = Self::nearest_rank_two(conditioned).ok_or(NotFundamental::RankBelowTwo)?;
@@ -266,7 +263,7 @@ mod tests {
         for matrix in [Matrix3::identity(), turned, turned * 1e-6] {
             for frames in [None, frames] {
                 let found = FundamentalMatrix::from_numbers(matrix, frames);
-                assert!(matches!(found, Err(NotFundamental::RankThree { .. })), "{found:?}");
+                assert!(matches!(found, Err(NotFundamental::RankThree(_))), "{found:?}");
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{AnchoredLine, Frame, Point};
+use super::{AnchoredLine, Frame};
 
 /// Returns the distance in px between neighbours among about `count` lines of an image.
 pub fn line_spacing(frame: Frame, count: usize) -> f64 {
@@ -16,7 +16,7 @@ pub fn line_spacing(frame: Frame, count: usize) -> f64 {
 /// Returns about `count` lines of an image, evenly spread over direction (radians, `[0, π)`) and
 /// over distance from the image centre.
 pub fn line_grid(frame: Frame, count: usize) -> Vec<AnchoredLine> {
-    let middle = Point::new(0.5 * frame.right(), 0.5 * frame.bottom());
+    let middle = frame.centre();
     let half = 0.5 * frame.diagonal();
     let spacing = line_spacing(frame, count);
     let directions = (PI * half / spacing).round().max(4.0) as usize;

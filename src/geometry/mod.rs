@@ -37,8 +37,10 @@ mod shared_errors;
 
 pub use anchored::AnchoredLine;
 pub(crate) use angle::{angle_between, wrapped};
+pub(crate) use area::polygon_area;
 pub use area::{area_between_lines, regions_between_lines};
 pub use camera::Camera;
+pub(crate) use conditioning::pixels_from_half_diagonals;
 pub use difference::epipolar_difference;
 pub use eight_point::{EightPointError, eight_point};
 pub(crate) use elimination::Eliminated;
@@ -52,6 +54,7 @@ pub(crate) use minimal::{Equation, frame_equation, point_equation, solve_seven};
 pub(crate) use minimum::{golden_section, grid_minimum};
 pub use orthonormal::Vector7;
 pub use pencil::{LinePair, PencilMap, pencil_angles};
+pub(crate) use point::scaling;
 pub use point::{HomogeneousPoint, PointPair, finite_point, rescaled, rescaling};
 pub(crate) use residual::median;
 pub use residual::{algebraic_residual, apart_across_lines, sampson_distance, symmetric_epipolar_distance};

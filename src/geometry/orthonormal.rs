@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix3, Rotation3, SVector, Vector3};
 
-use super::{Frame, FundamentalMatrix};
+use super::{Frame, FundamentalMatrix, pixels_from_half_diagonals};
 
 /// Increments of the seven numbers: a small rotation on each side, then φ.
 pub type Vector7 = SVector<f64, 7>;
@@ -45,7 +45,8 @@ impl Orthonormal {
     }
 
     /// Returns the derivatives of the matrix with respect to the seven increments.
-    pub(super) fn derivatives(&self, f: &Matrix3<f64>) -> [Matrix3<f64>; 7] {
+    pub(super) fn derivatives(&self) -> [Matrix3<f64>; 7] {
+        let f = self.matrix();
         let generator = |k: usize| Vector3::from_fn(|i, _| f64::from(u8::from(i == k))).cross_matrix();
         let (sin, cos) = self.phi.sin_cos();
         let by_phi = self.u * Matrix3::from_diagonal(&Vector3::new(-sin, cos, 0.0)) * self.v.transpose();
@@ -78,10 +79,7 @@ impl FundamentalMatrix {
     /// Returns `None` when the representation degenerates.
     #[must_use]
     pub fn moved(&self, step: &Vector7, frames: [Frame; 2]) -> Option<Self> {
-        let [from1, from2] = frames.map(|frame| {
-            let (s, c) = (0.5 * frame.diagonal(), frame.centre());
-            Matrix3::new(s, 0.0, c.x, 0.0, s, c.y, 0.0, 0.0, 1.0)
-        });
+        let [from1, from2] = frames.map(pixels_from_half_diagonals);
         let conditioned = from2.transpose() * self.matrix() * from1;
         let moved = Orthonormal::new(&(conditioned / conditioned.norm()))?.moved(step).matrix();
         Self::from_rank_two(from2.try_inverse()?.transpose() * moved * from1.try_inverse()?)

@@ -42,6 +42,11 @@ impl PointPair {
         Self { point1: rescaled(self.point1, scales[0]), point2: rescaled(self.point2, scales[1]) }
     }
 
+    /// Maps both points, each with the index of its image.
+    pub(crate) fn mapped(&self, map: impl Fn(usize, Point) -> Option<Point>) -> Option<Self> {
+        Some(Self { point1: map(0, self.point1)?, point2: map(1, self.point2)? })
+    }
+
     /// Returns whether all four coordinates are finite numbers.
     pub fn is_finite(&self) -> bool {
         self.point1.iter().chain(self.point2.iter()).all(|v| v.is_finite())
@@ -57,7 +62,12 @@ pub fn rescaled(p: Point, scale: f64) -> Point {
 /// Returns the map of [`rescaled`] as a matrix for homogeneous points.
 pub fn rescaling(scale: f64) -> Matrix3<f64> {
     let shift = 0.5 * scale - 0.5;
-    Matrix3::new(scale, 0.0, shift, 0.0, scale, shift, 0.0, 0.0, 1.0)
+    scaling(scale, shift, shift)
+}
+
+/// Returns the map that scales points and then adds an offset.
+pub(crate) fn scaling(scale: f64, x: f64, y: f64) -> Matrix3<f64> {
+    Matrix3::new(scale, 0.0, x, 0.0, scale, y, 0.0, 0.0, 1.0)
 }
 
 /// Returns the pixel position of a homogeneous point, or `None` beyond 10⁹ px and at infinity.

@@ -5,7 +5,7 @@ use multiversion::multiversion;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::orthonormal::{Orthonormal, Vector7};
-use super::{FundamentalMatrix, PointPair};
+use super::{FundamentalMatrix, PointPair, scaling};
 
 /// A match with the standard deviation of its coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,15 +81,18 @@ pub fn fit_fundamental(
 
 /// Returns the derivatives of the entries of `F` (pixels, norm 1) by the seven numbers, row by row.
 fn unit_entries(conditioning: &Conditioning, representation: &Orthonormal) -> SMatrix<f64, 9, 7> {
-    let matrix = representation.matrix();
-    let in_pixels = conditioning.in_pixels(&matrix);
+    let in_pixels = conditioning.in_pixels(&representation.matrix());
     let norm = in_pixels.norm();
     let unit = in_pixels / norm;
-    let columns = representation.derivatives(&matrix).map(|d| {
+    by_entries(&representation.derivatives().map(|d| {
         let moved = conditioning.in_pixels(&d) / norm;
         moved - unit * unit.dot(&moved)
-    });
-    SMatrix::from_fn(|row, k| columns[k][(row / 3, row % 3)])
+    }))
+}
+
+/// Returns the entries of derivatives, row by row, a column each.
+fn by_entries(derivatives: &[Matrix3<f64>; 7]) -> SMatrix<f64, 9, 7> {
+    SMatrix::from_fn(|row, k| derivatives[k][(row / 3, row % 3)])
 }
 
 /// A measured pair of points, for the covariance of a fitted `F`.
@@ -114,8 +117,7 @@ pub fn grouped_covariance(f: &FundamentalMatrix, grouped: &[GroupedObservation])
     let conditioning = Conditioning::new(&observations);
     let representation = Orthonormal::new(&conditioning.conditioned(f.matrix()))?;
     let matrix = representation.matrix();
-    let derivatives = representation.derivatives(&matrix);
-    let by_entries = SMatrix::<f64, 9, 7>::from_fn(|row, k| derivatives[k][(row / 3, row % 3)]);
+    let by_entries = by_entries(&representation.derivatives());
     let groups = grouped.iter().map(|t| t.group).max()? + 1;
     let mut sizes = vec![0.0; groups];
     for t in grouped {
@@ -187,7 +189,7 @@ impl Conditioning {
             / (2.0 * n);
         // One scale for both images keeps the Sampson distance a distance.
         let s = 1.0 / spread.sqrt().max(1e-9);
-        let to = [centre1, centre2].map(|c| Matrix3::new(s, 0.0, -s * c.x, 0.0, s, -s * c.y, 0.0, 0.0, 1.0));
+        let to = [centre1, centre2].map(|c| scaling(s, -s * c.x, -s * c.y));
         let conditioned = |chunk: &[Observation]| {
             // Lanes beyond the last observation repeat it with weight 0.
             let of = |lane: usize| &chunk[lane.min(chunk.len() - 1)];
@@ -209,7 +211,7 @@ impl Conditioning {
     fn conditioned(&self, f: &Matrix3<f64>) -> Matrix3<f64> {
         let inverse = |m: &Matrix3<f64>| {
             let s = m[(0, 0)];
-            Matrix3::new(1.0 / s, 0.0, -m[(0, 2)] / s, 0.0, 1.0 / s, -m[(1, 2)] / s, 0.0, 0.0, 1.0)
+            scaling(1.0 / s, -m[(0, 2)] / s, -m[(1, 2)] / s)
         };
         inverse(&self.to[1]).transpose() * f * inverse(&self.to[0])
     }
@@ -221,8 +223,7 @@ impl Conditioning {
     /// Returns the robust cost, its gradient and its Gauss–Newton Hessian in the seven increments.
     fn normal_equations(&self, representation: &Orthonormal, scale: f64) -> Option<(f64, Vector7, Matrix7)> {
         let f = representation.matrix();
-        let derivatives = representation.derivatives(&f);
-        let by_entries = SMatrix::<f64, 9, 7>::from_fn(|row, k| derivatives[k][(row / 3, row % 3)]);
+        let by_entries = by_entries(&representation.derivatives());
         let sums = sums(&self.blocks, &std::array::from_fn(|k| f[(k / 3, k % 3)]), scale);
         let gradient = by_entries.tr_mul(&SVector::<f64, 9>::from(sums.gradient));
         let entry = |row: usize, column: usize| sums.hessian[row.max(column)][row.min(column)];
@@ -330,24 +331,17 @@ fn total(lanes: &[f64; LANES]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Camera, symmetric_epipolar_distance};
-    use nalgebra::SVector;
+    use crate::geometry::random_scene::RandomScene;
+    use crate::geometry::symmetric_epipolar_distance;
     use rand::{RngExt, SeedableRng};
 
     fn scene(count: usize) -> (FundamentalMatrix, Vec<PointPair>) {
-        let (camera1, camera2) = Camera::example_pair();
-        let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(5);
-        let pairs = (0..count)
-            .map(|_| {
-                let x = nalgebra::Point3::new(
-                    rng.random_range(-2.0..2.0),
-                    rng.random_range(-1.5..1.5),
-                    rng.random_range(4.0..8.0),
-                );
-                PointPair { point1: camera1.project(&x).unwrap(), point2: camera2.project(&x).unwrap() }
-            })
-            .collect();
-        (Camera::fundamental(&camera1, &camera2).unwrap(), pairs)
+        let mut scene = RandomScene::new(5);
+        (scene.fundamental(), scene.pairs(count))
+    }
+
+    fn observed(pairs: &[PointPair], sigma: f64) -> Vec<Observation> {
+        pairs.iter().map(|pair| Observation { pair: *pair, sigma }).collect()
     }
 
     fn mean(f: &FundamentalMatrix, pairs: &[PointPair]) -> f64 {
@@ -363,10 +357,9 @@ mod tests {
     #[test]
     fn exact_matches_give_the_exact_matrix() {
         let (f, pairs) = scene(30);
-        let observations: Vec<_> = pairs.iter().map(|p| Observation { pair: *p, sigma: 1.0 }).collect();
         let start = disturbed(&f);
         assert!(mean(&start, &pairs) > 2.0);
-        let result = fit_fundamental(&start, &observations, 2.0).unwrap().fundamental;
+        let result = fit_fundamental(&start, &observed(&pairs, 1.0), 2.0).unwrap().fundamental;
         assert!(mean(&result, &pairs) < 1e-6, "{}", mean(&result, &pairs));
     }
 
@@ -374,18 +367,11 @@ mod tests {
     fn a_third_of_wrong_matches_does_not_matter() {
         let (f, pairs) = scene(90);
         let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(6);
-        let observations: Vec<_> = pairs
-            .iter()
-            .enumerate()
-            .map(|(k, p)| {
-                let mut pair = *p;
-                if k % 3 == 0 {
-                    pair.point2.x += rng.random_range(-80.0..80.0);
-                    pair.point2.y += rng.random_range(-80.0..80.0);
-                }
-                Observation { pair, sigma: 1.0 }
-            })
-            .collect();
+        let mut observations = observed(&pairs, 1.0);
+        for wrong in observations.iter_mut().step_by(3) {
+            wrong.pair.point2.x += rng.random_range(-80.0..80.0);
+            wrong.pair.point2.y += rng.random_range(-80.0..80.0);
+        }
         let result = fit_fundamental(&disturbed(&f), &observations, 1.5).unwrap().fundamental;
         assert!(mean(&result, &pairs) < 0.1, "{}", mean(&result, &pairs));
     }
@@ -393,23 +379,13 @@ mod tests {
     #[test]
     fn the_covariance_predicts_the_scatter_of_the_epipolar_lines() {
         let (f, pairs) = scene(60);
-        let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(9);
-        let mut gauss = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
+        let mut noise = RandomScene::new(9);
         let probe = PointPair::new(150.0, 420.0, 160.0, 415.0);
         let on_line = f.line2_from_point1(probe.point1).unwrap().foot(probe.point2);
         let (mut squares, mut predicted, mut of_groups, runs) = (0.0, 0.0, 0.0, 200);
         for _ in 0..runs {
             let sigma = 0.5;
-            let mut noisy = |p: nalgebra::Point2<f64>| {
-                nalgebra::Point2::new(p.x + sigma * gauss(), p.y + sigma * gauss())
-            };
-            let observations: Vec<_> = pairs
-                .iter()
-                .map(|p| {
-                    let pair = PointPair { point1: noisy(p.point1), point2: noisy(p.point2) };
-                    Observation { pair, sigma }
-                })
-                .collect();
+            let observations = observed(&noise.disturbed(&pairs, sigma), sigma);
             let result = fit_fundamental(&f, &observations, 4.0).unwrap();
             let line = result.fundamental.line2_from_point1(probe.point1).unwrap();
             squares += line.signed_distance(on_line).powi(2);
@@ -454,7 +430,6 @@ mod tests {
     #[test]
     fn too_few_matches_are_refused() {
         let (f, pairs) = scene(6);
-        let observations: Vec<_> = pairs.iter().map(|p| Observation { pair: *p, sigma: 1.0 }).collect();
-        assert!(fit_fundamental(&f, &observations, 1.0).is_none());
+        assert!(fit_fundamental(&f, &observed(&pairs, 1.0), 1.0).is_none());
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use nalgebra::{Matrix3, SMatrix};
+use nalgebra::SMatrix;
 use serde::Serialize;
 
 use super::geometry_file::{Format, ImageNote, PairLabel};
@@ -52,7 +52,7 @@ pub struct ResultFile<'a> {
     failed_tests: &'a [Reason],
     /// Covariance of the nine entries of `fundamental`, row by row, px.
     #[serde(skip_serializing_if = "Option::is_none")]
-    covariance: Option<Vec<[f64; 9]>>,
+    covariance: Option<[[f64; 9]; 9]>,
     /// Half of the right matches have a smaller Sampson distance, px.
     #[serde(skip_serializing_if = "Option::is_none")]
     noise: Option<f64>,
@@ -141,7 +141,7 @@ struct PoseFile {
     /// Standard deviation of the direction of `t`, radians.
     translation_deviation: Option<f64>,
     /// Covariance of the rotation vector of a small turn after `R`, and of `t`.
-    covariance: Option<Vec<[f64; 6]>>,
+    covariance: Option<[[f64; 6]; 6]>,
 }
 
 /// Match used by the refinement.
@@ -195,7 +195,7 @@ impl<'a> ResultFile<'a> {
             failed_tests: trust.map_or(&[], |t| &t.reasons),
             covariance: refinement
                 .and_then(|r| r.uncertainty.as_ref())
-                .map(|uncertainty| square(&uncertainty.covariance())),
+                .map(|uncertainty| nested(&uncertainty.covariance())),
             noise: refinement.and_then(|r| r.noise),
             homography21: assessment.plane.map(|plane| nested(&plane.homography21)),
             plane: assessment.plane,
@@ -303,7 +303,7 @@ impl PoseFile {
             noise: *noise,
             rotation_deviation: uncertainty.map(|u| u.rotation),
             translation_deviation: uncertainty.map(|u| u.translation),
-            covariance: fit.covariance().map(|covariance| square(&covariance)),
+            covariance: fit.covariance().map(|covariance| nested(&covariance)),
         }
     }
 }
@@ -313,13 +313,13 @@ fn from_numbers([x1, y1, x2, y2]: &[f64; 4]) -> PointPair {
 }
 
 /// Returns the rows of a matrix.
-fn nested(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
-    std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)]))
+fn nested<const N: usize>(matrix: &SMatrix<f64, N, N>) -> [[f64; N]; N] {
+    matrix.transpose().data.0
 }
 
-/// Returns the rows of a square matrix.
-fn square<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<[f64; N]> {
-    matrix.row_iter().map(|row| std::array::from_fn(|k| row[k])).collect()
+/// Returns the rows of a matrix with all digits, a line each.
+fn matrix_in_words(rows: [[f64; 3]; 3]) -> String {
+    rows.map(|row| format!(" {}\n", row.map(|v| format!("{:>25}", format!("{v:e}"))).concat())).concat()
 }
 
 /// Describes the places of both epipoles, a line each, and what is known of them.
@@ -345,10 +345,7 @@ fn epipoles_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
 /// Describes a result in words. F has all its digits, so that it can be copied.
 pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
     let mut text = String::from("Fundamental matrix F (x2ᵀ F x1 = 0):\n");
-    for row in found.fundamental().rows() {
-        let cells = row.map(|v| format!("{:>25}", format!("{v:e}")));
-        let _ = writeln!(text, " {}", cells.join(""));
-    }
+    text += &matrix_in_words(found.fundamental().rows());
     text += &epipoles_in_words(found, images);
     let assessment = &found.assessment;
     if let Some(trust) = &assessment.trust {
@@ -369,10 +366,7 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
             plane.matches,
             100.0 * plane.share
         );
-        for row in nested(&plane.homography21) {
-            let cells = row.map(|v| format!("{:>25}", format!("{v:e}")));
-            let _ = writeln!(text, " {}", cells.join(""));
-        }
+        text += &matrix_in_words(nested(&plane.homography21));
     }
     if found.trace.as_ref().is_some_and(|trace| !trace.clicks.chosen().is_empty()) {
         text.push_str("Found without two clicks: two matches found by the program took their place\n");

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::cameras::DecomposedCamera;
 use crate::convention::Reading;
-use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair, Vector};
+use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair, Vector, rescaling, scaling};
 
 /// Images that a change affects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -51,13 +51,9 @@ impl Mirror {
 
     /// Returns the map of pixels of an image.
     fn map(self, frame: Frame) -> Matrix3<f64> {
-        let (x, y) = match self {
-            Self::LeftRight => (true, false),
-            Self::TopBottom => (false, true),
-            Self::HalfTurn => (true, true),
-        };
         let along = |flipped: bool, end: f64| if flipped { (-1.0, end) } else { (1.0, 0.0) };
-        let ((sx, ox), (sy, oy)) = (along(x, frame.right()), along(y, frame.bottom()));
+        let (sx, ox) = along(self != Self::TopBottom, frame.right());
+        let (sy, oy) = along(self != Self::LeftRight, frame.bottom());
         Matrix3::new(sx, 0.0, ox, 0.0, sy, oy, 0.0, 0.0, 1.0)
     }
 }
@@ -215,33 +211,31 @@ impl Change {
     /// Returns `F` after the change, for changes of pixel coordinates. `None` for others, and on
     /// overflow.
     pub(super) fn apply(&self, given: &FundamentalMatrix, frames: [Frame; 2]) -> Option<FundamentalMatrix> {
-        let (images, map): (Affected, Box<dyn Fn(Frame) -> Matrix3<f64>>) = match *self {
-            Self::Convention { reading } => return reading.apply(given),
-            Self::Cameras { .. } | Self::Distortion { .. } => return None,
-            Self::Mirrored { images, mirror } => (images, Box::new(move |frame| mirror.map(frame))),
-            Self::Resized { images, factor } => {
-                (images, Box::new(move |_| crate::geometry::rescaling(factor)))
-            }
-            Self::FocalLength { images, factor } => (
-                images,
-                Box::new(move |frame: Frame| {
-                    let middle = frame.centre();
-                    let offset = |c: f64| c * (1.0 - factor);
-                    Matrix3::new(factor, 0.0, offset(middle.x), 0.0, factor, offset(middle.y), 0.0, 0.0, 1.0)
-                }),
-            ),
-            Self::Moved { images, x, y } => (images, Box::new(move |_| moved(x, y))),
-            Self::HalfPixel { images, offset } => (images, Box::new(move |_| moved(offset, offset))),
-        };
+        if let Self::Convention { reading } = self {
+            return reading.apply(given);
+        }
         // The map takes pixels of the images to those of the geometry.
-        let of = |image: usize| if images.has(image) { map(frames[image]) } else { Matrix3::identity() };
-        FundamentalMatrix::from_rank_two(of(1).transpose() * given.matrix() * of(0))
+        let of = |image: usize| {
+            let (images, map) = self.map(frames[image])?;
+            Some(if images.has(image) { map } else { Matrix3::identity() })
+        };
+        FundamentalMatrix::from_rank_two(of(1)?.transpose() * given.matrix() * of(0)?)
     }
-}
 
-/// Returns the map that adds an offset.
-fn moved(x: f64, y: f64) -> Matrix3<f64> {
-    Matrix3::new(1.0, 0.0, x, 0.0, 1.0, y, 0.0, 0.0, 1.0)
+    /// Returns the changed images and the map of their pixels, for images of a size.
+    fn map(&self, frame: Frame) -> Option<(Affected, Matrix3<f64>)> {
+        Some(match *self {
+            Self::Convention { .. } | Self::Cameras { .. } | Self::Distortion { .. } => return None,
+            Self::Mirrored { images, mirror } => (images, mirror.map(frame)),
+            Self::Resized { images, factor } => (images, rescaling(factor)),
+            Self::FocalLength { images, factor } => {
+                let offset = frame.centre() * (1.0 - factor);
+                (images, scaling(factor, offset.x, offset.y))
+            }
+            Self::Moved { images, x, y } => (images, scaling(1.0, x, y)),
+            Self::HalfPixel { images, offset } => (images, scaling(1.0, offset, offset)),
+        })
+    }
 }
 
 /// Returns a pair without lens distortion.

@@ -128,7 +128,7 @@ pub fn judge_rows(matches: &[PointPair], frame: Frame, limit: f64) -> Option<Row
         matches: matches.len(),
         residual,
         roll_degrees: -a.atan().to_degrees(),
-        correction2: std::array::from_fn(|row| std::array::from_fn(|column| correction2[(row, column)])),
+        correction2: correction2.transpose().data.0,
     })
 }
 

@@ -7,7 +7,7 @@
 use nalgebra::{Matrix3, SVector};
 use serde::Serialize;
 
-use crate::geometry::{Frame, FundamentalMatrix, Matrix9};
+use crate::geometry::{Frame, FundamentalMatrix, Matrix9, pixels_from_half_diagonals};
 
 type Vector9 = SVector<f64, 9>;
 
@@ -37,10 +37,7 @@ pub(super) fn significance(
     frames: [Frame; 2],
 ) -> Option<Significance> {
     // In pixels, entries differ by six orders of magnitude.
-    let [from1, from2] = frames.map(|frame| {
-        let (half, middle) = (0.5 * frame.diagonal(), frame.centre());
-        Matrix3::new(half, 0.0, middle.x, 0.0, half, middle.y, 0.0, 0.0, 1.0)
-    });
+    let [from1, from2] = frames.map(pixels_from_half_diagonals);
     let map = |m: &Matrix3<f64>| from2.transpose() * m * from1;
     let entries = |m: &Matrix3<f64>| Vector9::from_fn(|k, _| m[(k / 3, k % 3)]);
     let own = reference.matrix() / reference.matrix().norm();

@@ -7,7 +7,7 @@ use rand_pcg::Pcg64Mcg;
 use super::cameras::DecomposedCamera;
 use super::*;
 use crate::convention::Reading;
-use crate::geometry::{GroupedObservation, Observation, fit_fundamental, grouped_covariance};
+use crate::geometry::{GroupedObservation, Observation, fit_fundamental, grouped_covariance, scaling};
 
 const FRAMES: [Frame; 2] = [Frame { width: 768, height: 576 }; 2];
 /// Scenes for each mistake.
@@ -79,10 +79,6 @@ fn mapped(f: &FundamentalMatrix, maps: [Matrix3<f64>; 2]) -> GivenGeometry {
 /// A mistake: the wrong geometry of a scene, and whether a change names it.
 type Mistake = (&'static str, fn(&Scene) -> GivenGeometry, fn(&Change) -> bool);
 
-fn affine(scale: f64, x: f64, y: f64) -> Matrix3<f64> {
-    Matrix3::new(scale, 0.0, x, 0.0, scale, y, 0.0, 0.0, 1.0)
-}
-
 /// Applies the opposite of a mistake to the true cameras.
 fn wrong(scene: &Scene, with: fn(&mut DecomposedCamera)) -> GivenGeometry {
     let mut cameras = scene.cameras;
@@ -120,22 +116,22 @@ const MISTAKES: [Mistake; 17] = [
     ),
     (
         "half size",
-        |s| mapped(&s.truth().fundamental, [affine(0.5, -0.25, -0.25); 2]),
+        |s| mapped(&s.truth().fundamental, [scaling(0.5, -0.25, -0.25); 2]),
         |c| matches!(c, Change::Resized { images: Affected::Both, factor } if (factor - 0.5).abs() < 0.01),
     ),
     (
         "image 2 at half size",
-        |s| mapped(&s.truth().fundamental, [affine(1.0, 0.0, 0.0), affine(0.5, -0.25, -0.25)]),
+        |s| mapped(&s.truth().fundamental, [scaling(1.0, 0.0, 0.0), scaling(0.5, -0.25, -0.25)]),
         |c| matches!(c, Change::Resized { images: Affected::Image2, factor } if (factor - 0.5).abs() < 0.01),
     ),
     (
         "cropped",
-        |s| mapped(&s.truth().fundamental, [affine(1.0, -40.0, 25.0); 2]),
+        |s| mapped(&s.truth().fundamental, [scaling(1.0, -40.0, 25.0); 2]),
         |c| matches!(c, Change::Moved { .. }),
     ),
     (
         "image 1 cropped",
-        |s| mapped(&s.truth().fundamental, [affine(1.0, -30.0, -40.0), Matrix3::identity()]),
+        |s| mapped(&s.truth().fundamental, [scaling(1.0, -30.0, -40.0), Matrix3::identity()]),
         |c| matches!(c, Change::Moved { .. }),
     ),
     (
@@ -357,7 +353,7 @@ fn half_a_pixel_is_significant_and_named() {
         let doubtful = Reference { is_trusted: false, ..reference };
         assert!(judge(&truth, &doubtful, LIMIT).unwrap().significance.is_none());
         for images in Affected::ALL {
-            let half = affine(1.0, 0.5, 0.5);
+            let half = scaling(1.0, 0.5, 0.5);
             let of = |image| match images {
                 Affected::Image1 if image == 1 => Matrix3::identity(),
                 Affected::Image2 if image == 0 => Matrix3::identity(),

@@ -76,7 +76,8 @@ pub fn change_in_words(change: &Change) -> String {
         }
         .to_owned(),
         Change::Mirrored { images, mirror } => {
-            let images = affected(images);
+            let are = if images == Affected::Both { "are" } else { "is" };
+            let images = format!("{} {are}", of_images(images));
             match mirror {
                 Mirror::LeftRight => {
                     format!("{images} mirrored left to right, or the camera axes are those of OpenGL")
@@ -136,14 +137,6 @@ pub fn rows_in_words(judgement: &RowJudgement) -> String {
     format!(
         "The images are not rectified: rows differ by {typical:.2} px, and by up to {largest:.2} px. {parts} {cause}"
     )
-}
-
-fn affected(images: Affected) -> &'static str {
-    match images {
-        Affected::Both => "both images are",
-        Affected::Image1 => "the left image is",
-        Affected::Image2 => "the right image is",
-    }
 }
 
 fn of_images(images: Affected) -> &'static str {

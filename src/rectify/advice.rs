@@ -19,7 +19,7 @@ const MUCH: f64 = 0.25;
 /// Returns why polar is used where planar is impossible.
 pub(super) fn instead_of_planar(error: &RectifyError) -> String {
     match error {
-        RectifyError::EpipoleInside { image } => {
+        RectifyError::EpipoleInside(image) => {
             format!("the epipole lies inside image {image}, where planar rectification is impossible")
         }
         _ => "every pair of corresponding epipolar lines crosses one of the images, so planar rectification is impossible"

@@ -6,10 +6,10 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use super::choice::RectifyTask;
 use super::extent::{Extent, Range};
 use super::map::{ImageMap, MapKind};
-use super::planar::{PlanarMap, map};
+use super::planar::{PlanarMap, corners};
 use super::{Limits, Rectification, RectifyError, RectifyMethod};
 use crate::camera::{RelativePose, ViewPair};
-use crate::geometry::{Point, PointPair};
+use crate::geometry::{Frame, PointPair, scaling};
 
 /// Rectified stereo cameras: one calibration matrix, parallel axes, the right camera at +x of the
 /// left one. Disparities `x_left − x_right` are positive, and depth is `f · baseline / disparity`.
@@ -75,29 +75,14 @@ fn placement(
     maps: &[Matrix3<f64>; 2],
     views: &ViewPair,
     limit: usize,
-) -> Result<(Matrix3<f64>, crate::geometry::Frame, f64), RectifyError> {
-    let corners = |k: usize| -> Result<Vec<Point>, RectifyError> {
-        let corners = views.frames()[k].corners();
-        let mapped = corners.into_iter().map(|corner| map(&maps[k], corner));
-        mapped.collect::<Option<_>>().ok_or(RectifyError::NoCommonPlane)
-    };
-    let quads = [corners(0)?, corners(1)?];
+) -> Result<(Matrix3<f64>, Frame, f64), RectifyError> {
+    let frames = views.frames();
+    let quads = [corners(&maps[0], frames[0])?, corners(&maps[1], frames[1])?];
     let rows = quads.each_ref().map(|quad| Range::of(quad.iter().map(|p| p.y)));
     let rows = rows[0].common(&rows[1]).ok_or(RectifyError::NoCommonLines)?;
     let columns = Range::of(quads.iter().flatten().map(|p| p.x));
     let (frame, scale) = Extent { width: columns.length(), height: rows.length() }.limited(limit)?;
-    let shift = Matrix3::new(
-        scale,
-        0.0,
-        -columns.low * scale, //
-        0.0,
-        scale,
-        -rows.low * scale, //
-        0.0,
-        0.0,
-        1.0,
-    );
-    Ok((shift, frame, scale))
+    Ok((scaling(scale, -columns.low * scale, -rows.low * scale), frame, scale))
 }
 
 #[cfg(test)]

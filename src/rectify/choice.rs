@@ -18,7 +18,7 @@ pub fn rectify(
     limits: &Limits,
 ) -> Result<Rectification, RectifyError> {
     if let Some(small) = frames.iter().position(|f| f.width < 2 || f.height < 2) {
-        return Err(RectifyError::TooSmall { image: small + 1 });
+        return Err(RectifyError::TooSmall(small + 1));
     }
     // Reports a limit that is too small before the work starts.
     Extent { width: 1.0, height: 1.0 }.limited(limits.pixels)?;

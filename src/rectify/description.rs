@@ -41,7 +41,7 @@ impl Rectification {
     pub fn description(&self, fundamental: &FundamentalMatrix, originals: [Frame; 2]) -> Description<'_> {
         let homography = |k: usize| {
             let h = self.maps[k].homography()?;
-            Some(std::array::from_fn(|r| std::array::from_fn(|c| h[(r, c)])))
+            Some(h.transpose().data.0)
         };
         Description {
             method: self.method,

@@ -5,14 +5,9 @@ use thiserror::Error;
 /// Reason why a pair cannot be rectified. The message is shown to the user.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum RectifyError {
-    /// An epipole lies inside an image.
-    #[error(
-        "the epipole lies inside image {image}. Planar rectification is impossible: use the polar method"
-    )]
-    EpipoleInside {
-        /// Image number, 1 or 2.
-        image: usize,
-    },
+    /// An epipole lies inside the image of this number, 1 or 2.
+    #[error("the epipole lies inside image {0}. Planar rectification is impossible: use the polar method")]
+    EpipoleInside(usize),
     /// Every pair of corresponding epipolar lines crosses one of the images.
     #[error(
         "every pair of corresponding epipolar lines crosses one of the images. Planar rectification is impossible: \
@@ -28,23 +23,17 @@ pub enum RectifyError {
     /// No epipolar line crosses both images.
     #[error("no epipolar line crosses both images. F is wrong or belongs to other images")]
     NoCommonLines,
-    /// An image has fewer than two pixels across or down.
-    #[error("image {image} is too small: rectification needs at least 2 x 2 pixels")]
-    TooSmall {
-        /// Image number, 1 or 2.
-        image: usize,
-    },
-    /// The pixel limit leaves no room for a picture.
-    #[error("the limit of {limit} pixels for a rectified image is too small. Raise the limit")]
-    Limit {
-        /// Limit in pixels.
-        limit: usize,
-    },
+    /// The image of this number, 1 or 2, has fewer than two pixels across or down.
+    #[error("image {0} is too small: rectification needs at least 2 x 2 pixels")]
+    TooSmall(usize),
+    /// The limit, in pixels, leaves no room for a picture.
+    #[error("the limit of {0} pixels for a rectified image is too small. Raise the limit")]
+    Limit(usize),
 }
 
 impl RectifyError {
     /// Returns whether the request is invalid for every F.
     pub fn is_bad_input(&self) -> bool {
-        matches!(self, Self::TooSmall { .. } | Self::Limit { .. })
+        matches!(self, Self::TooSmall(_) | Self::Limit(_))
     }
 }

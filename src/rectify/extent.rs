@@ -59,7 +59,7 @@ impl Extent {
             *longer -= 1;
         }
         if frame.width < 2 || frame.height < 2 {
-            return Err(RectifyError::Limit { limit });
+            return Err(RectifyError::Limit(limit));
         }
         Ok((frame, factor))
     }

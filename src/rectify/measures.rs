@@ -4,6 +4,7 @@ use nalgebra::Matrix2;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::extent::Range;
 use super::map::ImageMap;
 use super::outline::{diagonals, middle_lines};
 use crate::geometry::{Frame, Point, PointPair};
@@ -85,30 +86,20 @@ impl Measures {
 
 impl RowErrors {
     fn of(maps: &[ImageMap; 2], matches: &[PointPair]) -> Option<Self> {
-        let placed: Vec<PointPair> = matches
-            .iter()
-            .filter_map(|m| {
-                Some(PointPair {
-                    point1: maps[0].rectified_from_original(m.point1)?,
-                    point2: maps[1].rectified_from_original(m.point2)?,
-                })
-            })
-            .collect();
+        let place = |pair: &PointPair| pair.mapped(|k, point| maps[k].rectified_from_original(point));
+        let placed: Vec<PointPair> = matches.iter().filter_map(place).collect();
         if placed.is_empty() {
             return None;
         }
         let errors = placed.iter().map(|m| (m.point1.y - m.point2.y).abs());
         let agreed = on_surfaces(&placed);
-        let range = agreed
-            .iter()
-            .map(disparity)
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], d| [low.min(d), high.max(d)]);
+        let range = Range::of(agreed.iter().map(disparity));
         Some(Self {
             matches: placed.len(),
             outside: matches.len() - placed.len(),
             mean: errors.clone().sum::<f64>() / placed.len() as f64,
             max: errors.fold(0.0, f64::max),
-            disparity: range,
+            disparity: [range.low, range.high],
             far_off: placed.len() - agreed.len(),
         })
     }

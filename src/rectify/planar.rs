@@ -19,7 +19,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::RectifyError;
 use super::extent::{Extent, Range};
 use super::row::RowTrace;
-use crate::geometry::{Frame, FundamentalMatrix, Point, golden_section};
+use crate::geometry::{Frame, FundamentalMatrix, Point, golden_section, polygon_area, scaling};
 
 /// Number of lines sampled per pencil before the refinement of the best one.
 const TRIED: usize = 720;
@@ -94,13 +94,9 @@ fn fit(
     frames: [Frame; 2],
     limit: usize,
 ) -> Result<([PlanarMap; 2], Frame, f64), RectifyError> {
-    let corners = |k: usize| -> Option<Vec<Point>> {
-        frames[k].corners().into_iter().map(|c| map(&maps[k], c)).collect()
-    };
-    let quads =
-        [corners(0).ok_or(RectifyError::NoCommonPlane)?, corners(1).ok_or(RectifyError::NoCommonPlane)?];
+    let quads = [corners(&maps[0], frames[0])?, corners(&maps[1], frames[1])?];
     let original: f64 = frames.iter().map(|f| f.right() * f.bottom()).sum();
-    let scale = (original / quads.iter().map(|q| area(q)).sum::<f64>()).sqrt();
+    let scale = (original / quads.iter().map(|quad| polygon_area(quad)).sum::<f64>()).sqrt();
     if !scale.is_finite() {
         return Err(RectifyError::NoCommonPlane);
     }
@@ -112,8 +108,7 @@ fn fit(
     let (frame, smaller) = wanted.limited(limit)?;
     let scale = scale * smaller;
     let placed = |k: usize| {
-        let placement =
-            Matrix3::new(scale, 0.0, -columns[k].low * scale, 0.0, scale, -rows.low * scale, 0.0, 0.0, 1.0);
+        let placement = scaling(scale, -columns[k].low * scale, -rows.low * scale);
         PlanarMap::new(placement * maps[k]).ok_or(RectifyError::NoCommonPlane)
     };
     Ok(([placed(0)?, placed(1)?], frame, smaller))
@@ -136,11 +131,10 @@ fn columns_within(outline: &[Point], rows: Range) -> Range {
     Range::of(columns.into_iter())
 }
 
-/// Returns the area of a polygon, by the shoelace formula.
-fn area(outline: &[Point]) -> f64 {
-    let twice: f64 =
-        outline.iter().zip(outline.iter().cycle().skip(1)).map(|(a, b)| a.x * b.y - b.x * a.y).sum();
-    twice.abs() / 2.0
+/// Maps the corners of an image.
+pub(super) fn corners(h: &Matrix3<f64>, frame: Frame) -> Result<Vec<Point>, RectifyError> {
+    let mapped = frame.corners().into_iter().map(|corner| map(h, corner));
+    mapped.collect::<Option<_>>().ok_or(RectifyError::NoCommonPlane)
 }
 
 /// Maps a point; `None` on and behind the line sent to infinity.
@@ -171,12 +165,12 @@ impl Normalised {
 
     fn normalised_from_original(&self) -> Matrix3<f64> {
         let (s, c) = (1.0 / self.unit, self.centre);
-        Matrix3::new(s, 0.0, -c.x * s, 0.0, s, -c.y * s, 0.0, 0.0, 1.0)
+        scaling(s, -c.x * s, -c.y * s)
     }
 
     fn original_from_normalised(&self) -> Matrix3<f64> {
         let (s, c) = (self.unit, self.centre);
-        Matrix3::new(s, 0.0, c.x, 0.0, s, c.y, 0.0, 0.0, 1.0)
+        scaling(s, c.x, c.y)
     }
 
     /// Returns the mean of `((w·x − w·c) / w·c)²` over the image (Loop & Zhang, eq. 8): the
@@ -230,16 +224,14 @@ fn lines_to_infinity(
     let pencils = [Baseline::new(f.epipole1()), Baseline::new(f.epipole2())];
     for k in 0..2 {
         if images[k].contains(&pencils[k].epipole) {
-            return Err(RectifyError::EpipoleInside { image: k + 1 });
+            return Err(RectifyError::EpipoleInside(k + 1));
         }
     }
     let pair = |angle: f64| [pencils[0].line(angle), f.matrix() * pencils[0].point(angle)];
     let cost = |angle: f64| {
         let [w1, w2] = pair(angle);
-        match (images[0].distortion(&w1), images[1].distortion(&w2)) {
-            (Some(a), Some(b)) => a + b,
-            _ => f64::INFINITY,
-        }
+        let distortions = images[0].distortion(&w1).zip(images[1].distortion(&w2));
+        distortions.map_or(f64::INFINITY, |(a, b)| a + b)
     };
     // Samples both pencils evenly: lines far apart in one may be close in the other.
     let step = std::f64::consts::PI / TRIED as f64;

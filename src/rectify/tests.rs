@@ -121,7 +121,7 @@ fn an_epipole_inside_takes_polar_and_is_named() {
     assert!(r.size.height > 2 * FRAME.height);
     assert!(r.measures.distortion.iter().all(|d| d.orthogonality.is_none() && d.cut < 0.05));
     let error = rectified(Motion::Forward, RectifyMethod::Planar).unwrap_err();
-    assert_eq!(error, RectifyError::EpipoleInside { image: 1 });
+    assert_eq!(error, RectifyError::EpipoleInside(1));
     assert!(error.to_string().contains("use the polar method"));
 }
 
@@ -166,7 +166,7 @@ fn the_limit_makes_pictures_smaller_and_says_so() {
             full.size
         );
         let error = rectify(&f, [FRAME; 2], &[], RectifyMethod::Auto, &Limits { pixels: 3 }).unwrap_err();
-        assert_eq!(error, RectifyError::Limit { limit: 3 });
+        assert_eq!(error, RectifyError::Limit(3));
     }
     // An epipole a pixel outside the border would make the planar picture huge.
     let near =
@@ -182,7 +182,7 @@ fn tiny_images_and_foreign_geometry_are_refused() {
     let (f, _) = exact_pair(Motion::Sideways, FRAME);
     let tiny = [FRAME, Frame::new(1, 480)];
     let refused = rectify(&f, tiny, &[], RectifyMethod::Auto, &Limits::default()).unwrap_err();
-    assert_eq!(refused, RectifyError::TooSmall { image: 2 });
+    assert_eq!(refused, RectifyError::TooSmall(2));
     // Image 2 lies outside everything that image 1 sees.
     let shift = nalgebra::Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, -5000.0, 0.0, 0.0, 1.0);
     let beyond = FundamentalMatrix::from_rank_two(shift.transpose() * f.matrix()).unwrap();

@@ -78,7 +78,7 @@ fn make(sample: Sample) -> Option<([RgbImage; 2], SampleFile)> {
         })
     });
     let found = landmarks::landmarks(&scene, &cameras, frame, [&plane1, &plane2])?;
-    let rows = |c: &Camera| std::array::from_fn(|r| std::array::from_fn(|k| c.matrix()[(r, k)]));
+    let rows = |c: &Camera| c.matrix().transpose().data.0;
     let row = |pair: &PointPair| [pair.point1.x, pair.point1.y, pair.point2.x, pair.point2.y];
     let file = SampleFile {
         name: sample.name().to_owned(),

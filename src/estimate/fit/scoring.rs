@@ -12,7 +12,7 @@
 use multiversion::multiversion;
 use nalgebra::Matrix3;
 
-use crate::geometry::{Frame, Point, PointPair};
+use crate::geometry::{Frame, Point, PointPair, scaling};
 
 /// Residual, in standard deviations, beyond which a match does not count.
 pub(in crate::estimate) const BAND: f64 = 3.0;
@@ -69,12 +69,12 @@ impl Units {
 
     fn to(self, image: usize) -> Matrix3<f64> {
         let (s, m) = (1.0 / self.units[image], self.middles[image]);
-        Matrix3::new(s, 0.0, -s * m.x, 0.0, s, -s * m.y, 0.0, 0.0, 1.0)
+        scaling(s, -s * m.x, -s * m.y)
     }
 
     fn from(self, image: usize) -> Matrix3<f64> {
         let (s, m) = (self.units[image], self.middles[image]);
-        Matrix3::new(s, 0.0, m.x, 0.0, s, m.y, 0.0, 0.0, 1.0)
+        scaling(s, m.x, m.y)
     }
 
     /// Returns the matrix for these units, given one for pixels.
