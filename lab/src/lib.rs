@@ -49,7 +49,7 @@ pub use epiline::internals::comparison::{KnownPair, mean, median, share_below};
 pub use printed::PrintedErrors;
 pub use protocol::{Draws, Plan, Protocol};
 pub use ranking::RankingRecord;
-pub use report::{Overall, Record, Report, Settings, Shares, TrialRecord, Verdicts};
+pub use report::{Figures, Overall, Record, Report, Settings, Shares, TrialRecord, Verdicts};
 pub use run::{TrialDone, run};
 pub use scene::{
     EvaluateError, KnownScene, SceneSet, files_read, pair_scene_set, pair_scenes, sequence_scene_set,

@@ -118,6 +118,33 @@ pub struct Shares {
     pub below_1_percent: f64,
 }
 
+/// Figures of some trials.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Figures {
+    /// Error printed by the published experiment, px.
+    pub printed: Option<f64>,
+    /// Mean of the trials' mean distances, px.
+    pub mean: f64,
+    /// Fractions of the trials below the limits.
+    pub shares: Shares,
+    /// Accuracy of the verdicts.
+    pub verdicts: Verdicts,
+    /// Median time of a trial, s.
+    pub median_seconds: f64,
+    /// Median time until the first F, over the trials with an F, s.
+    pub median_first_seconds: f64,
+}
+
+impl Figures {
+    fn of(trials: &[&TrialRecord], printed: Option<f64>, shares: Shares, verdicts: Verdicts) -> Self {
+        let seconds: Vec<f64> = trials.iter().map(|t| t.seconds).collect();
+        let first: Vec<f64> = trials.iter().filter_map(|t| t.first_seconds).collect();
+        let errors: Vec<f64> = trials.iter().map(|t| t.mean).collect();
+        let [median_seconds, median_first_seconds] = [seconds, first].map(|times| median(&times));
+        Self { printed, mean: mean(&errors), shares, verdicts, median_seconds, median_first_seconds }
+    }
+}
+
 /// All trials of one contender on one pair.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Record {
@@ -141,18 +168,9 @@ pub struct Record {
     pub median: f64,
     /// 95 % interval of this median; `None` with fewer than six trials.
     pub median_interval: Option<Interval>,
-    /// Error printed by the published experiment for this pair and method, px.
-    pub printed: Option<f64>,
-    /// Mean of the trials' mean distances, px.
-    pub mean: f64,
-    /// Fractions of trials below the limits.
-    pub shares: Shares,
-    /// Accuracy of the verdicts.
-    pub verdicts: Verdicts,
-    /// Median time of a trial, s.
-    pub median_seconds: f64,
-    /// Median time until the first F, over the trials with an F, s.
-    pub median_first_seconds: f64,
+    /// Figures of all trials. Printed is the error of the published experiment for this pair and method.
+    #[serde(flatten)]
+    pub figures: Figures,
     /// Trials in their order.
     pub trials: Vec<TrialRecord>,
 }
@@ -166,8 +184,13 @@ impl Record {
     ) -> Self {
         let errors = errors(&trials);
         let sample = PairErrors { pair: &scene.name, errors: errors.clone() };
-        let seconds: Vec<f64> = trials.iter().map(|t| t.seconds).collect();
-        let first: Vec<f64> = trials.iter().filter_map(|t| t.first_seconds).collect();
+        let shares = Shares {
+            below_1_px: share_below(&errors, 1.0),
+            below_3_px: share_below(&errors, 3.0),
+            below_1_percent: share_below(&errors, scene.good_error()),
+        };
+        let printed = scene.printed.and_then(|p| p.of_method(contender.method()));
+        let verdicts = Verdicts::of(&trials, scene.good_error());
         let size = |k: usize| [scene.images[k].frame().width, scene.images[k].frame().height];
         Self {
             pair: scene.name.clone(),
@@ -180,16 +203,7 @@ impl Record {
             failures: trials.iter().filter(|t| t.fundamental.is_none()).count(),
             median: median(&errors),
             median_interval: bootstrap::interval(&[sample], plan.seed),
-            printed: scene.printed.and_then(|p| p.of_method(contender.method())),
-            mean: mean(&errors),
-            shares: Shares {
-                below_1_px: share_below(&errors, 1.0),
-                below_3_px: share_below(&errors, 3.0),
-                below_1_percent: share_below(&errors, scene.good_error()),
-            },
-            verdicts: Verdicts::of(&trials, scene.good_error()),
-            median_seconds: median(&seconds),
-            median_first_seconds: median(&first),
+            figures: Figures::of(&trials.iter().collect::<Vec<_>>(), printed, shares, verdicts),
             trials,
         }
     }
@@ -218,18 +232,10 @@ pub struct Overall {
     /// 95 % interval of this median over the draws of clicks, with the pairs fixed; `None` if a
     /// pair has fewer than six trials.
     pub median_of_medians_interval: Option<Interval>,
-    /// Median of the printed errors of the same pairs, px; `None` unless all are printed.
-    pub printed: Option<f64>,
-    /// Mean error of all trials, px.
-    pub mean: f64,
-    /// Fractions of all trials below the limits.
-    pub shares: Shares,
-    /// Accuracy of the verdicts.
-    pub verdicts: Verdicts,
-    /// Median time of all trials, s.
-    pub median_seconds: f64,
-    /// Median time until the first F, over the trials with an F, s.
-    pub median_first_seconds: f64,
+    /// Figures of all trials. Printed is the median of the printed errors of the same pairs; `None` unless all
+    /// are printed.
+    #[serde(flatten)]
+    pub figures: Figures,
 }
 
 impl Overall {
@@ -237,36 +243,33 @@ impl Overall {
     pub(super) fn new(records: &[&Record], seed: u64) -> Option<Self> {
         let first = records.first()?;
         let made: Vec<_> = records.iter().filter(|r| !r.trials.is_empty()).collect();
-        let trials = || made.iter().flat_map(|r| r.trials.iter());
+        let trials: Vec<&TrialRecord> = made.iter().flat_map(|r| &r.trials).collect();
         let samples: Vec<_> =
             made.iter().map(|r| PairErrors { pair: &r.pair, errors: errors(&r.trials) }).collect();
-        let printed: Option<Vec<f64>> = made.iter().map(|r| r.printed).collect();
-        let errors: Vec<f64> = trials().map(|t| t.mean).collect();
+        let printed: Option<Vec<f64>> = made.iter().map(|r| r.figures.printed).collect();
         let medians: Vec<f64> = made.iter().map(|r| r.median).collect();
-        let count = errors.len() as f64;
         // The relative limit differs between pairs, so fractions are weighted by the number of
         // trials.
         let share = |of: fn(&Shares) -> f64| {
-            made.iter().map(|r| of(&r.shares) * r.trials.len() as f64).sum::<f64>() / count
+            made.iter().map(|r| of(&r.figures.shares) * r.trials.len() as f64).sum::<f64>()
+                / trials.len() as f64
         };
+        let shares = Shares {
+            below_1_px: share(|s| s.below_1_px),
+            below_3_px: share(|s| s.below_3_px),
+            below_1_percent: share(|s| s.below_1_percent),
+        };
+        let printed = printed.filter(|p| !p.is_empty()).map(|p| median(&p));
+        let verdicts = Verdicts::sum(made.iter().map(|r| r.figures.verdicts));
         Some(Self {
             method: first.method.clone(),
             preset: first.preset.clone(),
             pairs: made.len(),
-            trials: errors.len(),
+            trials: trials.len(),
             failures: made.iter().map(|r| r.failures).sum(),
             median_of_medians: median(&medians),
             median_of_medians_interval: bootstrap::interval(&samples, seed),
-            printed: printed.filter(|p| !p.is_empty()).map(|p| median(&p)),
-            mean: mean(&errors),
-            shares: Shares {
-                below_1_px: share(|s| s.below_1_px),
-                below_3_px: share(|s| s.below_3_px),
-                below_1_percent: share(|s| s.below_1_percent),
-            },
-            verdicts: Verdicts::sum(made.iter().map(|r| r.verdicts)),
-            median_seconds: median(&trials().map(|t| t.seconds).collect::<Vec<_>>()),
-            median_first_seconds: median(&trials().filter_map(|t| t.first_seconds).collect::<Vec<_>>()),
+            figures: Figures::of(&trials, printed, shares, verdicts),
         })
     }
 }

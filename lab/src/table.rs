@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::bootstrap::Interval;
 use super::median;
-use super::report::{Overall, Record, Report, Shares, Verdicts};
+use super::report::{Figures, Overall, Record, Report, Shares, Verdicts};
 
 /// Number of text columns, from the left.
 const WORDS: usize = 2;
@@ -13,7 +13,7 @@ const WORDS: usize = 2;
 /// contender over all pairs. Errors in px, times in seconds. Errors printed by the published experiment
 /// stand beside the median of the same pair and method.
 pub fn table(report: &Report) -> String {
-    let printed = report.records.iter().any(|r| r.printed.is_some());
+    let printed = report.records.iter().any(|r| r.figures.printed.is_some());
     let mut rows = vec![headings(printed)];
     let mut last = None;
     for record in &report.records {
@@ -90,13 +90,13 @@ pub fn search_table(report: &Report) -> String {
 
 /// Returns the accuracy of the verdicts, one sentence per contender with verdicts.
 pub fn verdict_sentences(report: &Report) -> Vec<String> {
-    let judged = report.overall.iter().filter(|overall| overall.verdicts.results > 0);
+    let judged = report.overall.iter().filter(|overall| overall.figures.verdicts.results > 0);
     judged
         .map(|overall| {
             format!(
                 "{}: {}",
                 label(&overall.method, overall.preset.as_deref()),
-                verdict_sentence(&overall.verdicts)
+                verdict_sentence(&overall.figures.verdicts)
             )
         })
         .collect()
@@ -167,58 +167,44 @@ fn label(method: &str, preset: Option<&str>) -> String {
 }
 
 fn pair_row(name: &str, record: &Record, printed: bool) -> Vec<String> {
-    let [one, three, percent] = shares(&record.shares);
-    let mut row = vec![
+    let start = [
         name.to_owned(),
         label(&record.method, record.preset.as_deref()),
         record.matches.to_string(),
         record.trials.len().to_string(),
         pixels(record.median),
         range(record.median_interval),
-        pixels(record.mean),
-        one,
-        three,
-        percent,
-        record.failures.to_string(),
-        seconds(record.median_seconds),
-        seconds(record.median_first_seconds),
     ];
-    if printed {
-        row.insert(AFTER_INTERVAL, pixels(record.printed.unwrap_or(f64::NAN)));
-    }
-    row
+    row(start, &record.figures, record.failures, printed)
 }
 
 fn overall_row(index: usize, overall: &Overall, printed: bool) -> Vec<String> {
-    let [one, three, percent] = shares(&overall.shares);
-    let mut row = vec![
+    let start = [
         if index == 0 { format!("all {}", overall.pairs) } else { String::new() },
         label(&overall.method, overall.preset.as_deref()),
         String::new(),
         overall.trials.to_string(),
         pixels(overall.median_of_medians),
         range(overall.median_of_medians_interval),
-        pixels(overall.mean),
-        one,
-        three,
-        percent,
-        overall.failures.to_string(),
-        seconds(overall.median_seconds),
-        seconds(overall.median_first_seconds),
     ];
-    if printed {
-        row.insert(AFTER_INTERVAL, pixels(overall.printed.unwrap_or(f64::NAN)));
-    }
+    row(start, &overall.figures, overall.failures, printed)
+}
+
+/// Returns a row of cells up to the interval of the median and of figures, with the printed error between them.
+fn row(start: [String; AFTER_INTERVAL], figures: &Figures, failures: usize, printed: bool) -> Vec<String> {
+    let Shares { below_1_px, below_3_px, below_1_percent } = figures.shares;
+    let mut row = start.to_vec();
+    row.extend(printed.then(|| pixels(figures.printed.unwrap_or(f64::NAN))));
+    row.push(pixels(figures.mean));
+    row.extend([below_1_px, below_3_px, below_1_percent].map(share));
+    row.push(failures.to_string());
+    row.extend([figures.median_seconds, figures.median_first_seconds].map(seconds));
     row
 }
 
 /// Formats an interval.
 fn range(interval: Option<Interval>) -> String {
     interval.map_or_else(|| "-".to_owned(), |i| format!("{}–{}", pixels(i.low), pixels(i.high)))
-}
-
-fn shares(shares: &Shares) -> [String; 3] {
-    [shares.below_1_px, shares.below_3_px, shares.below_1_percent].map(share)
 }
 
 /// Formats a fraction of the trials as per cent.
