@@ -16,7 +16,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use epiline::estimate::covariant::{FeatureEvidence, FeatureSearchParameters, hypotheses_from_features};
+use epiline::estimate::covariant::{FeatureEvidence, hypotheses_from_features};
 use epiline::features::{FeatureParameters, find_features, match_features};
 use epiline::geometry::{FundamentalMatrix, PointPair, symmetric_epipolar_distance};
 use epiline::image::{GrayPlane, Picture};
@@ -135,10 +135,9 @@ fn main() -> Result<(), Box<dyn Error>> {
                     clicks: &clicks,
                     click_sigma: NOISE,
                 };
-                let parameters =
-                    FeatureSearchParameters { seed: trial as u64, ..FeatureSearchParameters::default() };
+                let search = epiline::estimate::FeatureParameters::default();
                 let begun = Instant::now();
-                let found = hypotheses_from_features(&evidence, &parameters);
+                let found = hypotheses_from_features(&evidence, &search, trial as u64);
                 searching.push(begun.elapsed().as_secs_f64());
                 let error = |f: &FundamentalMatrix| {
                     mean(&matches.iter().map(|m| symmetric_epipolar_distance(f, m)).collect::<Vec<_>>())

@@ -8,14 +8,13 @@ use super::pencils::compare_pencils;
 use super::record::SearchRecord;
 use super::refinement::refine_ranked;
 use crate::estimate::evidence::features::{
-    FeatureEvidence, FeatureHypothesis, FeatureSearchParameters, hypotheses_from_features, is_same_view,
-    view_of, view_of_pairs,
+    FeatureEvidence, FeatureHypothesis, hypotheses_from_features, is_same_view, view_of, view_of_pairs,
 };
 use crate::estimate::evidence::patches::{Proposal, rank_fine};
 use crate::estimate::evidence::prepared::GivenMatches;
 use crate::estimate::evidence::viewed::ViewedPair;
 use crate::estimate::verdict::selection::{ClickedPairs, select};
-use crate::estimate::{Clicks, Estimate, EstimateError, FeatureParameters, Parameters, PreparedPair, Stage};
+use crate::estimate::{Clicks, Estimate, EstimateError, Parameters, PreparedPair, Stage};
 use crate::features::FeatureViews;
 use crate::geometry::FundamentalMatrix;
 use crate::image::RelativeView;
@@ -48,15 +47,7 @@ impl FeatureProposals {
             clicks: &observed,
             click_sigma: parameters.click_sigma,
         };
-        let FeatureParameters { draws, refitted, rematched, .. } = parameters.features;
-        let search = FeatureSearchParameters {
-            draws,
-            refitted,
-            rematched,
-            seed: parameters.seed,
-            ..FeatureSearchParameters::default()
-        };
-        let mut hypotheses = hypotheses_from_features(&evidence, &search);
+        let mut hypotheses = hypotheses_from_features(&evidence, &parameters.features, parameters.seed);
         record.cancel().check()?;
         let frames = prepared.frames();
         let mut given_view = None;

@@ -23,6 +23,7 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
+use crate::estimate::FeatureParameters;
 use crate::estimate::fit::{BAND, Consensus, Match, Units, Witness, residual};
 use crate::estimate::sampling::{Draws, Purpose, Weighted, best, refitted};
 use crate::features::{Feature, FeatureMatch, FeatureSet, SIGMA_PER_SCALE};
@@ -44,27 +45,6 @@ pub struct FeatureEvidence<'a> {
     pub clicks: &'a [PointPair],
     /// Standard deviation of a clicked coordinate, px.
     pub click_sigma: f64,
-}
-
-/// Parameters of the search with features.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FeatureSearchParameters {
-    /// Number of minimal samples.
-    pub draws: usize,
-    /// Share of the samples that use the local frames of features in place of further points.
-    pub framed: f64,
-    /// Number of hypotheses that are refitted.
-    pub refitted: usize,
-    /// Number of refitted hypotheses that are matched again along their lines.
-    pub rematched: usize,
-    /// Seed of all draws.
-    pub seed: u64,
-}
-
-impl Default for FeatureSearchParameters {
-    fn default() -> Self {
-        Self { draws: 6000, framed: 0.7, refitted: 30, rematched: 8, seed: 0 }
-    }
 }
 
 /// A geometry that features support.
@@ -91,6 +71,8 @@ const CAMERA_SIGMA: f64 = 0.5e-3;
 /// would outweigh four. Half and twice of it change no verdict, and typical lines by less than 0.01
 /// px.
 const CLICK_GAIN: f64 = 15.0;
+/// Share of the samples that use the local frames of features in place of further points.
+const FRAMED: f64 = 0.7;
 /// Samples of one task. The streams of random numbers depend on it.
 const TASK: usize = 32;
 /// Largest number of clicks in one sample. One of many clicks may be wrong, so no sample needs all.
@@ -222,7 +204,9 @@ type Scored = (f64, FundamentalMatrix);
 
 struct FeatureSearch<'a> {
     evidence: &'a FeatureEvidence<'a>,
-    parameters: &'a FeatureSearchParameters,
+    parameters: &'a FeatureParameters,
+    /// Seed of all draws.
+    seed: u64,
     units: Units,
     /// Witnesses: first the matches, then the clicks.
     witnesses: Vec<Witness>,
@@ -238,9 +222,10 @@ struct FeatureSearch<'a> {
 /// number of threads.
 pub fn hypotheses_from_features(
     evidence: &FeatureEvidence,
-    parameters: &FeatureSearchParameters,
+    parameters: &FeatureParameters,
+    seed: u64,
 ) -> Vec<FeatureHypothesis> {
-    let search = FeatureSearch::new(evidence, parameters);
+    let search = FeatureSearch::new(evidence, parameters, seed);
     let drawn = search.drawn();
     let refitted: Vec<Scored> = drawn.par_iter().filter_map(|f| search.refitted(f)).collect();
     let refitted = best(refitted, usize::MAX);
@@ -256,7 +241,7 @@ pub fn hypotheses_from_features(
 }
 
 impl<'a> FeatureSearch<'a> {
-    fn new(evidence: &'a FeatureEvidence<'a>, parameters: &'a FeatureSearchParameters) -> Self {
+    fn new(evidence: &'a FeatureEvidence<'a>, parameters: &'a FeatureParameters, seed: u64) -> Self {
         let FeatureEvidence { sets, matches, frames, clicks, click_sigma } = *evidence;
         let log_odds = reliability::log_odds(sets, matches, frames, clicks);
         let units = Units::new(frames);
@@ -282,14 +267,15 @@ impl<'a> FeatureSearch<'a> {
         }));
         let consensus = Consensus::new(units, &witnesses);
         let click_equations = clicks.iter().map(|c| point_equation(units.pair(c))).collect();
-        Self { evidence, parameters, units, witnesses, consensus, equations, click_equations, sampler }
+        Self { evidence, parameters, seed, units, witnesses, consensus, equations, click_equations, sampler }
     }
 
     /// Returns the best of many matrices from minimal samples, for pixels.
     fn drawn(&self) -> Vec<Matrix3<f64>> {
         let clicks = self.evidence.clicks;
-        let FeatureSearchParameters { draws, refitted, seed, .. } = *self.parameters;
-        let draws = Draws { seed, purpose: Purpose::FeatureSamples, first: 0, count: draws, task: TASK };
+        let FeatureParameters { draws, refitted, .. } = *self.parameters;
+        let draws =
+            Draws { seed: self.seed, purpose: Purpose::FeatureSamples, first: 0, count: draws, task: TASK };
         let leaders =
             best(draws.collect(|random| self.scored_sample(&self.sampler, random)), LEADERS * refitted);
         let leaders = leaders.into_iter().map(|(score, f)| (score, self.units.in_pixels(&f))).collect();
@@ -317,7 +303,7 @@ impl<'a> FeatureSearch<'a> {
             order.swap(k, other);
             rows.push(self.click_equations[order[k]]);
         }
-        let framed = random.random_bool(self.parameters.framed);
+        let framed = random.random_bool(FRAMED);
         // The first two matches of a framed sample give two equations each, if both fit in.
         let mut drawn: Vec<usize> = Vec::new();
         for _ in 0..DRAWN_A_SAMPLE {
@@ -359,7 +345,7 @@ impl<'a> FeatureSearch<'a> {
             let right = |w: &Witness| likely_right(w, residual(last.1.matrix(), w), LOCAL_BAND);
             let sampler = Weighted::new(matches.iter().map(right));
             let draws = Draws {
-                seed: self.parameters.seed,
+                seed: self.seed,
                 purpose: Purpose::FeatureOptimisation,
                 first: (number * LOCAL_ROUNDS + round) as u64,
                 count: LOCAL_DRAWS,

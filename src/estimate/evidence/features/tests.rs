@@ -65,7 +65,7 @@ impl Scene {
             clicks,
             click_sigma: 1.0,
         };
-        hypotheses_from_features(&evidence, &FeatureSearchParameters::default())
+        hypotheses_from_features(&evidence, &FeatureParameters::default(), 0)
     }
 
     fn error(&self, f: &FundamentalMatrix) -> f64 {
