@@ -49,21 +49,7 @@ type Wide = [i16; ENTRIES];
 /// the same two places.
 pub fn match_features(set1: &FeatureSet, set2: &FeatureSet) -> Vec<FeatureMatch> {
     let [near2, near1] = neighbours(set1.descriptors(), set2.descriptors());
-    let (features1, features2) = (set1.features(), set2.features());
-    let mut matches: Vec<FeatureMatch> = near2
-        .iter()
-        .enumerate()
-        .filter_map(|(i, to2)| {
-            let j = to2[0].1 as usize;
-            let to1 = near1.get(j).filter(|to1| to1[0].1 as usize == i)?;
-            Some(FeatureMatch {
-                feature1: i,
-                feature2: j,
-                pair: PointPair { point1: features1[i].position, point2: features2[j].position },
-                ratio: ratio(to2, features2).max(ratio(to1, features1)),
-            })
-        })
-        .collect();
+    let mut matches = mutual([set1, set2], &near2, &near1);
     matches.sort_by(|a, b| a.ratio.total_cmp(&b.ratio).then(a.feature1.cmp(&b.feature1)));
     // A blob with several orientations is matched once for each.
     let mut seen = std::collections::HashSet::new();
@@ -104,8 +90,7 @@ pub fn match_candidates(
     candidates: &[Vec<usize>],
     largest: f64,
 ) -> Vec<FeatureMatch> {
-    let (features1, features2) = (sets[0].features(), sets[1].features());
-    let mut near1 = vec![NONE; features2.len()];
+    let mut near1 = vec![NONE; sets[1].len()];
     let distances: Vec<Vec<i32>> = candidates
         .par_iter()
         .enumerate()
@@ -126,17 +111,22 @@ pub fn match_candidates(
             nearest
         })
         .collect();
-    near2
-        .iter()
-        .enumerate()
-        .filter_map(|(i, to2)| {
-            let j = to2[0].1 as usize;
-            let to1 = near1.get(j).filter(|to1| to1[0].1 as usize == i)?;
-            let ratio = ratio(to2, features2).max(ratio(to1, features1));
-            let pair = PointPair { point1: features1[i].position, point2: features2[j].position };
-            (ratio <= largest).then_some(FeatureMatch { feature1: i, feature2: j, pair, ratio })
-        })
-        .collect()
+    let mut matches = mutual(sets, &near2, &near1);
+    matches.retain(|m| m.ratio <= largest);
+    matches
+}
+
+/// Returns the features that are each other's nearest neighbour.
+fn mutual(sets: [&FeatureSet; 2], near2: &[Neighbours], near1: &[Neighbours]) -> Vec<FeatureMatch> {
+    let [features1, features2] = sets.map(FeatureSet::features);
+    let found = near2.iter().enumerate().filter_map(|(i, to2)| {
+        let j = to2[0].1 as usize;
+        let to1 = near1.get(j).filter(|to1| to1[0].1 as usize == i)?;
+        let ratio = ratio(to2, features2).max(ratio(to1, features1));
+        let pair = PointPair { point1: features1[i].position, point2: features2[j].position };
+        Some(FeatureMatch { feature1: i, feature2: j, pair, ratio })
+    });
+    found.collect()
 }
 
 /// Returns the squared distances of a descriptor to some descriptors of a set.

@@ -40,15 +40,10 @@ impl Octave {
     fn new(base: GrayPlane, spacing: f64) -> Self {
         let mut levels = vec![base];
         for i in 1..INTERVALS + 3 {
-            let [before, now] = [i - 1, i].map(level_sigma);
+            let [before, now] = [i - 1, i].map(|level| sigma_at(level as f64));
             levels.push(smoothed(&levels[i - 1], (now * now - before * before).sqrt()));
         }
         Self { spacing, levels }
-    }
-
-    /// Returns the first plane of the next octave: σ has doubled, every second pixel is dropped.
-    fn next_base(&self) -> GrayPlane {
-        decimated(&self.levels[INTERVALS])
     }
 
     /// Returns the size of the planes.
@@ -60,10 +55,6 @@ impl Octave {
 /// Returns the smoothing of a level, px of the octave. Levels may be fractional.
 pub(super) fn sigma_at(level: f64) -> f64 {
     BASE_SIGMA * (level / INTERVALS as f64).exp2()
-}
-
-fn level_sigma(level: usize) -> f64 {
-    sigma_at(level as f64)
 }
 
 /// Passes each octave of a picture to `visit`, finest first. The first octave has twice the
@@ -89,7 +80,8 @@ pub(super) fn for_each_octave(plane: &GrayPlane, largest: usize, mut visit: impl
     }
     while base.frame().width.min(base.frame().height) >= SMALLEST_SIDE {
         let octave = Octave::new(base, spacing);
-        base = octave.next_base();
+        // σ has doubled.
+        base = decimated(&octave.levels[INTERVALS]);
         spacing *= 2.0;
         visit(octave);
     }

@@ -56,8 +56,7 @@ impl Slant {
         let [width, height] = [frame.right(), frame.bottom()];
         let side = |length: f64| (length - 1e-9).ceil() as usize + 1;
         let turned = Frame::new(side(cos * width + sin * height), side(sin * width + cos * height));
-        let middle = |frame: Frame| Point::new(0.5 * frame.right(), 0.5 * frame.bottom());
-        Self { turn, centres: [middle(frame), middle(turned)], turned }
+        Self { turn, centres: [frame.centre(), turned.centre()], turned }
     }
 
     /// Returns the compressed view of the picture.

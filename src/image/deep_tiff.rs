@@ -12,13 +12,6 @@ use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
-/// Linear scale from numbers to brightness, 0 ..= 65535: `offset + factor × number`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct BrightnessScale {
-    offset: f64,
-    factor: f64,
-}
-
 /// A grey TIFF file that the general decoder does not support.
 pub(super) struct DeepTiff<R: BufRead + Seek> {
     decoder: Decoder<R>,
@@ -101,28 +94,23 @@ fn bright<T>(values: &[T], number: impl Fn(&T) -> f64) -> Option<Vec<u16>> {
         }
         (low, high) = (low.min(value), high.max(value));
     }
-    let BrightnessScale { offset, factor } = BrightnessScale::of(low, high);
+    let [offset, factor] = scale(low, high);
     Some(values.iter().map(|v| (offset + factor * number(v)).round().clamp(0.0, 65535.0) as u16).collect())
 }
 
-impl BrightnessScale {
-    /// Returns the scale for numbers from `low` to `high`.
-    fn of(low: f64, high: f64) -> Self {
-        // Numbers meant as 0 to 255 exceed even the highlights of numbers meant as 0 to 1.
-        let common = match high {
-            _ if low < 0.0 => None,
-            ..=1.0 => Some(1.0),
-            16.0..=255.0 => Some(255.0),
-            _ => None,
-        };
-        let (low, span) = common.map_or((low, high - low), |most| (0.0, most));
-        let factor = 65535.0 / span;
-        // All numbers are equal, or the span overflows: every pixel becomes black.
-        if !factor.is_finite() || factor <= 0.0 {
-            return Self { offset: 0.0, factor: 0.0 };
-        }
-        Self { offset: -low * factor, factor }
-    }
+/// Returns the linear scale from numbers between `low` and `high` to brightness, 0 ..= 65535: offset and
+/// factor.
+fn scale(low: f64, high: f64) -> [f64; 2] {
+    // Numbers meant as 0 to 255 exceed even the highlights of numbers meant as 0 to 1.
+    let (low, span) = match high {
+        _ if low < 0.0 => (low, high - low),
+        ..=1.0 => (0.0, 1.0),
+        16.0..=255.0 => (0.0, 255.0),
+        _ => (low, high - low),
+    };
+    let factor = 65535.0 / span;
+    // All numbers are equal, or the span overflows: every pixel becomes black.
+    if factor.is_finite() && factor > 0.0 { [-low * factor, factor] } else { [0.0; 2] }
 }
 
 #[cfg(test)]

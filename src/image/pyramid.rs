@@ -34,13 +34,8 @@ impl Pyramid {
     }
 
     /// Returns the number of levels, at least one.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.levels.len()
-    }
-
-    /// Returns whether there are no levels, which is always false.
-    pub fn is_empty(&self) -> bool {
-        self.levels.is_empty()
     }
 }
 

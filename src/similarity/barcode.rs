@@ -47,8 +47,12 @@ pub struct BarcodeSimilarity<'a> {
 const UNRELATED: f32 = 1.0;
 
 impl BarcodeSimilarity<'_> {
+    fn barcode(&self, image: usize, line: &AnchoredLine) -> Barcode {
+        self.silhouettes[image].barcode(line, self.scales[image])
+    }
+
     fn barcodes(&self, image: usize, lines: &[AnchoredLine]) -> Vec<Barcode> {
-        lines.par_iter().map(|line| self.silhouettes[image].barcode(line, self.scales[image])).collect()
+        lines.par_iter().map(|line| self.barcode(image, line)).collect()
     }
 }
 
@@ -58,11 +62,10 @@ fn cost(a: &Barcode, b: &Barcode) -> f32 {
 
 impl LineSimilarity for BarcodeSimilarity<'_> {
     fn pair_costs(&self, pairs: &[(AnchoredLine, AnchoredLine)]) -> Vec<f32> {
-        let of_pair = |(line1, line2): &(AnchoredLine, AnchoredLine)| {
-            let barcode = |image: usize, line| self.silhouettes[image].barcode(line, self.scales[image]);
-            cost(&barcode(0, line1), &barcode(1, line2))
-        };
-        pairs.par_iter().map(of_pair).collect()
+        pairs
+            .par_iter()
+            .map(|(line1, line2)| cost(&self.barcode(0, line1), &self.barcode(1, line2)))
+            .collect()
     }
 
     fn cost_matrix(

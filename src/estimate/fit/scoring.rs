@@ -54,10 +54,7 @@ pub(in crate::estimate) struct Units {
 
 impl Units {
     pub fn new(frames: [Frame; 2]) -> Self {
-        Self {
-            middles: frames.map(|f| Point::new(0.5 * f.right(), 0.5 * f.bottom())),
-            units: frames.map(|f| 0.5 * f.longer_side()),
-        }
+        Self { middles: frames.map(|frame| frame.centre()), units: frames.map(|f| 0.5 * f.longer_side()) }
     }
 
     /// Returns a pair in these units.

@@ -77,14 +77,10 @@ pub(in crate::estimate) struct VotedKappa {
 impl KappaVoting {
     /// Takes the best `per_corner` pairs of each corner of image 1.
     pub fn new(support: &Support, per_corner: usize) -> Self {
-        let mut look_alikes = Vec::new();
-        for group in support.pairs().chunk_by(|a, b| a.corner1 == b.corner1) {
-            let mut group: Vec<_> = group.iter().collect();
-            group.sort_by(|a, b| b.correlation.total_cmp(&a.correlation).then(a.corner2.cmp(&b.corner2)));
-            look_alikes
-                .extend(group.iter().take(per_corner).map(|m| (support.pair(m), m.correlation - FLOOR)));
-        }
-        Self::of_look_alikes(&look_alikes)
+        let groups = support.pairs().chunk_by(|a, b| a.corner1 == b.corner1);
+        let best = groups.flat_map(|group| group.iter().take(per_corner));
+        let weighted = best.map(|m| (support.pair(m), m.correlation - FLOOR));
+        Self::of_look_alikes(&weighted.collect::<Vec<_>>())
     }
 
     fn of_look_alikes(look_alikes: &[(PointPair, f32)]) -> Self {
