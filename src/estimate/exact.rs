@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::PreparedPair;
 use super::evidence::lines::PencilAngles;
+pub(super) use crate::geometry::random_scene::rows;
 use crate::geometry::{
     AnchoredLine, Camera, Frame, FundamentalMatrix, Point, PointPair, area_between_lines,
     symmetric_epipolar_distance,
@@ -156,12 +157,6 @@ fn noise([x, y]: [f64; 2], salt: u64) -> f64 {
     let [u, v] = [x - i, y - j].map(|t| t * t * (3.0 - 2.0 * t));
     let blend = |a: f64, b: f64, t: f64| a + (b - a) * t;
     blend(blend(value(i, j), value(i + 1.0, j), u), blend(value(i, j + 1.0), value(i + 1.0, j + 1.0), u), v)
-}
-
-/// Returns the geometry of corresponding rows, `shift` px lower in image 2.
-pub(super) fn rows(shift: f64) -> FundamentalMatrix {
-    let m = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, shift);
-    FundamentalMatrix::from_rank_two(m).unwrap()
 }
 
 /// A line similarity that is a function of two lines.

@@ -117,17 +117,15 @@ impl From<Camera> for Matrix3x4<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{PointPair, symmetric_epipolar_distance};
+    use crate::geometry::random_scene::{example_fundamental, example_seen};
+    use crate::geometry::symmetric_epipolar_distance;
 
     #[test]
     fn fundamental_fits_every_projected_point() {
-        let (camera1, camera2) = Camera::example_pair();
-        let f = Camera::fundamental(&camera1, &camera2).unwrap();
+        let f = example_fundamental();
         for k in 0..50 {
             let t = f64::from(k);
-            let x = Point3::new((t * 0.7).sin() * 2.0, (t * 1.3).cos(), 4.0 + (t * 0.31).sin() * 2.0);
-            let pair =
-                PointPair { point1: camera1.project(&x).unwrap(), point2: camera2.project(&x).unwrap() };
+            let pair = example_seen((t * 0.7).sin() * 2.0, (t * 1.3).cos(), 4.0 + (t * 0.31).sin() * 2.0);
             assert!(symmetric_epipolar_distance(&f, &pair) < 1e-8);
         }
     }

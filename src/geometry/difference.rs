@@ -34,14 +34,10 @@ fn one_way(f: &FundamentalMatrix, g: &FundamentalMatrix, frames: [Frame; 2], cap
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Matrix3;
+    use crate::geometry::random_scene::rows;
 
     #[test]
     fn shifted_rows_differ_by_their_shift() {
-        let rows = |shift: f64| {
-            FundamentalMatrix::from_rank_two(Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, shift))
-                .unwrap()
-        };
         let frames = [Frame::new(200, 100); 2];
         assert!(epipolar_difference(&rows(0.0), &rows(0.0), frames, 50.0) < 1e-9);
         assert!((epipolar_difference(&rows(0.0), &rows(3.0), frames, 50.0) - 3.0).abs() < 0.2);

@@ -210,13 +210,8 @@ impl<'de> Deserialize<'de> for FundamentalMatrix {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::PointPair;
-    use crate::geometry::{Camera, symmetric_epipolar_distance};
-
-    fn example() -> FundamentalMatrix {
-        let (camera1, camera2) = Camera::example_pair();
-        Camera::fundamental(&camera1, &camera2).unwrap()
-    }
+    use crate::geometry::random_scene::{example_fundamental as example, example_seen};
+    use crate::geometry::symmetric_epipolar_distance;
 
     #[test]
     fn has_the_stated_norm_sign_and_null_vectors() {
@@ -291,12 +286,8 @@ mod tests {
 
     #[test]
     fn resized_images_keep_their_matches() {
-        let (camera1, camera2) = Camera::example_pair();
-        let f = example();
-        let g = f.rescaled(0.5, 0.25).unwrap();
-        let x = nalgebra::Point3::new(0.3, -0.2, 5.0);
-        let (a, b) = (camera1.project(&x).unwrap(), camera2.project(&x).unwrap());
-        let pair = PointPair { point1: a, point2: b }.rescaled([0.5, 0.25]);
+        let g = example().rescaled(0.5, 0.25).unwrap();
+        let pair = example_seen(0.3, -0.2, 5.0).rescaled([0.5, 0.25]);
         assert!(symmetric_epipolar_distance(&g, &pair) < 1e-9);
     }
 }

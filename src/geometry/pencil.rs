@@ -152,24 +152,14 @@ pub fn pencil_angles(reach: f64, spacing: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Camera, symmetric_epipolar_distance};
-    use nalgebra::Point3;
-
-    fn project(x: Point3<f64>) -> PointPair {
-        let (camera1, camera2) = Camera::example_pair();
-        PointPair { point1: camera1.project(&x).unwrap(), point2: camera2.project(&x).unwrap() }
-    }
+    use crate::geometry::random_scene::{example_fundamental, example_seen};
+    use crate::geometry::symmetric_epipolar_distance;
 
     /// Returns the true map of the example cameras through two clicks.
     fn example() -> (FundamentalMatrix, PencilMap, Vec<PointPair>) {
-        let (camera1, camera2) = Camera::example_pair();
-        let f = Camera::fundamental(&camera1, &camera2).unwrap();
-        let points: Vec<PointPair> = (0..12)
-            .map(|k| {
-                let t = f64::from(k);
-                project(Point3::new((t * 0.9).sin(), (t * 1.7).cos(), 5.0 + (t * 2.3).sin()))
-            })
-            .collect();
+        let f = example_fundamental();
+        let seen = |t: f64| example_seen((t * 0.9).sin(), (t * 1.7).cos(), 5.0 + (t * 2.3).sin());
+        let points: Vec<PointPair> = (0..12).map(|k| seen(f64::from(k))).collect();
         let true_pair = |pair: &PointPair| LinePair {
             line1: f.line1_from_point2(pair.point2).unwrap(),
             line2: f.line2_from_point1(pair.point1).unwrap(),

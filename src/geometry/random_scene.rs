@@ -1,7 +1,7 @@
-//! Two cameras in random general position and their common points, for tests of the solvers for
-//! `F`.
+//! Geometries for tests: two cameras in random general position with their common points, the cameras of
+//! [`Camera::example_pair`], and corresponding rows.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -67,4 +67,23 @@ impl RandomScene {
         };
         pairs.iter().map(|p| PointPair { point1: moved(p.point1), point2: moved(p.point2) }).collect()
     }
+}
+
+/// Returns `F` of [`Camera::example_pair`].
+pub(crate) fn example_fundamental() -> FundamentalMatrix {
+    let (camera1, camera2) = Camera::example_pair();
+    Camera::fundamental(&camera1, &camera2).unwrap()
+}
+
+/// Returns the images of a scene point in the cameras of [`Camera::example_pair`].
+pub(crate) fn example_seen(x: f64, y: f64, z: f64) -> PointPair {
+    let (camera1, camera2) = Camera::example_pair();
+    let [point1, point2] = [camera1, camera2].map(|camera| camera.project(&Point3::new(x, y, z)).unwrap());
+    PointPair { point1, point2 }
+}
+
+/// Returns the geometry of corresponding rows, `shift` px lower in image 2.
+pub(crate) fn rows(shift: f64) -> FundamentalMatrix {
+    let m = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, shift);
+    FundamentalMatrix::from_rank_two(m).unwrap()
 }

@@ -51,18 +51,12 @@ pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::random_scene::RandomScene;
-    use nalgebra::Matrix3;
-
-    /// Returns the `F` of a sideways motion, whose epipolar lines are rows.
-    fn sideways() -> FundamentalMatrix {
-        FundamentalMatrix::from_rank_two(Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0)).unwrap()
-    }
+    use crate::geometry::random_scene::{RandomScene, rows};
 
     #[test]
     fn rows_measure_vertical_differences() {
         let pair = PointPair::new(10.0, 20.0, 30.0, 23.0);
-        let f = sideways();
+        let f = rows(0.0);
         assert!((symmetric_epipolar_distance(&f, &pair) - 3.0).abs() < 1e-12);
         // Both points move half way: 3/√2.
         assert!((sampson_distance(&f, &pair) - 3.0 / 2f64.sqrt()).abs() < 1e-12);
@@ -73,7 +67,7 @@ mod tests {
     fn pairs_are_as_far_apart_as_the_nearer_of_their_lines() {
         let (p, q) = (PointPair::new(10.0, 20.0, 30.0, 23.0), PointPair::new(400.0, 25.0, 7.0, 24.0));
         // Epipolar lines are rows: 25 is 2 px from 23, 20 is 4 px from 24.
-        for apart in [apart_across_lines(&sideways(), &p, &q), apart_across_lines(&sideways(), &q, &p)] {
+        for apart in [apart_across_lines(&rows(0.0), &p, &q), apart_across_lines(&rows(0.0), &q, &p)] {
             assert!(apart.iter().all(|distance| (distance - 2.0).abs() < 1e-12), "{apart:?}");
         }
     }

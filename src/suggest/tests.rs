@@ -198,8 +198,7 @@ fn matches_around_a_point_decide_between_places_that_look_alike() {
         [(200.0, 150.0), (230.0, 210.0), (270.0, 160.0), (220.0, 130.0), (260.0, 215.0)]
             .map(|(x, y)| pair(x, y))
             .to_vec();
-    let rows = nalgebra::Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);
-    let fundamental = Some(FundamentalMatrix::from_rank_two(rows).unwrap());
+    let fundamental = Some(crate::geometry::random_scene::rows(0.0));
     let view = Some(RelativeView::UPRIGHT);
     let at = pair(240.0, 180.0);
     let run = |matches: &[PointPair], clicked: ClickedImage| {

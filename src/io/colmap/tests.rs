@@ -3,7 +3,8 @@ use rusqlite::Connection;
 
 use super::super::geometry_file::{CalibratedNote, ImageNote};
 use super::*;
-use crate::geometry::{Camera, Frame, Point};
+use crate::geometry::random_scene::{example_fundamental, example_seen};
+use crate::geometry::{Frame, Point};
 
 const FRAME: Frame = Frame { width: 768, height: 576 };
 
@@ -37,14 +38,9 @@ fn pair() -> i64 {
 }
 
 fn example() -> GeometryFile {
-    let (camera1, camera2) = Camera::example_pair();
-    let at = |k: f64| {
-        let x = nalgebra::Point3::new((k * 0.7).sin(), (k * 1.3).cos(), 5.0 + (k * 0.31).sin());
-        let [p, q] = [camera1, camera2].map(|camera| camera.project(&x).unwrap());
-        PointPair { point1: p, point2: q }
-    };
+    let at = |k: f64| example_seen((k * 0.7).sin(), (k * 1.3).cos(), 5.0 + (k * 0.31).sin());
     GeometryFile {
-        fundamental: Camera::fundamental(&camera1, &camera2),
+        fundamental: Some(example_fundamental()),
         pairs: vec![at(0.0), at(1.0), PointPair::new(100.0, 100.0, 100.0, 400.0)],
         found: (0..20).map(|k| at(f64::from(k))).collect(),
         images: Some(["left.jpg", "right.jpg"].map(|name| ImageNote { name: name.into(), frame: FRAME })),

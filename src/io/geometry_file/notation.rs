@@ -91,13 +91,9 @@ fn in_latex(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Camera, Point, PointPair, symmetric_epipolar_distance};
+    use crate::geometry::random_scene::example_fundamental as example;
+    use crate::geometry::{Point, PointPair, symmetric_epipolar_distance};
     use crate::io::GeometryFile;
-
-    fn example() -> FundamentalMatrix {
-        let (left, right) = Camera::example_pair();
-        Camera::fundamental(&left, &right).unwrap()
-    }
 
     /// Returns the numbers between the first mark and the last one.
     fn numbers_within(text: &str, begin: &str, end: &str) -> Vec<f64> {

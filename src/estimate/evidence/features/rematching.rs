@@ -170,7 +170,7 @@ mod tests {
 
     use super::*;
     use crate::features::{Descriptor, Feature, FeatureSet};
-    use crate::geometry::{Camera, Frame, Point};
+    use crate::geometry::{Frame, Point};
 
     const FRAME: Frame = Frame { width: 900, height: 600 };
 
@@ -194,8 +194,7 @@ mod tests {
 
     #[test]
     fn far_blocks_are_skipped_and_no_near_feature_is_lost() {
-        let (camera1, camera2) = Camera::example_pair();
-        let f = Camera::fundamental(&camera1, &camera2).unwrap();
+        let f = crate::geometry::random_scene::example_fundamental();
         let limit = BAND * BAND;
         for count in [1, 16, 17, 700] {
             let sets = [scattered(count), scattered(count)];

@@ -125,18 +125,13 @@ impl Construction {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Camera, symmetric_epipolar_distance};
+    use crate::geometry::random_scene::{example_fundamental, example_seen};
+    use crate::geometry::symmetric_epipolar_distance;
 
     const FRAME: Frame = Frame { width: 768, height: 576 };
 
     fn example() -> (FundamentalMatrix, [PointPair; 2]) {
-        let (camera1, camera2) = Camera::example_pair();
-        let project = |x, y, z| {
-            let scene = nalgebra::Point3::new(x, y, z);
-            PointPair { point1: camera1.project(&scene).unwrap(), point2: camera2.project(&scene).unwrap() }
-        };
-        let f = Camera::fundamental(&camera1, &camera2).unwrap();
-        (f, [project(-0.5, -0.6, 5.0), project(0.6, 0.7, 6.0)])
+        (example_fundamental(), [example_seen(-0.5, -0.6, 5.0), example_seen(0.6, 0.7, 6.0)])
     }
 
     #[test]

@@ -232,19 +232,15 @@ const STEPS: usize = 192;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Camera, symmetric_epipolar_distance};
+    use crate::geometry::random_scene::{example_fundamental, example_seen};
+    use crate::geometry::symmetric_epipolar_distance;
 
     const FRAME: Frame = Frame { width: 768, height: 576 };
 
     fn example() -> (FundamentalMatrix, PencilPair) {
-        let (camera1, camera2) = Camera::example_pair();
-        let f = Camera::fundamental(&camera1, &camera2).unwrap();
-        let project = |x, y, z| {
-            let scene = nalgebra::Point3::new(x, y, z);
-            PointPair { point1: camera1.project(&scene).unwrap(), point2: camera2.project(&scene).unwrap() }
-        };
-        let clicks = [project(-0.5, -0.6, 5.0), project(0.6, 0.7, 6.0)];
-        (f, true_pencils(&f, clicks, &project(0.1, 0.05, 5.5)))
+        let f = example_fundamental();
+        let clicks = [example_seen(-0.5, -0.6, 5.0), example_seen(0.6, 0.7, 6.0)];
+        (f, true_pencils(&f, clicks, &example_seen(0.1, 0.05, 5.5)))
     }
 
     fn true_pencils(f: &FundamentalMatrix, clicks: [PointPair; 2], third: &PointPair) -> PencilPair {

@@ -73,20 +73,12 @@ fn is_on_plane(h: &Matrix3<f64>, pair: &PointPair, tolerance: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Camera;
-    use crate::geometry::random_scene::RandomScene;
+    use crate::geometry::random_scene::{RandomScene, example_seen};
     use crate::geometry::transfer_error;
-    use nalgebra::Point3;
 
     fn scene(depth: impl Fn(f64) -> f64) -> Vec<PointPair> {
-        let (camera1, camera2) = Camera::example_pair();
-        (0..80)
-            .map(|k| {
-                let t = f64::from(k);
-                let x = Point3::new((t * 0.9).sin() * 2.0, (t * 1.7).cos() * 1.5, depth(t));
-                PointPair { point1: camera1.project(&x).unwrap(), point2: camera2.project(&x).unwrap() }
-            })
-            .collect()
+        let seen = |t: f64| example_seen((t * 0.9).sin() * 2.0, (t * 1.7).cos() * 1.5, depth(t));
+        (0..80).map(|k| seen(f64::from(k))).collect()
     }
 
     #[test]

@@ -215,15 +215,12 @@ mod tests {
 
     use super::*;
     use crate::estimate::exact::ExactScene;
-    use crate::geometry::homography;
-    use crate::geometry::{Camera, symmetric_epipolar_distance};
-    use nalgebra::Point3;
+    use crate::geometry::random_scene::example_seen;
+    use crate::geometry::{homography, symmetric_epipolar_distance};
 
     /// Returns the match of the scene point (k, l) at a depth.
     fn seen(k: u32, l: u32, depth: f64) -> PointPair {
-        let (camera1, camera2) = Camera::example_pair();
-        let x = Point3::new(f64::from(k) * 0.4 - 1.2, f64::from(l) * 0.3 - 0.8, depth);
-        PointPair { point1: camera1.project(&x).unwrap(), point2: camera2.project(&x).unwrap() }
+        example_seen(f64::from(k) * 0.4 - 1.2, f64::from(l) * 0.3 - 0.8, depth)
     }
 
     #[test]

@@ -42,7 +42,7 @@ pub(in crate::estimate) struct SupportLevel {
 pub(in crate::estimate) struct Support {
     corners: [Vec<Point>; 2],
     /// Pairs of look-alike corners, with correlations above [`FLOOR`], grouped by corner of image
-    /// 1.
+    /// 1, best first.
     pairs: Vec<Putative>,
     /// The same pairs, laid out for the vector units.
     look_alikes: LookAlikes,
@@ -220,9 +220,9 @@ impl Support {
 mod tests {
     use super::*;
     use crate::estimate::exact::rows as rows_below;
+    use crate::estimate::exact::rows;
     use crate::geometry::Frame;
     use crate::image::{GrayPlane, PyramidPair, Warp};
-    use nalgebra::Matrix3;
 
     /// Returns two views of one texture, the second shifted along the rows by 6 px.
     fn planes() -> [GrayPlane; 2] {
@@ -233,11 +233,6 @@ mod tests {
         };
         let frame = Frame::new(160, 120);
         [GrayPlane::from_fn(frame, texture), GrayPlane::from_fn(frame, |x, y| texture(x + 6, y))]
-    }
-
-    fn rows(shift: f64) -> FundamentalMatrix {
-        let m = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, shift);
-        FundamentalMatrix::from_rank_two(m).unwrap()
     }
 
     #[test]
@@ -295,7 +290,7 @@ mod tests {
     #[test]
     fn the_band_holds_in_both_images() {
         // y1 = 2 y2: an error of 1.5 px in image 2 is 3 px in image 1.
-        let zoomed = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -2.0, 0.0, 1.0, 0.0);
+        let zoomed = nalgebra::Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -2.0, 0.0, 1.0, 0.0);
         let f = FundamentalMatrix::from_rank_two(zoomed).unwrap();
         for (y2, expected) in [(20.9, 1), (21.5, 0)] {
             let support = at_heights(&[40.0], &[y2], &[(0, 0, 0.9)]);
