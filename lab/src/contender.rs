@@ -127,8 +127,9 @@ struct Clicked {
 }
 
 /// Creates this program's estimator with a number of clicks.
-fn clicked(clicks: usize, method: Method, parameters: Parameters) -> Box<dyn Contender> {
-    Box::new(Clicked { clicks, parameters: Parameters { method, ..parameters } })
+fn clicked(clicks: usize, method: Method, mut parameters: Parameters) -> Box<dyn Contender> {
+    parameters.method = method;
+    Box::new(Clicked { clicks, parameters })
 }
 
 /// Creates this program's estimator without clicks. The published search then compares all lines.

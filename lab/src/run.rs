@@ -310,7 +310,7 @@ mod tests {
         assert!(failing.failures > 0 && failing.failures < 12);
         assert_eq!(failing.failures, panicking.failures);
         assert_eq!(failing.trials.len(), 12);
-        assert!(failing.mean.is_infinite());
+        assert!(failing.figures.mean.is_infinite());
         let trial = failing.trials.iter().find(|t| t.failure.is_some()).unwrap();
         assert_eq!(trial.failure.as_deref(), Some("no idea"));
         let json = serde_json::to_value(&report).unwrap();

@@ -193,7 +193,7 @@ fn overall_row(index: usize, overall: &Overall, printed: bool) -> Vec<String> {
 /// Returns a row of cells up to the interval of the median and of figures, with the printed error between them.
 fn row(start: [String; AFTER_INTERVAL], figures: &Figures, failures: usize, printed: bool) -> Vec<String> {
     let Shares { below_1_px, below_3_px, below_1_percent } = figures.shares;
-    let mut row = start.to_vec();
+    let mut row = Vec::from(start);
     row.extend(printed.then(|| pixels(figures.printed.unwrap_or(f64::NAN))));
     row.push(pixels(figures.mean));
     row.extend([below_1_px, below_3_px, below_1_percent].map(share));
