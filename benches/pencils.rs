@@ -31,7 +31,7 @@ fn main() {
         let parameters = Parameters::from(preset);
         // Full size is omitted: the estimator compares pencils at a coarse level, and full size
         // takes sixteen times as long as half the size.
-        for level in (1..pyramids[0].len()).rev() {
+        for level in (1..pyramids[0].count()).rev() {
             let planes: [&GrayPlane; 2] = [pyramids[0].level(level), pyramids[1].level(level)];
             let frame = planes[0].frame();
             let scale = 0.5f64.powi(level as i32);

@@ -50,15 +50,11 @@ impl Orthonormal {
         let generator = |k: usize| Vector3::from_fn(|i, _| f64::from(u8::from(i == k))).cross_matrix();
         let (sin, cos) = self.phi.sin_cos();
         let by_phi = self.u * Matrix3::from_diagonal(&Vector3::new(-sin, cos, 0.0)) * self.v.transpose();
-        [
-            generator(0) * f,
-            generator(1) * f,
-            generator(2) * f,
-            f * generator(0),
-            f * generator(1),
-            f * generator(2),
-            by_phi,
-        ]
+        std::array::from_fn(|k| match k {
+            0..3 => generator(k) * f,
+            3..6 => f * generator(k - 3),
+            _ => by_phi,
+        })
     }
 
     pub(super) fn moved(&self, step: &Vector7) -> Self {

@@ -331,13 +331,15 @@ fn total(lanes: &[f64; LANES]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::random_scene::RandomScene;
+    use crate::geometry::random_scene::{RandomScene, example_fundamental, example_seen};
     use crate::geometry::symmetric_epipolar_distance;
     use rand::{RngExt, SeedableRng};
 
     fn scene(count: usize) -> (FundamentalMatrix, Vec<PointPair>) {
-        let mut scene = RandomScene::new(5);
-        (scene.fundamental(), scene.pairs(count))
+        let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(5);
+        let mut near = |low: f64, high: f64| rng.random_range(low..high);
+        let mut seen = || example_seen(near(-2.0, 2.0), near(-1.5, 1.5), near(4.0, 8.0));
+        (example_fundamental(), (0..count).map(|_| seen()).collect())
     }
 
     fn observed(pairs: &[PointPair], sigma: f64) -> Vec<Observation> {

@@ -71,7 +71,7 @@ impl PyramidPair {
                 let own = pyramid.level(*k).frame().longer_side();
                 if side.is_finite() { (own / side).ln().abs() } else { -own }
             };
-            (0..pyramid.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0)
+            (0..pyramid.count()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0)
         };
         let mut numbers = [0, 1].map(|image| nearest(image, side));
         if let Some(scale) = view.scale {
@@ -80,7 +80,7 @@ impl PyramidPair {
             let [k1, k2] = numbers.map(|k| k as i64);
             let first = k1.max(k2 - more).max(0).max(-more);
             numbers = [first, first + more].map(|k| k.max(0) as usize);
-            numbers = [0, 1].map(|image| numbers[image].min(self.pyramids[image].len() - 1));
+            numbers = [0, 1].map(|image| numbers[image].min(self.pyramids[image].count() - 1));
         }
         PairLevel {
             planes: [0, 1].map(|image| self.pyramids[image].level(numbers[image])),

@@ -34,7 +34,7 @@ impl Pyramid {
     }
 
     /// Returns the number of levels, at least one.
-    pub(super) fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.levels.len()
     }
 }
@@ -58,8 +58,8 @@ mod tests {
     fn a_ramp_stays_the_same_ramp_under_the_stated_mapping() {
         let plane = GrayPlane::from_fn(Frame::new(33, 17), |x, y| (3 * x + 5 * y) as f32);
         let pyramid = Pyramid::new(&plane, 4.0);
-        assert_eq!(pyramid.len(), 4);
-        for k in 1..pyramid.len() {
+        assert_eq!(pyramid.count(), 4);
+        for k in 1..pyramid.count() {
             let scale = 0.5f64.powi(k as i32);
             let level = pyramid.level(k);
             let fine = |v: usize| (v as f64 + 0.5) / scale - 0.5;
@@ -71,6 +71,6 @@ mod tests {
     #[test]
     fn tiny_pictures_have_one_level() {
         let plane = GrayPlane::from_fn(Frame::new(1, 1), |_, _| 7.0);
-        assert_eq!(Pyramid::new(&plane, 16.0).len(), 1);
+        assert_eq!(Pyramid::new(&plane, 16.0).count(), 1);
     }
 }

@@ -73,10 +73,11 @@ impl Support {
             })
             .collect();
         let pairs = best_look_alikes(&found, corners[0].len());
-        Self::of_pairs(corners, pairs)
+        Self::of_look_alikes(corners, pairs)
     }
 
-    fn of_pairs(corners: [Vec<Point>; 2], pairs: Vec<Putative>) -> Self {
+    /// Returns support of corners and the pairs that look alike.
+    pub(super) fn of_look_alikes(corners: [Vec<Point>; 2], pairs: Vec<Putative>) -> Self {
         let look_alikes = LookAlikes::new(&corners, &pairs);
         Self { corners, pairs, look_alikes, features: FeatureMatches::default() }
     }
@@ -196,11 +197,6 @@ fn best_look_alikes(found: &[Vec<Putative>], corners1: usize) -> Vec<Putative> {
 
 #[cfg(test)]
 impl Support {
-    /// Returns support without pictures, from corners and the pairs that look alike.
-    pub fn of_look_alikes(corners: [Vec<Point>; 2], pairs: Vec<Putative>) -> Self {
-        Self::of_pairs(corners, pairs)
-    }
-
     /// Returns support of corners with one look-alike each.
     pub fn of_matches(matches: &[(PointPair, f32)]) -> Self {
         let corners = [

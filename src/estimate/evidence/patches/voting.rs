@@ -308,7 +308,7 @@ mod tests {
         let corners = [vec![Point::new(10.0, 20.0)], (0..4).map(|k| Point::new(f64::from(k), 0.0)).collect()];
         let alike =
             |corner2, correlation| super::super::look_alikes::Putative { corner1: 0, corner2, correlation };
-        let pairs = vec![alike(0, 0.7), alike(1, 0.9), alike(2, 0.9), alike(3, 0.8)];
+        let pairs = vec![alike(1, 0.9), alike(2, 0.9), alike(3, 0.8), alike(0, 0.7)];
         let voting = KappaVoting::new(&Support::of_look_alikes(corners, pairs), 3);
         let voters = &voting.blocks[0];
         let excess = |correlation: f32| correlation - FLOOR;
