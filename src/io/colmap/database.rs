@@ -12,7 +12,7 @@ use rusqlite::{Connection, OpenFlags, OptionalExtension, params_from_iter};
 
 use super::super::output::{OutputFile, StagedFile};
 use super::super::read::ReadError;
-use super::ColmapError;
+use super::error::ColmapError;
 use super::keypoints::Keypoints;
 use crate::foreign::{excerpt, open_input, reason};
 use crate::geometry::Frame;

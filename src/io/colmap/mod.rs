@@ -14,6 +14,7 @@
 //! without distortion therefore leaves `F` out and needs a pose.
 
 mod database;
+mod error;
 mod keypoints;
 #[cfg(test)]
 mod tests;
@@ -23,12 +24,12 @@ use std::fmt::Write;
 use std::path::Path;
 
 use nalgebra::{Matrix3, UnitQuaternion};
-use thiserror::Error;
 
 use self::database::{Database, Image, StoredGeometry};
+pub use self::error::ColmapError;
 use self::keypoints::Keypoints;
 use super::geometry_file::{GeometryFile, moved_fundamental, moved_pair, shift};
-use super::output::{OutputFile, WriteError};
+use super::output::OutputFile;
 use super::read::ReadError;
 use crate::camera::RelativePose;
 use crate::foreign::excerpt;
@@ -38,17 +39,6 @@ use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
 const ORIGIN: f64 = 0.5;
 /// Largest Sampson distance of a verified match, px: the default of COLMAP.
 const MOST_DISTANCE: f64 = 4.0;
-
-/// Reason why a pair cannot go to COLMAP, one sentence.
-#[derive(Debug, Error)]
-pub enum ColmapError {
-    /// The database or the result cannot be used.
-    #[error(transparent)]
-    Read(#[from] ReadError),
-    /// The output cannot be written.
-    #[error(transparent)]
-    Write(#[from] WriteError),
-}
 
 /// A pair in a database.
 #[derive(Debug, Clone, PartialEq, Eq)]
