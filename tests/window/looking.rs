@@ -25,12 +25,20 @@ fn image_position(window: &Window, side: Side, at: Pos2) -> Point {
         + epiline::geometry::Vector::new(f64::from(offset.x), f64::from(offset.y))
 }
 
-/// The square frame of the loupe, if it is drawn.
-fn loupe(window: &Window) -> Option<egui::Rect> {
+/// The square frame of the loupe in an image, if it is drawn.
+fn loupe_in(window: &Window, side: Side) -> Option<egui::Rect> {
+    let pane = pane(window, side);
     window.output().shapes.iter().find_map(|clipped| match &clipped.shape {
-        Shape::Rect(rect) if (rect.rect.size() - vec2(132.0, 132.0)).length() < 0.1 => Some(rect.rect),
+        Shape::Rect(rect) if (rect.rect.size() - vec2(132.0, 132.0)).length() < 0.1 => {
+            Some(rect.rect).filter(|frame| pane.contains(frame.center()))
+        }
         _ => None,
     })
+}
+
+/// The frame of the loupe in the left image.
+fn loupe(window: &Window) -> Option<egui::Rect> {
+    loupe_in(window, Side::Left)
 }
 
 fn suggesting(verdict: Clarity) -> Services {
@@ -247,9 +255,42 @@ fn the_loupe_shows_while_a_point_is_placed_or_dragged() {
     window.hover_at(handle + vec2(20.0, 5.0));
     window.step();
     window.step();
-    assert!(loupe(&window).is_some(), "while dragging");
+    assert!(loupe(&window).is_some() && loupe_in(&window, Side::Right).is_some(), "while dragging");
     button(&window, handle + vec2(20.0, 5.0), PointerButton::Primary, false);
     settle(&mut window);
+}
+
+#[test]
+fn both_points_of_a_pair_are_magnified_and_the_suggestion_stays_in_view() {
+    let mut window = window(Start::default(), suggesting(Clarity::Clear));
+    click_at(&mut window, Side::Left, 0.05, 0.1);
+    assert!(loupe(&window).is_none(), "the first point is placed");
+    let first = window.state().document().half.unwrap().point;
+    let offered = screen_of(&window, Side::Right, first + epiline::geometry::Vector::new(12.5, -3.0));
+    // The loupe would be above and to the right of the cursor.
+    let cursor = offered + vec2(-60.0, 60.0);
+    window.hover_at(cursor);
+    settle(&mut window);
+    let there = loupe_in(&window, Side::Right).expect("a loupe where the match is sought");
+    assert!(!there.expand(10.0).contains(offered) && !there.contains(cursor), "{there:?} {offered:?}");
+    let here = loupe(&window).expect("a loupe beside the first point");
+    assert!(!here.contains(at(&window, Side::Left, 0.05, 0.1)), "{here:?}");
+}
+
+#[test]
+fn a_name_in_the_corner_does_not_hide_the_place_under_the_cursor() {
+    let mut window = sample();
+    let corner = pane(&window, Side::Left).min + vec2(20.0, 14.0);
+    let is_named = |window: &Window| {
+        window.output().shapes.iter().any(|clipped| match &clipped.shape {
+            Shape::Text(text) => text.pos.distance(corner) < 20.0 && text.galley.text().starts_with("Left"),
+            _ => false,
+        })
+    };
+    assert!(is_named(&window));
+    window.hover_at(corner);
+    settle(&mut window);
+    assert!(!is_named(&window), "a click would place a point there");
 }
 
 #[test]

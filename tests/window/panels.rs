@@ -5,7 +5,9 @@ use crate::support::*;
 use egui::accesskit::Role;
 use egui::{Color32, Key, Modifiers, Shape, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
-use epiline::estimate::{Apart, Parameters, RefinedMatch, Search, Trust, Verdict};
+use epiline::estimate::{
+    Apart, Assessment, Estimate, Parameters, Reason, RefinedMatch, Search, Trust, Verdict,
+};
 use epiline::geometry::{FundamentalMatrix, Point, PointPair};
 use epiline::internals::app::model::comparison::PointSet;
 use epiline::internals::app::model::document::{Role as PairRole, Side};
@@ -643,15 +645,38 @@ fn figures_stand_on_their_scales_of_good_and_bad() {
     window.get_by_label_contains("Support on its scale: ");
 }
 
-/// Returns the texts in view that end in "…" because they have no room.
+/// Returns the texts in view that have no room: they end in "…", or at the edge of their area.
 fn cut_texts(window: &Window) -> Vec<String> {
     let text = |clipped: &egui::epaint::ClippedShape| match &clipped.shape {
-        egui::Shape::Text(text) if text.galley.elided && clipped.clip_rect.contains(text.pos) => {
-            Some(text.galley.text().to_owned())
+        egui::Shape::Text(text) if clipped.clip_rect.contains(text.pos) => {
+            let end = text.pos.x + text.galley.rect.max.x;
+            let is_cut = text.galley.elided || end > clipped.clip_rect.max.x + 1.0;
+            is_cut.then(|| text.galley.text().to_owned())
         }
         _ => None,
     };
     window.output().shapes.iter().filter_map(text).collect()
+}
+
+#[test]
+fn a_long_verdict_is_not_cut_in_a_small_window() {
+    let services = Services {
+        estimate: Box::new(|request, _| {
+            let found = fake_estimate(&request.pairs, &request.parameters)?;
+            let reason = Reason::OnePlane { percent: 77, groups: 25, agreeing: 19, is_still: false };
+            let trust = Some(Trust { verdict: Verdict::Doubtful, reasons: vec![reason] });
+            Ok(Estimate { assessment: Assessment { trust, ..found.assessment }, ..found })
+        }),
+        ..services()
+    };
+    let mut window = window(Start::default(), services);
+    click_two_pairs(&mut window);
+    for (width, height) in [(1024.0, 640.0), (1280.0, 800.0)] {
+        window.set_size(vec2(width, height));
+        settle(&mut window);
+        window.get_by_label_contains("right near matches");
+        assert_eq!(cut_texts(&window), [""; 0], "at {width}");
+    }
 }
 
 #[test]

@@ -186,7 +186,16 @@ fn unsaved_work_is_offered_after_a_crash() {
     tap(&mut last, "Later");
     drop(last);
     let mut last = window(Start::default(), with_copies(copies.path()));
+    // Once a person works on other pictures, the dialog for opening files has the offer.
+    click_at(&mut last, Side::Left, 0.1, 0.1);
+    assert!(last.query_by_label("Restore").is_none());
+    press_with(&mut last, Modifiers::COMMAND, Key::O);
+    last.get_by_label("Restore");
     tap(&mut last, "Delete it");
+    assert!(last.query_by_label("Restore").is_none() && last.query_by_label("Open these").is_some());
+    // Closes the dialog, then removes the point.
+    press(&mut last, Key::Escape);
+    press(&mut last, Key::Escape);
     drop(last);
     let clean = window(Start::default(), with_copies(copies.path()));
     assert_eq!(clean.state().messages().count(), 0);

@@ -59,7 +59,7 @@ fn start(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             command_button(ui, Command::FindWithoutClicks, true, commands);
         }
     });
-    left_behind(ui, model, commands);
+    unsaved_work(ui, model, commands);
 }
 
 /// Returns whether the card makes the offers to restore unsaved work.
@@ -67,22 +67,27 @@ pub fn offers(model: &Model) -> bool {
     model.is_at_start() && !model.look.dock.folded && !model.open.alone
 }
 
-/// Shows the offers to restore unsaved work.
-fn left_behind(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+/// Shows the offers to restore unsaved work. Returns whether one of their buttons has the keyboard focus.
+pub fn unsaved_work(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
+    let mut focused = false;
     for message in model.messages.on_top().filter(|message| message.kind == MessageKind::LeftBehind) {
         ui.add_space(6.0);
         ui.add(Label::new(&message.text).wrap());
         ui.horizontal(|ui| {
             for action in &message.actions {
                 let button = ui.button(action.label);
-                finish_button(ui, button, action.command.clone(), commands);
+                focused |= finish_button(ui, button, action.command.clone(), commands).has_focus();
             }
             let (close, what) = message.kind.close();
-            if ui.button(close).on_hover_text(what).clicked() {
+            let close = ui.button(close).on_hover_text(what);
+            focused |= close.has_focus();
+            if close.clicked() {
                 commands.push(Command::Dismiss(message.number));
             }
         });
+        ui.add_space(6.0);
     }
+    focused
 }
 
 /// Shows the geometry that the window displays in place of the result. Returns whether there is one.
@@ -134,7 +139,7 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
 fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let VerdictInWords { tone, word, sentence, facts, warnings, likely } =
         verdict(&model.document, &model.open.computation);
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         heading(ui, Some(tone), word);
         if let Some([short, sentence]) = &likely {
             ui.weak(short).on_hover_text(format!(

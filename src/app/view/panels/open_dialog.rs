@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use egui::{Button, Key, Label, RichText, Ui};
 
 use super::dialog::{PathField, dialog, path_of};
-use super::{busy, command_button, finish_button};
+use super::{busy, card, command_button, finish_button};
 use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::document::Side;
@@ -151,6 +151,7 @@ impl OpenDialog {
             elsewhere |= row.show_browse(ui, place, commands).has_focus();
             ui.add_space(6.0);
             elsewhere |= recents(ui, model, commands);
+            elsewhere |= !card::offers(model) && card::unsaved_work(ui, model, commands);
             if let Some(problem) = &self.problem {
                 let color = theme::palette(ui.visuals()).bad;
                 ui.add(Label::new(RichText::new(problem).color(color)).wrap());

@@ -61,15 +61,18 @@ impl Chip {
         job.append(title, 0.0, format(theme::SELECTED));
         job.append(&text, 6.0, format(Color32::from_gray(190)));
         // Copies of the view carry the word of the verdict.
-        if let Some((word, look)) = model.doubt().filter(|_| self.side == Side::Left) {
+        if let Some((word, look)) = model.doubt() {
             job.append(word, 8.0, format(theme::line_color(look)));
         }
         job.wrap = TextWrapping::truncate_at_width((self.rect.width() - 32.0).max(8.0));
         let galley = ui.painter().layout_job(job);
         let chip = Rect::from_min_size(self.rect.min + vec2(6.0, 6.0), galley.size() + vec2(12.0, 6.0));
-        let painter = ui.painter_at(self.rect);
-        painter.rect_filled(chip, 4.0, theme::LABEL_FILL);
-        painter.galley(chip.min + vec2(6.0, 3.0), galley, theme::SELECTED);
+        // A click there places a point, so the pixels below the cursor have to be visible.
+        if !ui.rect_contains_pointer(chip) {
+            let painter = ui.painter_at(self.rect);
+            painter.rect_filled(chip, 4.0, theme::LABEL_FILL);
+            painter.galley(chip.min + vec2(6.0, 3.0), galley, theme::SELECTED);
+        }
         let response = ui.interact(chip, ui.scope_id().with("chip"), Sense::hover());
         response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{title} {text}")));
     }

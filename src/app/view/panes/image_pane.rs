@@ -4,7 +4,7 @@ use egui::{CursorIcon, PointerButton, Pos2, Rect, Response, Sense, StrokeKind, U
 
 use super::chip::Chip;
 use super::loupe;
-use super::overlays::{Canvas, Labels, OVERLAYS, draw_measurement, pinned_at, pointed_at};
+use super::overlays::{Canvas, Labels, OVERLAYS, draw_measurement, pinned_at, pointed_at, suggested_places};
 use super::texture::PictureTexture;
 use super::transform::{Transform, zoom_asked};
 use crate::app::model::Model;
@@ -267,8 +267,9 @@ impl ImagePane {
             let inside = under.filter(|point| frame.contains(*point));
             inside.map(|point| Hover { side, point, dragging: false })
         };
-        if let Some(hover) = hover.filter(|hover| model.look.loupe && self.wants_loupe(model, *hover)) {
-            self.magnify(&painter, &transform, hover.point, model);
+        if let Some(point) = self.magnified(model, hover).filter(|_| model.look.loupe) {
+            let uncovered: Vec<Pos2> = suggested_places(&canvas).into_iter().map(|(_, at)| at).collect();
+            self.magnify(&painter, &transform, point, &uncovered, model);
         }
         if let Some(image) = &self.image {
             let scale = Some(image.transform(rect).scale).filter(|_| !image.view.fits());
@@ -279,19 +280,38 @@ impl ImagePane {
         hover
     }
 
-    /// Returns whether a point is dragged, or the next click places a point that is needed.
-    fn wants_loupe(&self, model: &Model, hover: Hover) -> bool {
+    /// Returns the point below the loupe: the one that is dragged, the place of a click that is due, or the
+    /// other point of that pair, so that both can be compared.
+    fn magnified(&self, model: &Model, hover: Option<Hover>) -> Option<Point> {
         let document = &model.document;
-        let due = match document.half {
-            Some(half) => half.side != self.side,
-            None => document.used_pairs().is_none(),
-        };
-        hover.dragging || due && self.drag.is_none() && model.tool == Tool::Points
+        let hover = hover.or(model.open.hover.filter(|hover| hover.side != self.side))?;
+        let here = hover.side == self.side;
+        if hover.dragging {
+            let dragged = document.selection?;
+            let other = PointRef { side: self.side, ..dragged };
+            return if here { Some(hover.point) } else { document.point(other) };
+        }
+        if self.drag.is_some() || model.tool != Tool::Points {
+            return None;
+        }
+        match document.half {
+            Some(half) if half.side != hover.side => Some(if here { hover.point } else { half.point }),
+            Some(_) => None,
+            None => (here && document.used_pairs().is_none()).then_some(hover.point),
+        }
     }
 
     /// Draws the loupe beside a point.
-    fn magnify(&mut self, painter: &egui::Painter, pane: &Transform, point: Point, model: &Model) {
-        let (Some(image), Some(transform)) = (&mut self.image, loupe::place(pane, point)) else { return };
+    fn magnify(
+        &mut self,
+        painter: &egui::Painter,
+        pane: &Transform,
+        point: Point,
+        uncovered: &[Pos2],
+        model: &Model,
+    ) {
+        let Some(image) = &mut self.image else { return };
+        let Some(transform) = loupe::place(pane, point, uncovered) else { return };
         let painter = painter.with_clip_rect(transform.rect.intersect(pane.rect));
         painter.rect_filled(transform.rect, 6.0, egui::Color32::from_gray(30));
         image.texture.draw(&painter, &transform);

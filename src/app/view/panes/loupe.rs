@@ -1,6 +1,6 @@
 //! The loupe beside the cursor, which magnifies the point being placed or dragged.
 
-use egui::{CornerRadius, Painter, Rect, Stroke, StrokeKind, pos2, vec2};
+use egui::{CornerRadius, Painter, Pos2, Rect, Stroke, StrokeKind, pos2, vec2};
 
 use super::Transform;
 use crate::app::view::theme;
@@ -17,16 +17,22 @@ const PIXEL: f64 = 8.0;
 /// Scale of the pane from which a loupe shows nothing new, screen points per pixel.
 const ENOUGH: f64 = 16.0;
 
-/// Returns the transform of a loupe around a point; `None` if the pane is magnified enough.
-pub fn place(pane: &Transform, point: Point) -> Option<Transform> {
+/// Returns the transform of a loupe around a point, beside places that it must not cover; `None` if the
+/// pane is magnified enough.
+pub fn place(pane: &Transform, point: Point, uncovered: &[Pos2]) -> Option<Transform> {
     if pane.scale >= ENOUGH {
         return None;
     }
     let at = pane.screen_from_image(point);
-    // Up and to the right, clear of a pointing hand; flipped where that would leave the pane.
-    let x = if at.x + GAP + SIDE <= pane.rect.max.x { at.x + GAP } else { at.x - GAP - SIDE };
-    let y = if at.y - GAP - SIDE >= pane.rect.min.y { at.y - GAP - SIDE } else { at.y + GAP };
-    let rect = Rect::from_min_size(pos2(x, y), vec2(SIDE, SIDE));
+    let (above, below) = (at.y - GAP - SIDE, at.y + GAP);
+    let (left, right) = (at.x - GAP - SIDE, at.x + GAP);
+    // Above and to the right first, clear of a pointing hand.
+    let corners = [(right, above), (left, above), (right, below), (left, below)];
+    let areas = corners.map(|(x, y)| Rect::from_min_size(pos2(x, y), vec2(SIDE, SIDE)));
+    let inside = |area: &&Rect| pane.rect.contains_rect(**area);
+    let clear = |area: &&Rect| !uncovered.iter().any(|at| area.expand(GAP / 2.0).contains(*at));
+    let found = areas.iter().filter(inside).find(clear).or(areas.iter().find(inside));
+    let rect = *found.unwrap_or(&areas[0]);
     let scale = PIXEL.clamp(pane.scale * TIMES.start(), pane.scale * TIMES.end());
     Some(pane.around(point, rect, scale))
 }
@@ -54,12 +60,16 @@ mod tests {
         let rect = Rect::from_min_size(pos2(100.0, 50.0), vec2(600.0, 400.0));
         let pane = Transform::new(rect, Point::new(300.0, 200.0), 1.0);
         for at in [(0.0, 0.0), (599.0, 0.0), (0.0, 399.0), (599.0, 399.0), (300.0, 200.0)] {
-            let loupe = place(&pane, Point::new(at.0, at.1)).unwrap();
+            let loupe = place(&pane, Point::new(at.0, at.1), &[]).unwrap();
             assert!(rect.contains_rect(loupe.rect), "{at:?}");
             assert!(!loupe.rect.contains(pane.screen_from_image(Point::new(at.0, at.1))), "{at:?}");
             let centre = loupe.image_from_screen(loupe.rect.center());
             assert!((centre - Point::new(at.0, at.1)).norm() < 1e-9);
+            let covered = loupe.rect.center();
+            let beside = place(&pane, Point::new(at.0, at.1), &[covered]).unwrap();
+            // In a corner of the pane only one place is inside.
+            assert!(!beside.rect.contains(covered) || at != (300.0, 200.0), "{at:?}");
         }
-        assert!(place(&Transform::new(rect, Point::origin(), ENOUGH), Point::origin()).is_none());
+        assert!(place(&Transform::new(rect, Point::origin(), ENOUGH), Point::origin(), &[]).is_none());
     }
 }

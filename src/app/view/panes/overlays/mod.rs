@@ -26,6 +26,7 @@ mod uncertainty;
 
 pub use measure::draw as draw_measurement;
 pub use pinned::number_at as pinned_at;
+pub use suggestion::places as suggested_places;
 pub use table::OVERLAYS;
 pub use true_matches::cross;
 

@@ -1,6 +1,6 @@
 //! Overlay of suggested matches of a first click: a clear one, or several places that look alike.
 
-use egui::Stroke;
+use egui::{Pos2, Stroke};
 
 use super::Canvas;
 use crate::app::view::theme;
@@ -8,28 +8,34 @@ use crate::suggest::Clarity;
 
 /// Number of rivals drawn beside the best match.
 const RIVALS: usize = 4;
+/// Distance from a better match within which a rival has no ring, screen points.
+const RING_ROOM: f32 = 20.0;
 /// Distance from a better match within which a rival has no label, screen points.
 const LABEL_ROOM: f32 = 70.0;
 
-pub fn draw(canvas: &Canvas) {
+/// Returns the correlations and places of the suggested matches in this image, best first. Rivals whose
+/// rings would overlap with a better one are left out.
+pub fn places(canvas: &Canvas) -> Vec<(f64, Pos2)> {
     let model = canvas.model;
-    if model.document.half.is_none_or(|half| half.side == canvas.side) {
-        return;
-    }
-    let Some(Ok(found)) = model.open.suggestion.as_ref() else { return };
+    let is_due = model.document.half.is_some_and(|half| half.side != canvas.side);
+    let found = model.open.suggestion.as_ref().filter(|_| is_due).and_then(|found| found.as_ref().ok());
+    let mut places: Vec<(f64, Pos2)> = Vec::new();
     // Places that hardly look like the click would only mislead.
-    let offer = match found.verdict {
-        Clarity::Clear => "Enter to accept",
-        Clarity::Ambiguous => "one of several alike",
-        Clarity::Weak | Clarity::NoReturn => return,
-    };
-    let color = theme::pair_color(model.document.pairs.len());
-    let places = found
-        .candidates
-        .iter()
-        .take(1 + RIVALS)
-        .map(|candidate| (candidate.correlation, canvas.transform.screen_from_image(candidate.position)));
-    let places: Vec<_> = places.collect();
+    let shown = found.filter(|found| matches!(found.verdict, Clarity::Clear | Clarity::Ambiguous));
+    for candidate in shown.iter().flat_map(|found| &found.candidates).take(1 + RIVALS) {
+        let at = canvas.transform.screen_from_image(candidate.position);
+        if places.iter().all(|(_, better)| better.distance(at) > RING_ROOM) {
+            places.push((candidate.correlation, at));
+        }
+    }
+    places
+}
+
+pub fn draw(canvas: &Canvas) {
+    let color = theme::pair_color(canvas.model.document.pairs.len());
+    let is_clear = matches!(&canvas.model.open.suggestion, Some(Ok(found)) if found.clear().is_some());
+    let offer = if is_clear { "Enter to accept" } else { "one of several alike" };
+    let places = places(canvas);
     for (rank, (correlation, at)) in places.iter().enumerate().rev() {
         let (radius, width, shade) = if rank == 0 { (11.0, 2.0, 1.0) } else { (7.0, 1.3, 0.6) };
         for (color, width) in [(theme::HALO, width + 2.5), (theme::SUGGESTED.gamma_multiply(shade), width)] {

@@ -64,6 +64,10 @@ const COLUMNS: [Column; 7] = [
 /// Width below which the right epipole is left out, screen points: figures would run into each other.
 const ROOM_FOR_ALL: f32 = 400.0;
 
+/// Why the result may have worse figures than a hypothesis.
+const RESULT: &str = "Hypotheses are ranked by their support in reduced images. The result is fitted to patches at \
+                      full resolution, so a hypothesis may have more support.";
+
 /// Columns that belong to a step.
 fn columns_of(step: MethodStep) -> &'static [usize] {
     if step == MethodStep::RoundTrip { &[0, 3, 4, 5, 6] } else { &[0, 1, 2, 5, 6] }
@@ -117,7 +121,10 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
             let (scales, value) = (scales.as_ref()?, figure.of(listed.hypothesis(row)));
             if number(row).is_some() { scales.gauge(figure, value) } else { scales.of_result(figure, value) }
         },
-        about: &|row| Some(standing(row)?.in_words(listed.result?, number(row)?)),
+        about: &|row| match number(row) {
+            Some(number) => Some(Standing::of(listed.result?, number)?.in_words(listed.result?, number)),
+            None => Some(RESULT.to_owned()),
+        },
         look: &|row| RowLook {
             chosen: chosen == number(row),
             lit: number(row).is_some() && lit == number(row),

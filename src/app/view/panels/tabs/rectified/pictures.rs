@@ -141,6 +141,8 @@ fn paint(
             }
         }
         RectifiedSheet::Both => {
+            // The colours are added to the background.
+            painter.rect_filled(transforms[0].rect, 0.0, Color32::BLACK);
             let (red, cyan) =
                 (Color32::from_rgb(255, 0, 0), Color32::from_rgba_premultiplied(0, 255, 255, 0));
             for (kept, side, tint) in
