@@ -147,17 +147,21 @@ fn typed_focal_lengths_give_a_scene_and_leave_the_geometry() {
         window.get_by_role_and_label(Role::TextInput, name).type_text(text);
         window.step();
     }
-    assert!(window.query_by_label("not a positive number").is_some());
+    window.get_by_label("not a positive number");
+    window.get_by_label("included in the uncertainty of the pose");
     press(&mut window, Key::Enter);
     assert_eq!(stage(&window), StageId::Pictures, "nothing to use yet");
-    window.get_by_role_and_label(Role::TextInput, "Left image").focus();
-    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    window.step();
-    window.get_by_role_and_label(Role::TextInput, "Left image").type_text("300");
-    window.step();
+    for (name, text) in [("Left image", "300"), ("Known to ±", "2")] {
+        window.get_by_role_and_label(Role::TextInput, name).focus();
+        window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        window.step();
+        window.get_by_role_and_label(Role::TextInput, name).type_text(text);
+        window.step();
+    }
     tap(&mut window, "Use");
     assert_eq!(stage(&window), StageId::Scene);
-    assert!(!window.state().model().scene().unwrap().has_guess());
+    let deviation = window.state().model().scene().unwrap().focal_deviation();
+    assert!((deviation - 0.02).abs() < 1e-12, "{deviation}");
     assert_eq!(fundamental(&window), before);
     let path = files.0.path().join("work.json");
     save_as(&mut window, &path);

@@ -210,7 +210,7 @@ impl ComparisonQuestion {
                 self.imported.as_ref().map(|given| known(&given.fundamental, 0)).ok_or_else(none)
             }
             Contestant::Truth => {
-                let none = || "not known or not in use".to_owned();
+                let none = || "not in use".to_owned();
                 truth.map(|truth| known(&truth.fundamental, truth.matches.len())).ok_or_else(none)
             }
         });

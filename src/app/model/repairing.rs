@@ -45,7 +45,10 @@ impl Model {
     /// Returns what the images tell about a pair whose place along the line they do not confirm.
     pub fn unconfirmed(&self, pair: usize) -> Option<&Slid> {
         let points = self.document.pairs.get(pair)?;
-        self.open.slid.iter().flatten().find(|slid| slid.pair == *points)
+        let (question, unconfirmed) = self.open.slid.as_ref()?;
+        let is_of_these = self.trusted_result().is_some_and(|found| found == question.found)
+            && self.open.pictures().is_some_and(|pictures| pictures == question.pictures);
+        unconfirmed.iter().find(|slid| is_of_these && slid.pair == *points)
     }
 
     /// Returns whether no clear match of a pair was found.

@@ -61,13 +61,10 @@ impl Scene {
         self.question == *question
     }
 
-    /// Returns whether a focal length is a guess.
-    pub fn has_guess(&self) -> bool {
-        self.question
-            .views
-            .views
-            .iter()
-            .any(|view| view.camera().focal_deviation().is_some_and(|deviation| deviation > 0.0))
+    /// Returns the relative standard deviation of the focal lengths, 0 for a calibration.
+    pub fn focal_deviation(&self) -> f64 {
+        let views = &self.question.views.views;
+        views.iter().filter_map(|view| view.camera().focal_deviation()).fold(0.0, f64::max)
     }
 
     /// Returns the scene point of a match.

@@ -56,7 +56,7 @@ pub struct Tasks {
     suggesting: Following<SuggestQuestion, Suggested>,
     advising: Following<NextClickQuestion, Option<NextClick>>,
     straightening: Following<LensQuestion, (LensQuestion, Option<DivisionFit>)>,
-    checking: Following<SlidQuestion, Vec<Slid>>,
+    checking: Following<SlidQuestion, (SlidQuestion, Vec<Slid>)>,
     /// Repair of pairs.
     pub repairing: Task<RepairQuestion, Repaired>,
     /// Search for the time offset of sequences.
@@ -144,7 +144,10 @@ impl Tasks {
                 let found = lens(&question);
                 (question, found)
             }),
-            checking: Following::strict("places of pairs", &waker, move |question| slid(&question)),
+            checking: Following::strict("places of pairs", &waker, move |question| {
+                let found = slid(&question);
+                (question, found)
+            }),
             repairing,
             aligning,
             rectifying: Following { task: rectifying, asked: None, keeps: true },

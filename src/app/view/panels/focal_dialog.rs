@@ -7,26 +7,28 @@ use crate::app::model::command::Command;
 use crate::app::model::document::Side;
 use crate::camera::FocalLength;
 
-/// A picture whose focal length is asked for.
-#[derive(Debug, Clone)]
-struct Row {
-    /// Focal length of the EXIF data.
-    guess: Option<FocalLength>,
-    text: String,
-}
+/// Relative standard deviation proposed for typed focal lengths, as for those of EXIF data. A chosen value:
+/// who has a calibration changes it to 0.
+const TYPED_DEVIATION: f64 = 0.05;
 
 /// The typed focal lengths.
 #[derive(Debug, Clone)]
 pub struct FocalDialog {
-    rows: [Row; 2],
+    /// Focal lengths from EXIF data.
+    guesses: [Option<FocalLength>; 2],
+    pixels: [String; 2],
+    /// Deviation of both in percent.
+    percent: String,
     just_opened: bool,
 }
 
 impl FocalDialog {
     /// Creates the dialog with the focal lengths of EXIF data.
     pub fn new(guesses: [Option<FocalLength>; 2]) -> Self {
-        let rows = guesses.map(|guess| Row { guess, text: guess.map_or_else(String::new, shown) });
-        Self { rows, just_opened: true }
+        let pixels = guesses.map(|guess| guess.map_or_else(String::new, shown));
+        let deviation = guesses.iter().flatten().map(|guess| guess.deviation).reduce(f64::max);
+        let percent = format!("{:.0}", 100.0 * deviation.unwrap_or(TYPED_DEVIATION));
+        Self { guesses, pixels, percent, just_opened: true }
     }
 
     /// Shows the dialog. Returns whether it stays open.
@@ -36,55 +38,68 @@ impl FocalDialog {
                         are taken to be in the middle. A calibration file tells more: drop it on the window.";
             ui.add(Label::new(text).wrap());
             ui.add_space(6.0);
-            for side in Side::BOTH {
-                let row = &mut self.rows[side.index()];
-                let name = ["Left image", "Right image"][side.index()];
+            let percent = self.percent();
+            let notes = [self.note(Side::Left), self.note(Side::Right)];
+            let [left, right] = &mut self.pixels;
+            for (name, text, hint, unit, note) in [
+                ("Left image", left, "focal length", "px", notes[0]),
+                ("Right image", right, "focal length", "px", notes[1]),
+                ("Known to ±", &mut self.percent, "0", "%", percent.map_or(NO_PERCENT, of_percent)),
+            ] {
                 ui.horizontal(|ui| {
                     let label = row_label(ui, name);
-                    let edit =
-                        TextEdit::singleline(&mut row.text).hint_text("focal length").desired_width(110.0);
+                    let edit = TextEdit::singleline(text).hint_text(hint).desired_width(110.0);
                     let field = ui.add(edit).labelled_by(label.id);
-                    if self.just_opened && side == Side::Left {
+                    if std::mem::take(&mut self.just_opened) {
                         field.request_focus();
                     }
-                    ui.label("px");
-                    ui.weak(row.note());
+                    ui.label(unit);
+                    ui.weak(note);
                 });
             }
             ui.add_space(6.0);
-            let [left, right] = self.rows.each_ref().map(Row::focal);
-            let use_them = left.zip(right).map(|(left, right)| Command::SetFocalLengths([left, right]));
+            let lengths = Side::BOTH.map(|side| self.focal(side));
+            let use_them = if let [Some(left), Some(right)] = lengths { Some([left, right]) } else { None };
+            let use_them = use_them.map(Command::SetFocalLengths);
             ui.horizontal(|ui| ending(ui, "Use", use_them, Command::ShowFocalLengths, commands));
         });
         self.just_opened = false;
         open
     }
-}
 
-impl Row {
-    /// Returns the guess while its text is unchanged, else the typed focal length.
-    fn focal(&self) -> Option<FocalLength> {
-        let text = self.text.trim();
-        let typed = || {
-            let pixels: f64 = text.parse().ok()?;
-            (pixels.is_finite() && pixels > 0.0).then_some(FocalLength { pixels, deviation: 0.0 })
-        };
-        self.guess.filter(|guess| shown(*guess) == text).or_else(typed)
+    fn focal(&self, side: Side) -> Option<FocalLength> {
+        let pixels: f64 = self.pixels[side.index()].trim().parse().ok()?;
+        let deviation = self.percent()? / 100.0;
+        (pixels.is_finite() && pixels > 0.0).then_some(FocalLength { pixels, deviation })
     }
 
-    /// Tells where the focal length is from, or what is wrong with it.
-    fn note(&self) -> String {
-        match self.focal() {
-            Some(FocalLength { deviation, .. }) if deviation > 0.0 => {
-                format!("guessed from EXIF data, ± {:.0} %", 100.0 * deviation)
+    /// Returns the deviation in percent; that of an empty field is 0.
+    fn percent(&self) -> Option<f64> {
+        let text = self.percent.trim();
+        let percent = if text.is_empty() { 0.0 } else { text.parse().ok()? };
+        (0.0..100.0).contains(&percent).then_some(percent)
+    }
+
+    /// Tells where a focal length is from, or what is wrong with it.
+    fn note(&self, side: Side) -> &'static str {
+        let text = self.pixels[side.index()].trim();
+        match text.parse::<f64>() {
+            _ if self.guesses[side.index()].is_some_and(|guess| shown(guess) == text) => {
+                "guessed from EXIF data"
             }
-            Some(_) => String::new(),
-            None if self.text.trim().is_empty() => {
-                "no EXIF data; often 0.7 to 1.3 times the width".to_owned()
-            }
-            None => "not a positive number".to_owned(),
+            _ if text.is_empty() => "no EXIF data; often 0.7 to 1.3 times the width",
+            Ok(pixels) if pixels.is_finite() && pixels > 0.0 => "",
+            _ => "not a positive number",
         }
     }
+}
+
+/// Text beside a deviation that cannot be read.
+const NO_PERCENT: &str = "not a percentage below 100";
+
+/// Tells what a deviation in percent means.
+fn of_percent(percent: f64) -> &'static str {
+    if percent > 0.0 { "included in the uncertainty of the pose" } else { "exact" }
 }
 
 fn shown(focal: FocalLength) -> String {

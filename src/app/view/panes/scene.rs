@@ -1,5 +1,7 @@
 //! The scene of a calibrated pair: both cameras and the triangulated matches, seen from outside.
 
+use std::fmt::Write;
+
 use egui::{
     Align2, Color32, FontId, Mesh, Painter, PointerButton, Pos2, Rect, Sense, Stroke, Ui, WidgetInfo, vec2,
 };
@@ -194,8 +196,8 @@ impl Drawing {
                 [scene.fit.pose.rotation.angle(), uncertainty.rotation].map(f64::to_degrees);
             text = format!("{text}  turned by {turn:.2}° ± {deviation:.2}°");
         }
-        if scene.has_guess() {
-            text += "  focal lengths guessed";
+        if scene.focal_deviation() > 0.0 {
+            let _ = write!(text, "  focal lengths ± {:.0} %", 100.0 * scene.focal_deviation());
         }
         if let Some((word, _)) = model.doubt() {
             text = format!("{text}  {word}");

@@ -9,7 +9,6 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::comparison::{Comparison, Contestant, PointSet, Subject};
 use crate::app::model::ids::TabId;
-use crate::app::model::truth::NO_TRUTH;
 use crate::app::view::theme;
 use crate::comparison::Spread;
 use crate::io::TruthOrigin;
@@ -204,7 +203,6 @@ fn summary(
                 Contestant::SevenPoint if is_fitted => {
                     "Of several solutions, the nearest to the measured points counts."
                 }
-                Contestant::Truth if model.open.known.is_none() => return Some(NO_TRUTH.to_owned()),
                 Contestant::Truth if !is_fitted => {
                     return Some("Press Ground truth (G) to use it.".to_owned());
                 }

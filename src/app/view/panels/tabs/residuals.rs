@@ -138,10 +138,14 @@ pub fn choice(
     }
 }
 
-/// Returns the geometries with a row. An imported geometry has a row only if there is one.
+/// Returns the geometries with a row. An imported and the true geometry have a row only if they are known.
 pub fn contestants(model: &Model) -> Vec<Contestant> {
-    let has_imported = model.document.imported.is_some();
-    Contestant::ALL.into_iter().filter(|c| has_imported || *c != Contestant::Imported).collect()
+    let has_row = |contestant: &Contestant| match contestant {
+        Contestant::Imported => model.document.imported.is_some(),
+        Contestant::Truth => model.open.known.is_some(),
+        _ => true,
+    };
+    Contestant::ALL.into_iter().filter(has_row).collect()
 }
 
 /// Returns the columns of the points table: the point, and its distance to each geometry.
