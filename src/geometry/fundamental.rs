@@ -25,7 +25,7 @@ pub enum NotFundamental {
     /// The matrix is far from every matrix of rank 2. The number is the ratio of the third to the second
     /// singular value, 0 to 1: the larger of the ratios in pixels and in conditioned coordinates.
     #[error(
-        "the matrix has rank 3 (its third singular value is {:.2} % of the second), a fundamental matrix has 2: is it a homography, or rounded to too few digits?",
+        "the matrix has rank 3 (its third singular value is {:.2} % of the second), a fundamental matrix has 2. It may be a homography, or rounded to too few digits",
         100.0 * .0
     )]
     RankThree(f64),

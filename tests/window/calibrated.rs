@@ -9,8 +9,8 @@ use epiline::internals::app::model::suggesting::LensQuestion;
 use epiline::internals::app::{Opening, Services, Start};
 
 use crate::support::{
-    ESTIMATED, Files, Window, click, drag, drop_files, pane, press, press_with, save_as, services, settle,
-    tap, undo, window,
+    ESTIMATED, Files, Window, click, click_at, drag, drop_files, pane, press, press_with, save_as, services,
+    settle, tap, undo, window,
 };
 
 const FRAME: Frame = Frame { width: 320, height: 240 };
@@ -213,8 +213,12 @@ fn a_lens_that_explains_the_matches_better_is_offered_used_and_removed() {
     let services = Services { lens: Box::new(lens), ..services() };
     let mut window = window(Start { opening, imports: Vec::new(), pairs: pairs().to_vec() }, services);
     settle(&mut window);
+    click_at(&mut window, Side::Left, 0.1, 0.1);
+    press(&mut window, Key::Escape);
+    assert!(window.state().model().can_undo());
     tap(&mut window, "Details");
     assert!(window.query_by_label_contains("λ -0.200 ± 0.010").is_some());
+    window.get_by_label_contains("correct it for exact lines and epipoles");
     tap(&mut window, "Correct the lens distortion");
     let frame = window.state().document().frame(Side::Left).unwrap();
     assert!(frame.width > 320, "{frame:?}");
@@ -225,7 +229,10 @@ fn a_lens_that_explains_the_matches_better_is_offered_used_and_removed() {
     // Undo takes it back, and the lens is offered again.
     undo(&mut window);
     assert_eq!(window.state().document().frame(Side::Left), Some(FRAME));
-    assert!(!window.state().model().can_undo());
+    assert!(window.state().model().can_undo(), "the steps before the correction are there");
+    undo(&mut window);
+    assert!(window.state().document().half.is_some());
+    press(&mut window, Key::Escape);
     tap(&mut window, "Correct the lens distortion");
     // The focal lengths are unknown, so a scene asks for them, and the lines stay where they are.
     assert!(window.state().model().scene_question().is_none());

@@ -529,14 +529,14 @@ fn nothing_measured_on_one_pair_shows_beside_another() {
     drop_files(&mut window, std::slice::from_ref(&path));
     tap(&mut window, "Use this reading");
     window.get_by_label_contains("Imported a geometry from F.txt");
-    window.get_by_label_contains("median of");
+    window.get_by_label_contains("px median, ");
     // Asked about once more, and not answered.
     drop_files(&mut window, std::slice::from_ref(&path));
     window.get_by_label("Which convention does this matrix use?");
     drop_files(&mut window, &[files.image("a.png", 640, 480), files.image("b.png", 640, 480)]);
     assert!(window.query_by_label("Which convention does this matrix use?").is_none());
     assert_eq!(imported(&window), None);
-    for words in ["Imported a geometry", "median of", "The images show the imported geometry"] {
+    for words in ["Imported a geometry", "px median, ", "The images show the imported geometry"] {
         assert!(window.query_by_label_contains(words).is_none(), "{words}");
     }
     // Beside these pictures nothing is known that could tell what the matrix means.

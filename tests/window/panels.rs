@@ -183,7 +183,7 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
     // The profiles follow the selected pair, and the left line runs to the right.
     for name in ["p", "q"] {
         tap(&mut window, &format!("Row of pair {name}"));
-        window.get_by_label_contains(&format!("Epipolar lines of {name}, "));
+        window.get_by_label_contains(&format!("Lines of {name}, "));
         let inspection = window.state().model().open.inspection.as_ref().unwrap();
         assert!(inspection.lines[0].direction.x > 0.0);
     }

@@ -290,7 +290,7 @@ impl Inspector {
     }
 
     fn travel(&mut self, back: bool) {
-        if back && !self.model.history.can_undo() && self.model.history.after_lens {
+        if back && !self.model.history.can_undo() && self.model.history.before_lens.is_some() {
             // The correction of the lens came first.
             return self.remove_calibration();
         }

@@ -9,6 +9,7 @@ use crate::app::model::album::Album;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::document::{Document, Imported, Side};
 use crate::app::model::exchange::is_importable;
+use crate::app::model::history::History;
 use crate::app::model::ids::StageId;
 use crate::app::model::picture::Opened;
 use crate::app::model::session::{OpenSession, has_session_extension};
@@ -62,7 +63,7 @@ impl Inspector {
     fn show_pictures(&mut self, ctx: &egui::Context, mut pair: LoadedPair) {
         // Another pair of the same folder belongs to the same session.
         let turns = pair.restored.is_none() && self.model.is_of_open_folder(pair.folder.as_ref());
-        let before = self.model.document.clone();
+        let before = (self.model.document.clone(), std::mem::take(&mut self.model.history));
         let calibrated = pair.calibration.take().zip(self.model.open.pictures.clone());
         let set_aside = !turns && calibrated.is_none() && self.set_aside();
         self.note_recent(&pair);
@@ -115,7 +116,12 @@ impl Inspector {
 
     /// Continues a document with a new calibration of its pictures. Points stay where they are in the
     /// pictures. A pose of the calibration becomes the imported geometry.
-    fn take_over(&mut self, before: Document, [left, right]: &[Opened; 2], calibration: &NewCalibration) {
+    fn take_over(
+        &mut self,
+        (before, past): (Document, History),
+        [left, right]: &[Opened; 2],
+        calibration: &NewCalibration,
+    ) {
         let Model { open, document, history, .. } = &mut self.model;
         let (count, had_imported) = (before.pairs.len(), before.imported.is_some());
         let (pictures, truth) = (document.pictures.take(), document.truth.take());
@@ -130,7 +136,12 @@ impl Inspector {
             let (cameras, file) = (views.posed(&pose), calibration.name.clone()?);
             Some(Imported { fundamental, cameras, file, reading, check: None })
         });
-        history.after_lens = calibration.name.is_none() && calibration.cameras.is_some();
+        match (&calibration.name, &calibration.cameras) {
+            (None, Some(_)) => history.before_lens = Some(Box::new(past)),
+            // Coordinates are those of the time before the correction again.
+            (None, None) => *history = past.before_lens.map_or_else(History::default, |before| *before),
+            (Some(_), _) => {}
+        }
         let judged = if document.imported.is_some() { ". Compare judges its pose" } else { "" };
         open.done.tell(match (&calibration.name, &calibration.cameras) {
             (Some(name), _) => format!("Lens calibrated by {name}{judged}"),

@@ -17,6 +17,8 @@ use crate::judge::{GivenGeometry, Judgement, LIMIT, Reference, judge};
 pub enum Contestant {
     /// The result of the estimate.
     Result,
+    /// A geometry from a file.
+    Imported,
     /// The seven-point algorithm.
     SevenPoint,
     /// The normalised eight-point algorithm.
@@ -25,8 +27,6 @@ pub enum Contestant {
     Ransac,
     /// Least median of squares.
     LeastMedian,
-    /// A geometry from a file.
-    Imported,
     /// The true geometry.
     Truth,
 }
@@ -35,11 +35,11 @@ impl Contestant {
     /// All contestants, in the order of their rows.
     pub const ALL: [Self; 7] = [
         Self::Result,
+        Self::Imported,
         Self::SevenPoint,
         Self::EightPoint,
         Self::Ransac,
         Self::LeastMedian,
-        Self::Imported,
         Self::Truth,
     ];
 

@@ -29,11 +29,12 @@ pub enum DockEdge {
 impl DockEdge {
     const ALL: [Self; 2] = [Self::Bottom, Self::Right];
 
-    /// Returns the smallest size of the dock in a window of this size.
+    /// Returns the smallest size of the dock in a window of this size: more in very large windows, where
+    /// charts would be stripes.
     fn least(self, window: [f32; 2]) -> f32 {
         match self {
-            Self::Bottom => (0.3 * window[1]).clamp(120.0, 190.0),
-            Self::Right => (0.264 * window[0]).clamp(200.0, 300.0),
+            Self::Bottom => (0.3 * window[1]).clamp(120.0, (0.13 * window[1]).max(190.0)),
+            Self::Right => (0.264 * window[0]).clamp(200.0, (0.13 * window[0]).max(300.0)),
         }
     }
 

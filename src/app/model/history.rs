@@ -31,8 +31,8 @@ pub struct History {
     undo: VecDeque<Document>,
     redo: VecDeque<Document>,
     open: Option<EditKey>,
-    /// Whether the correction of the lens came before all states. Undo can take it back.
-    pub after_lens: bool,
+    /// States before the correction of the lens, if that came before all states here. Undo can take it back.
+    pub before_lens: Option<Box<Self>>,
 }
 
 impl History {

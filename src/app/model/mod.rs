@@ -182,7 +182,7 @@ impl Model {
 
     /// Returns whether there is something to undo.
     pub fn can_undo(&self) -> bool {
-        self.history.can_undo() || self.history.after_lens
+        self.history.can_undo() || self.history.before_lens.is_some()
     }
 
     /// Undoes a step, or redoes one.

@@ -261,7 +261,7 @@ fn what_is_wrong_is_said() {
         ("1 1 1 1 1 1 1 1 1", "rank 1 or 0"),
         ("0 0 0 0 0 0 0 0 0", "rank 1 or 0"),
         ("1 0 0 0 1 0 0 0 1", "the matrix has rank 3"),
-        ("0.9 -0.3 120 0.31 0.92 -45 1e-4 -2e-5 1", "is it a homography, or rounded to too few digits?"),
+        ("0.9 -0.3 120 0.31 0.92 -45 1e-4 -2e-5 1", "It may be a homography, or rounded to too few digits"),
         ("F\n1 2 3\n4 5\n", "row 2 has 2 numbers"),
         ("F\n1 2 3\n4 5 6\n", "expected a 3×3 matrix, found 2×3"),
         ("F\n1 2 x\n", "line 2: \"x\" is not a finite number"),

@@ -60,7 +60,8 @@ impl Model {
             return lens;
         }
         // One more pair seldom determines the epipole of a plane or of a turned camera.
-        if estimate.assessment.plane.is_some() && self.tone() != Tone::Bad {
+        let is_ambiguous = reasons.clone().any(|reason| matches!(reason, Reason::Ambiguous { .. }));
+        if estimate.assessment.plane.is_some() && !is_ambiguous && self.tone() != Tone::Bad {
             let command = ExchangeCommand::ShowPlaneExport.into();
             return Some(CardAction::new("Export the homography…", command));
         }
@@ -74,7 +75,9 @@ impl Model {
     pub fn card_remarks(&self) -> String {
         let slid = self.slid_pair().map(pair_name);
         let slid = slid.map(|name| format!(" The match of {name} lies elsewhere on its line."));
-        let lens = self.offered_lens().map(|_| " A lens bends these images.".to_owned());
+        let lens = self
+            .offered_lens()
+            .map(|_| " A lens bends these images; correct it for exact lines and epipoles.".to_owned());
         slid.into_iter().chain(lens).collect()
     }
 

@@ -54,7 +54,7 @@ impl Fact {
 /// Returns the figures of an imported geometry.
 pub fn import_facts(imported: &Imported) -> Vec<Fact> {
     let check = match &imported.check {
-        Some(check) => format!("{:.2} px, median of {} {}", check.median, check.matches, check.of),
+        Some(check) => format!("{:.2} px median, {} {}", check.median, check.matches, check.of),
         None => "unchecked".to_owned(),
     };
     vec![

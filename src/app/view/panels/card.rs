@@ -169,7 +169,13 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let frames = model.document.pictures.as_ref().map(|pictures| pictures.each_ref().map(|of| of.frame));
     let lens = model.offered_lens().zip(frames).map(|(lens, frames)| lens_fact(lens, frames));
     let lens = lens.or(model.open.corrected_lens().map(corrected_fact));
-    let facts: Vec<Fact> = true_error(model).into_iter().chain(facts).chain(pose).chain(lens).collect();
+    // The lens moves the epipoles by more than the matches tell.
+    let bent = model.offered_lens().and(model.open.computation.result());
+    let bent =
+        bent.map_or_else(Vec::new, |(estimate, _)| epipoles(&model.document, estimate.fundamental(), None));
+    let facts = facts.into_iter().filter(|fact| bent.iter().all(|other| other.name != fact.name));
+    let facts: Vec<Fact> =
+        true_error(model).into_iter().chain(facts).chain(bent.clone()).chain(pose).chain(lens).collect();
     list(ui, card_facts(&facts).cloned());
     let is_on_card = |fact: &Fact| card_facts(&facts).any(|other| other.name == fact.name);
     let others: Vec<Fact> = facts.iter().filter(|fact| !is_on_card(fact)).cloned().collect();
@@ -249,12 +255,15 @@ pub fn folded(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 
 /// Returns the true error of the geometry shown, if ground truth is in use.
 fn true_error(model: &Model) -> Option<Fact> {
-    let (_, comparison) =
-        model.truth().zip(model.open.comparison.as_ref()).filter(|_| model.shown().is_some())?;
+    let shown = model.shown()?;
+    let (_, comparison) = model.truth().zip(model.open.comparison.as_ref())?;
     let (error, least) = (comparison.true_error?, comparison.truth_error?);
     Some(Fact::new(
         "True error",
-        format!("{error:.2} px (truth {least:.2})"),
+        match shown.contestant {
+            Some(Contestant::Truth) => format!("{error:.2} px"),
+            _ => format!("{error:.2} px (truth {least:.2})"),
+        },
         "Mean symmetric epipolar distance of all true matches under the geometry shown. The value of the \
          ground truth itself shows how exact the matches are. No estimate can be much better.",
     ))

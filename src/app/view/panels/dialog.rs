@@ -94,7 +94,8 @@ pub fn ending(
 pub fn row_label(ui: &mut Ui, name: &str) -> Response {
     let place = ui.allocate_exact_size(vec2(LABEL_WIDTH, HEIGHT), Sense::hover()).0;
     let left = Layout::left_to_right(Align::Center);
-    ui.scope_builder(UiBuilder::new().max_rect(place).layout(left), |ui| ui.label(name)).inner
+    // A scope would move the cursor back to the end of the text.
+    ui.new_child(UiBuilder::new().max_rect(place).layout(left)).label(name)
 }
 
 /// Gives a button an accessible name longer than its text.

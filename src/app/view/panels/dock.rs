@@ -88,9 +88,10 @@ fn rows(area: Rect, model: &Model) -> [Rect; 3] {
         let (card, pairs) = top.split_left_right_at_fraction(0.5);
         return [card, tab, pairs];
     }
-    // Room for the lines, one unfolded pair and the hint.
+    // Room for the lines, one unfolded pair and the hint. Without pairs, for the hint alone.
     let lines = model.document.pairs.len() as f32 * (theme::ROW + 2.0);
-    let pairs = (lines + 190.0).clamp(100.0, (area.height() * 0.36).max(100.0));
+    let unfolded = if model.document.pairs.is_empty() { 0.0 } else { 190.0 };
+    let pairs = (lines + unfolded).clamp(100.0, (area.height() * 0.36).max(100.0));
     let (card, rest) = area.split_top_bottom_at_y(area.min.y + card);
     let (pairs, tab) = rest.split_top_bottom_at_y(rest.min.y + pairs);
     [card, tab, pairs]

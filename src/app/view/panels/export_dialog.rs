@@ -93,7 +93,10 @@ impl ExportDialog {
         });
         ui.horizontal(|ui| {
             let label = row_label(ui, "Guide lines");
-            let value = DragValue::new(&mut self.options.guide_spacing).range(0..=1000).suffix(" rows");
+            let value = DragValue::new(&mut self.options.guide_spacing)
+                .range(0..=1000)
+                .prefix("every ")
+                .suffix(" rows");
             ui.add(value)
                 .labelled_by(label.id)
                 .on_hover_text("Rows between two guide lines in the picture of both. 0 draws none.");

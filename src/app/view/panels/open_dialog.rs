@@ -63,6 +63,7 @@ impl OpenDialog {
     /// Shows why nothing was opened, and keeps the fields.
     pub fn refuse(&mut self, problem: String) {
         self.problem = Some(problem);
+        self.just_opened = true;
     }
 
     /// Returns the side without a path, if the other one has a path.
@@ -140,11 +141,11 @@ impl OpenDialog {
             elsewhere |= row.show_browse(ui, place, commands).has_focus();
             ui.add_space(6.0);
             ui.weak(
-                "Optional: point pairs, a fundamental matrix or two cameras for the images, in any known \
-                 format.",
+                "Optional: point pairs, a fundamental matrix or two cameras for the images above or the open \
+                 ones, in any known format.",
             );
             ui.add_space(2.0);
-            let hint = "path of the file, for the images above or the open ones";
+            let hint = "path of the file";
             let browse = ExchangeCommand::BrowseImport.into();
             let row = field("Import", hint, "Browse for a file to import", browse);
             let (_, place) = row.show_field(ui, &mut self.import);

@@ -34,6 +34,10 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if let Some((_, judgement)) = comparison.judgement.as_ref().filter(|(of, _)| Some(*of) == imported) {
         let palette = theme::palette(ui.visuals());
         let color = match judgement.finding {
+            // The sentence tells that the two differ by more than chance.
+            Finding::Fits if judgement.significance.is_some_and(|found| found.is_significant) => {
+                palette.caution
+            }
             Finding::Fits => palette.good,
             Finding::DoesNotFit => palette.bad,
             Finding::Undecided => palette.caution,
@@ -235,6 +239,7 @@ fn from(model: &Model, comparison: &Comparison, contestant: Contestant) -> Strin
         PointSet::Pairs | PointSet::TrueMatches => "pairs",
     };
     match contestant {
+        Contestant::Result if fit.pairs == 1 => "1 pair and the images".to_owned(),
         Contestant::Result if fit.pairs > 0 => format!("{} pairs and the images", fit.pairs),
         // Given matches may have taken part.
         Contestant::Result if model.document.given.is_some() => "the images".to_owned(),

@@ -114,7 +114,14 @@ pub fn read_out(model: &Model) -> Option<(String, &'static str)> {
             "The sample of the left line under the cursor: its place, the grey values of both lines, disparity and cost, grey².",
         ));
     }
-    let lines = describe(model, inspected.source);
+    let lines = match inspected.source {
+        LineSource::Pair(pair) => format!("Lines of {}", pair_name(pair)),
+        LineSource::Through { side, point } => {
+            let pixel = model.open.pixel(side, point);
+            format!("Lines of {} ({:.0}, {:.0})", side.name(), pixel.x, pixel.y)
+        }
+        source @ LineSource::Pencil { .. } => describe(model, source),
+    };
     let text = match model.open.inspection.as_ref() {
         Some(inspection) => {
             let matching = &inspection.warped.matching;

@@ -19,6 +19,8 @@ use crate::geometry::Line;
 const MARKED: usize = 80;
 /// Distance within which the cursor snaps to a candidate, screen points.
 const SNAP: f32 = 6.0;
+/// Width of the label of an angle with its gap, screen points.
+const LABEL: f32 = 34.0;
 
 /// Picture of a matrix, kept from frame to frame.
 #[derive(Clone)]
@@ -168,7 +170,8 @@ impl<'a> PencilMatrix<'a> {
         let color = ui.visuals().weak_text_color();
         let font = FontId::proportional(12.0);
         let stroke = Stroke::new(1.0, color);
-        for degrees in (0..=180).step_by(45) {
+        let step = if plot.width() < 4.0 * LABEL { 90 } else { 45 };
+        for degrees in (0..=180).step_by(step) {
             let x = egui::lerp(plot.x_range(), degrees as f32 / 180.0);
             painter.vline(x, plot.max.y..=plot.max.y + 3.0, stroke);
             let at = pos2(x, plot.max.y + 4.0);

@@ -208,11 +208,11 @@ pub fn pixels(value: f64) -> String {
 /// Describes the range of disparities and the range to search.
 fn disparity_hint([low, high]: [f64; 2]) -> (String, &'static str) {
     let sign = if high <= 0.0 {
-        "Swap the pictures for programs that expect positive disparities. "
+        "For programs that expect positive disparities, open the pictures in the other order. "
     } else if low + high >= 0.0 {
         ""
     } else {
-        "Most are negative: swap the pictures for programs that expect positive disparities. "
+        "Most are negative. For programs that expect positive ones, open the pictures in the other order. "
     };
     let [from, to] = search_range([low, high]).map(pixels);
     let [low, high] = [low, high].map(pixels);
@@ -221,7 +221,7 @@ fn disparity_hint([low, high]: [f64; 2]) -> (String, &'static str) {
     (
         text,
         "Smallest and largest disparity (left x − right x) of these matches. Other points may lie beyond, \
-         so the search range is wider, in multiples of 16. Swapping the pictures changes the signs.",
+         so the search range is wider, in multiples of 16. The other order of the pictures changes the signs.",
     )
 }
 
@@ -281,6 +281,6 @@ mod tests {
         let (text, _) = disparity_hint([-12.0, 87.0]);
         assert_eq!(text, "Disparities of matches −12 to 87 px. Suggested search range: −16 to 96.");
         let (text, _) = disparity_hint([-90.4, -14.2]);
-        assert!(text.contains("Swap the pictures") && text.ends_with("range: −96 to 0."), "{text}");
+        assert!(text.contains("in the other order") && text.ends_with("range: −96 to 0."), "{text}");
     }
 }
