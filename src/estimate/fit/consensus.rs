@@ -10,14 +10,15 @@ use nalgebra::Matrix3;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
+use super::neighbours::confirmed;
 use super::noise::{LEAST_SCALE, Noise, residuals};
 use super::scoring::{BAND, Consensus, Units, Witness};
 use super::{Match, climbed};
 use crate::cancel::CancelFlag;
 use crate::estimate::sampling::{Draws, Purpose, best, different};
 use crate::geometry::{
-    Equation, Frame, FundamentalMatrix, GroupedObservation, Matrix9, Observation, REGIONS, deviation,
-    fit_fundamental, grouped_covariance, point_equation, region, sampson_distance, solve_seven,
+    Equation, Frame, FundamentalMatrix, GroupedObservation, Matrix9, Observation, PointPair, REGIONS,
+    deviation, fit_fundamental, grouped_covariance, point_equation, region, sampson_distance, solve_seven,
 };
 
 /// Number of minimal samples. Some 80 % of the less ambiguous matches are right, so one sample of five
@@ -119,8 +120,9 @@ impl Evidence<'_> {
     }
 
     /// Returns the covariance of the nine entries of a fitted geometry, row by row. Matches of one region
-    /// of image 1 share their error ([`region`]); clicks are independent. `None` if the matches do not
-    /// determine all seven degrees of freedom.
+    /// of image 1 share their error ([`region`]); clicks are independent. Matches that their neighbours do
+    /// not confirm say nothing: accidental ones far off a plane would determine the epipole. `None` if the
+    /// matches do not determine all seven degrees of freedom.
     pub fn covariance(&self, fitted: &Fitted) -> Option<Matrix9> {
         let observations = self.observations(fitted);
         let (matches, clicks) = observations.split_at(self.matches.len() + self.given.len());
@@ -134,8 +136,11 @@ impl Evidence<'_> {
             deviation: o.sigma / SQRT_2,
             group: REGIONS + k,
         };
+        let pairs: Vec<PointPair> = matches.iter().map(|o| o.pair).collect();
+        let are_confirmed = confirmed(&pairs, self.frames[1], fitted.noise.inliers);
+        let matches = matches.iter().zip(are_confirmed).filter(|(_, is_confirmed)| *is_confirmed);
         let grouped: Vec<GroupedObservation> =
-            matches.iter().map(of_match).chain(clicks.iter().enumerate().map(of_click)).collect();
+            matches.map(|(o, _)| of_match(o)).chain(clicks.iter().enumerate().map(of_click)).collect();
         grouped_covariance(&fitted.fundamental, &grouped)
     }
 

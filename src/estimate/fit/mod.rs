@@ -6,6 +6,7 @@
 mod consensus;
 mod division;
 mod matches;
+mod neighbours;
 mod noise;
 mod scoring;
 mod uncertainty;
