@@ -22,9 +22,10 @@ const SHARES: std::ops::RangeInclusive<f64> = 0.05..=0.95;
 /// Returns which matches are rather right than wrong, given how many of their neighbours move alike.
 /// `right` is the share of right matches among all. Image 2 has the size `frame2`.
 ///
-/// Neighbours of a right match agree with the share `q` that is measured over all matches, those of a match
-/// at a random place of its line with the share `2 reach / side` of the line. So the log odds of a match
-/// are `ln (right / (1 − right))` and, for each neighbour, `ln (q / p)` or `ln ((1 − q) / (1 − p))`.
+/// A share `q` of the neighbours of right matches agree with them: the share measured over all matches. A
+/// match at a random place of its line agrees with a neighbour with probability `p = 2 reach / side`. So the
+/// log odds of a match are `ln (right / (1 − right))`, plus `ln (q / p)` for each neighbour that agrees and
+/// `ln ((1 − q) / (1 − p))` for each other.
 pub(super) fn confirmed(pairs: &[PointPair], frame2: Frame, right: f64) -> Vec<bool> {
     if pairs.len() <= NEIGHBOURS {
         return vec![true; pairs.len()];

@@ -280,8 +280,8 @@ impl ImagePane {
         hover
     }
 
-    /// Returns the point below the loupe: the one that is dragged, the place of a click that is due, or the
-    /// other point of that pair, so that both can be compared.
+    /// Returns the point below the loupe: the one that is dragged, or the place of a click that is due. The
+    /// other image magnifies the other point of that pair, so that both can be compared.
     fn magnified(&self, model: &Model, hover: Option<Hover>) -> Option<Point> {
         let document = &model.document;
         let hover = hover.or(model.open.hover.filter(|hover| hover.side != self.side))?;
