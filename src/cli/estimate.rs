@@ -45,7 +45,8 @@ pub(super) struct EstimateArguments {
     #[arg(long, value_parser = threads)]
     threads: Option<usize>,
     /// Matches of another program (text, JSON, or .npz with the names of matchers): their geometry
-    /// competes with the program's own, they weigh in its fit, and the images judge it
+    /// competes with the program's own, they weigh in its fit, and the images judge it. A parameter
+    /// of --set fits F to them alone
     #[arg(long, value_name = "FILE", conflicts_with = "method")]
     matches: Option<PathBuf>,
     #[command(flatten)]

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::searches::record::SearchRecord;
-use super::searches::{barcodes, features, lines, published, unclicked};
+use super::searches::{barcodes, features, given, lines, published, unclicked};
 use super::verdict::assessment::{check_images, check_points};
 use super::{Clicks, Estimate, EstimateError, Monitor, Parameters, PreparedPair, SearchPlan};
 use crate::geometry::PointPair;
@@ -58,14 +58,15 @@ fn run(
     if matches!(plan, SearchPlan::Patches { .. } | SearchPlan::Unclicked) {
         record.counts.left_out = prepared.pyramids().left_out();
     }
-    let best = match plan {
-        SearchPlan::Published { .. } => published::search(prepared, &clicks, parameters, &mut record),
-        SearchPlan::Patches { .. } => features::search(prepared, &clicks, parameters, &mut record),
-        SearchPlan::Unclicked => unclicked::search(prepared, &clicks, parameters, &mut record),
-        SearchPlan::LinesAlone { ranked_by } => {
+    let best = match (plan, prepared.given_alone(parameters)) {
+        (SearchPlan::Barcodes, _) => barcodes::search(prepared, &clicks, parameters, &mut record),
+        (_, Some(given)) => given::search(prepared, given, &clicks, parameters, &mut record),
+        (SearchPlan::Published { .. }, _) => published::search(prepared, &clicks, parameters, &mut record),
+        (SearchPlan::Patches { .. }, _) => features::search(prepared, &clicks, parameters, &mut record),
+        (SearchPlan::Unclicked, _) => unclicked::search(prepared, &clicks, parameters, &mut record),
+        (SearchPlan::LinesAlone { ranked_by }, _) => {
             lines::search(prepared, &clicks, ranked_by, parameters, &mut record)
         }
-        SearchPlan::Barcodes => barcodes::search(prepared, &clicks, parameters, &mut record),
     }?;
     record.finish()?;
     let trace = record.trace(&best.clicks, &best.pencils, &best.patches, best.hypotheses, parameters);

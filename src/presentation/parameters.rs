@@ -190,6 +190,11 @@ const WORDS: [Words; PARAMETERS.len()] = [
         0,
         "Number of best hypotheses that are refined. The best refined one is the result.",
     ),
+    switch(
+        "given_alone",
+        "Given matches alone",
+        "Fit F to the matches of another program alone, if there are any. The images and the clicks judge it but do not change it.",
+    ),
     number(
         "click_sigma",
         "Click accuracy",

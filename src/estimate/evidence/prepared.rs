@@ -8,7 +8,7 @@ use crate::estimate::evidence::features::{MatchedFeatures, putative};
 use crate::estimate::evidence::lazy::Lazy;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::PatchLevels;
-use crate::estimate::fit::{Match, MatchFitError, estimate_fundamental};
+use crate::estimate::fit::{Match, MatchFitError, Uncertainty, estimate_fundamental};
 use crate::estimate::{CancelFlag, EstimateError, Parameters, PencilParameters};
 use crate::features::FeatureViews;
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
@@ -38,6 +38,7 @@ pub(in crate::estimate) struct GivenMatches {
     /// Matches that the geometry explains.
     pub inliers: Vec<PointPair>,
     pub all: Vec<Match>,
+    pub uncertainty: Option<Uncertainty>,
 }
 
 /// Least longer side of a pyramid level, px. Parameters that ask for smaller images get the
@@ -64,7 +65,9 @@ impl PreparedPair {
 
     /// Adds matches from another program. The geometry that they agree on competes with the program's
     /// own; the images judge it as strictly. It is the result where the images alone show none.
-    /// Matches near the lines of the result weigh in its final fit, by their own noise.
+    /// Matches near the lines of the result weigh in its final fit, by their own noise. If
+    /// [`given_alone`](crate::estimate::FeatureParameters::given_alone) is set, their geometry is the
+    /// result as it is.
     ///
     /// # Errors
     /// Those of [`estimate_fundamental`]; nothing is added then.
@@ -72,13 +75,19 @@ impl PreparedPair {
         let fit = estimate_fundamental(matches, self.frames(), seed)?;
         let inliers = matches.iter().zip(&fit.inlier_probabilities).filter(|(_, right)| **right > 0.5);
         let inliers = inliers.map(|(found, _)| found.pair).collect();
-        self.given = Some(GivenMatches { fundamental: fit.fundamental, inliers, all: matches.to_vec() });
+        let (fundamental, uncertainty) = (fit.fundamental, fit.uncertainty);
+        self.given = Some(GivenMatches { fundamental, inliers, all: matches.to_vec(), uncertainty });
         Ok(())
     }
 
     /// Returns the matches from elsewhere.
     pub(in crate::estimate) fn given(&self) -> Option<&GivenMatches> {
         self.given.as_ref()
+    }
+
+    /// Returns the matches from elsewhere if the geometry is fitted to them alone.
+    pub(in crate::estimate) fn given_alone(&self, parameters: &Parameters) -> Option<&GivenMatches> {
+        self.given().filter(|_| parameters.features.given_alone)
     }
 
     /// Adds the silhouettes of moving objects in front of two static cameras. Both sequences have

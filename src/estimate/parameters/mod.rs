@@ -203,11 +203,14 @@ pub struct FeatureParameters {
     /// are right, at least one of four pairs is right with a probability of 68 %.
     #[serde(rename = "stand_in_searches")]
     pub stand_ins: usize,
+    /// Whether the geometry is fitted to the matches of another program alone, if there are any
+    /// ([`add_matches`](super::PreparedPair::add_matches)). The images then only judge it.
+    pub given_alone: bool,
 }
 
 impl Default for FeatureParameters {
     fn default() -> Self {
-        Self { draws: 6000, refitted: 30, rematched: 8, views: 2, stand_ins: 4 }
+        Self { draws: 6000, refitted: 30, rematched: 8, views: 2, stand_ins: 4, given_alone: false }
     }
 }
 

@@ -67,7 +67,7 @@ macro_rules! choice {
 
 /// All parameters: first the parameters in the window, in the order of the stages, then the
 /// parameters for experts.
-pub const PARAMETERS: [ParameterEntry; 42] = [
+pub const PARAMETERS: [ParameterEntry; 43] = [
     number!("coarse_side", Pyramid, " px", [32.0, 1024.0], pencils.coarse_side),
     number!("line_spacing", Pencils, " px", [0.5, 16.0], pencils.line_spacing),
     number!("rotation", Pencils, "", [0.0, PI], pencils.rotation),
@@ -103,6 +103,7 @@ pub const PARAMETERS: [ParameterEntry; 42] = [
     switch!("parallax", Validation, patches.parallax),
     switch!("refine", Refinement, refinement.refine),
     number!("refined", Refinement, " best", [1.0, 60.0], refinement.refined; usize),
+    switch!("given_alone", Refinement, features.given_alone),
     number!("click_sigma", Refinement, " px", [0.01, 20.0], click_sigma),
     number!("supported", Hypotheses, "", [1.0, 100_000.0], patches.supported; usize).for_experts(),
     number!("pooled", Validation, "", [1.0, 60.0], patches.pooled; usize).for_experts(),

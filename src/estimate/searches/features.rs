@@ -69,6 +69,11 @@ impl FeatureProposals {
         Ok(Self { hypotheses, of, views })
     }
 
+    /// Returns the proposed geometries.
+    pub fn fundamentals(&self) -> Vec<FundamentalMatrix> {
+        self.hypotheses.iter().map(|h| h.fundamental).collect()
+    }
+
     /// Ranks, refines and judges the proposals under each of their views, and adds the results to
     /// `all`. Ends with the first result that settles the search, and returns whether one does.
     pub fn judge_under_views(
@@ -80,7 +85,7 @@ impl FeatureProposals {
         record: &mut SearchRecord,
         all: &mut Vec<Judged>,
     ) -> Result<bool, EstimateError> {
-        let proposed: Vec<FundamentalMatrix> = self.hypotheses.iter().map(|h| h.fundamental).collect();
+        let proposed = self.fundamentals();
         for view in &self.views {
             let patches = prepared.patches_with_features(*view, self.of);
             let viewed = ViewedPair::new(prepared, patches, parameters);
@@ -155,21 +160,36 @@ pub(super) fn judge_proposed(
     parameters: &Parameters,
     record: &SearchRecord,
 ) -> Result<Option<Judged>, EstimateError> {
+    let cancel = record.cancel();
+    let ranked = ranked(proposed, rivals, viewed, clicks, parameters, record)?;
+    if ranked.is_empty() {
+        return Ok(None);
+    }
+    let anchors = clicks.anchors();
+    let (hypotheses, _) =
+        distinct_hypotheses(&ranked, viewed, anchors.first_chunk::<2>(), parameters, cancel)?;
+    let found = refine_ranked(&ranked, hypotheses, viewed, clicks, parameters, cancel)?;
+    Ok(Some(Judged::of(found, viewed, clicks, parameters, record)))
+}
+
+/// Ranks proposed geometries by patches and features under a view, together with `rivals`.
+pub(super) fn ranked(
+    proposed: &[FundamentalMatrix],
+    rivals: &[Estimate],
+    viewed: &ViewedPair,
+    clicks: &Clicks,
+    parameters: &Parameters,
+    record: &SearchRecord,
+) -> Result<Vec<Proposal>, EstimateError> {
     let anchors = clicks.anchors();
     let anchors = anchors.first_chunk::<2>();
-    let (fine, cancel) = (viewed.fine(), record.cancel());
+    let fine = viewed.fine();
     let turn = viewed.patches.view().rotation;
     let starts: Vec<Proposal> =
         proposed.iter().filter_map(|f| Proposal::of(f, anchors, turn, fine)).collect();
     // Geometries found under the upright view compete under the same support.
     let rivals = rivals.iter().filter_map(|h| Proposal::of(h.fundamental(), anchors, h.turn(), fine));
-    let ranked = rank_fine(fine, starts, rivals.collect(), &clicks.observed(), parameters, cancel)?;
-    if ranked.is_empty() {
-        return Ok(None);
-    }
-    let (hypotheses, _) = distinct_hypotheses(&ranked, viewed, anchors, parameters, cancel)?;
-    let found = refine_ranked(&ranked, hypotheses, viewed, clicks, parameters, cancel)?;
-    Ok(Some(Judged::of(found, viewed, clicks, parameters, record)))
+    rank_fine(fine, starts, rivals.collect(), &clicks.observed(), parameters, record.cancel())
 }
 
 #[cfg(test)]

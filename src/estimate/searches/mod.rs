@@ -6,12 +6,14 @@
 //! | `patches` | lines through two clicks | patches |
 //! | `features` | `patches`, then covariant features if doubts remain | patches and features |
 //! | `unclicked` | covariant features, then lines through two of their matches | patches and features |
+//! | `given` | matches of another program, alone | nothing: their geometry stays as it is |
 //! | `lines` | all lines of both images (paper, section 4) | agreement of lines, or patches |
 //! | `barcodes` | lines through clicks and all lines, by motion barcodes (paper, section 2.3) | motion barcodes |
 
 pub(super) mod barcodes;
 mod clicks_alone;
 pub(super) mod features;
+pub(super) mod given;
 mod judged;
 pub(super) mod lines;
 mod patches;

@@ -90,7 +90,10 @@ mod tests {
     use super::*;
     use crate::estimate::exact::{ExactScene, FRAME};
     use crate::estimate::sampling::{Purpose, stream};
-    use crate::estimate::{ClickRole, Estimate, Match, Method, Monitor, Preset, Verdict, estimate_prepared};
+    use crate::estimate::{
+        ClickRole, Estimate, Match, Method, Monitor, Preset, Uncertainty, Verdict, estimate_fundamental,
+        estimate_prepared,
+    };
     use crate::geometry::PointPair;
     use crate::image::GrayPlane;
 
@@ -153,6 +156,34 @@ mod tests {
         prepared.add_matches(&matches, 0).unwrap();
         let found = estimate_prepared(&prepared, &[], &Parameters::default(), &Monitor::silent()).unwrap();
         assert!(found.assessment.trust.as_ref().unwrap().verdict != Verdict::Reliable);
+    }
+
+    #[test]
+    fn matches_alone_give_their_own_geometry_and_the_images_judge_it() {
+        let scene = ExactScene::aside();
+        let run = |matches: &[PointPair], clicks: &[PointPair]| {
+            let mut prepared = scene.prepared();
+            let matches: Vec<Match> = matches.iter().copied().map(Match::from).collect();
+            prepared.add_matches(&matches, 0).unwrap();
+            let mut parameters = Parameters::default();
+            parameters.features.given_alone = true;
+            let found = estimate_prepared(&prepared, clicks, &parameters, &Monitor::silent()).unwrap();
+            let verdict = found.assessment.trust.as_ref().unwrap().verdict;
+            let fit = estimate_fundamental(&matches, prepared.frames(), 0).unwrap();
+            assert_eq!(found.fundamental(), &fit.fundamental, "nothing else weighs in the fit");
+            let of = |uncertainty: &Uncertainty| uncertainty.covariance();
+            assert_eq!(found.uncertainty().map(of), fit.uncertainty.as_ref().map(of));
+            verdict
+        };
+        let right = scene.pairs(60);
+        let lower = |m: &PointPair| PointPair::new(m.point1.x, m.point1.y, m.point2.x, m.point2.y + 25.0);
+        let wrong: Vec<PointPair> = right.iter().map(lower).collect();
+        for clicks in [&[][..], &scene.clicks()] {
+            let own =
+                estimate_prepared(&scene.prepared(), clicks, &Parameters::default(), &Monitor::silent());
+            assert_eq!(run(&right, clicks), own.unwrap().assessment.trust.as_ref().unwrap().verdict);
+            assert_eq!(run(&wrong, clicks), Verdict::Unreliable);
+        }
     }
 
     #[test]

@@ -191,6 +191,9 @@ const MOST_NAMES: usize = 4;
 
 /// Returns the used pairs in words: `pairs p and q`, or `12 pairs`.
 fn used(document: &Document) -> String {
+    if document.given.is_some() && document.parameters.features.given_alone {
+        return "the given matches alone".into();
+    }
     if document.is_unclicked() {
         return match document.used().count() {
             0 if document.given.is_some() => "the images".into(),

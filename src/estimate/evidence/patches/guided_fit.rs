@@ -23,7 +23,7 @@ use super::matches::{LEAST_MATCHES, LevelMatch, MATCH_SIGMA, at_level};
 use super::near_lines::is_within;
 use super::refinement::{Refined, RefinementLevel};
 use crate::cancel::CancelFlag;
-use crate::estimate::fit::{Evidence, Fitted, Match};
+use crate::estimate::fit::{Evidence, Fitted, Match, Noise};
 use crate::geometry::{FundamentalMatrix, Observation, sampson_distance};
 use crate::image::{GrayPlane, PairLevel, RelativeView};
 
@@ -135,6 +135,18 @@ impl GuidedMatcher<'_> {
         self.refined(Followed { matches, fitted }, &fixed, band)
     }
 
+    /// Returns a geometry (full size) as it is, with the matches along its lines, of which there may be
+    /// few. They tell nothing about its uncertainty.
+    pub(super) fn unchanged(&self, f: &FundamentalMatrix) -> Option<Refined> {
+        let [s1, s2] = self.level.scales;
+        let f = f.rescaled(s1, s2)?;
+        let mut matches = self.matches(&f, WIDEST);
+        let fixed = Fixed { clicks: Vec::new(), given: Vec::new() };
+        let noise = self.evidence(&observed(&matches), &fixed, WIDEST).explained(&f).noise;
+        keep_right(&mut matches, &f, noise);
+        Refined::new(self.level, &f, &matches, Some(noise.scale), None)
+    }
+
     fn matches(&self, f: &FundamentalMatrix, band: f64) -> Vec<LevelMatch> {
         let mut found = self.stage.matches_along_lines(self.level, self.view, self.features, f, band);
         found.retain(|m| is_within(f, &m.found.pair, band));
@@ -170,14 +182,17 @@ impl GuidedMatcher<'_> {
         let evidence_matches = observed(&matches);
         let covariance = self.evidence(&evidence_matches, fixed, band).covariance(&fitted);
         let (f, noise) = (fitted.fundamental, fitted.noise);
-        let right =
-            |m: &LevelMatch| sampson_distance(&f, &m.found.pair) < noise.reach() * m.sigma / MATCH_SIGMA;
-        matches.retain(right);
+        keep_right(&mut matches, &f, noise);
         if matches.len() < LEAST_MATCHES {
             return None;
         }
         Refined::new(self.level, &f, &matches, Some(noise.scale), covariance.as_ref())
     }
+}
+
+/// Keeps the matches within reach of the noise.
+fn keep_right(matches: &mut Vec<LevelMatch>, f: &FundamentalMatrix, noise: Noise) {
+    matches.retain(|m| sampson_distance(f, &m.found.pair) < noise.reach() * m.sigma / MATCH_SIGMA);
 }
 
 /// Returns matches relative to an aligned one.

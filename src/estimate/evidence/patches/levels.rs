@@ -207,10 +207,23 @@ impl PatchLevels {
         settling: &Settling,
         cancel: &CancelFlag,
     ) -> Option<Refined> {
-        let (level, stage) = self.refinement(pyramids).pop()?;
-        let features = &self.aligned[self.refinement(pyramids).len() - 1];
-        let matcher = GuidedMatcher { stage, level: &level, view: self.view(), features };
-        matcher.settled(start, settling, cancel)
+        self.at_full_size(pyramids, |matcher| matcher.settled(start, settling, cancel))
+    }
+
+    /// Returns a geometry as it is, with the matches along its lines at full size.
+    pub fn matched(&self, pyramids: &PyramidPair, f: &FundamentalMatrix) -> Option<Refined> {
+        self.at_full_size(pyramids, |matcher| matcher.unchanged(f))
+    }
+
+    fn at_full_size(
+        &self,
+        pyramids: &PyramidPair,
+        fit: impl FnOnce(&GuidedMatcher) -> Option<Refined>,
+    ) -> Option<Refined> {
+        let mut levels = self.refinement(pyramids);
+        let features = &self.aligned[levels.len() - 1];
+        let (level, stage) = levels.pop()?;
+        fit(&GuidedMatcher { stage, level: &level, view: self.view(), features })
     }
 
     /// Returns the mutual best matches of corners among the pairs that are `possible`, aligned.

@@ -239,7 +239,10 @@ impl Judge<'_> {
             patches: parameters.search == Search::Patches,
             barcodes: None,
             refined_on: match refinement {
-                Some(refinement) => RefinedOn::Matches(refinement.matches.len()),
+                Some(_) if self.viewed.prepared.given_alone(parameters).is_some() => {
+                    RefinedOn::Given(matches.len())
+                }
+                Some(_) => RefinedOn::Matches(matches.len()),
                 None if self.clicks_alone => RefinedOn::Clicks,
                 None if !parameters.refinement.refine => RefinedOn::Nothing,
                 None => RefinedOn::TooFewMatches,

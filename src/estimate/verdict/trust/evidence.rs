@@ -285,6 +285,8 @@ pub(in crate::estimate) enum RefinedOn {
     TooFewMatches,
     /// This number of matches.
     Matches(usize),
+    /// Matches of another program alone. This number of matches of the images lies along its lines.
+    Given(usize),
 }
 
 /// Figures that a verdict rests on.

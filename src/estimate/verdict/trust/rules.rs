@@ -60,13 +60,15 @@ impl Trust {
             RefinedOn::Nothing if evidence.patches => reasons.push(Reason::RefinementOff),
             RefinedOn::Clicks => reasons.push(Reason::ClicksAlone),
             RefinedOn::TooFewMatches if evidence.patches => reasons.push(Reason::NotRefined),
-            RefinedOn::Matches(matches) if matches < ENOUGH_MATCHES => {
+            RefinedOn::Matches(matches) | RefinedOn::Given(matches) if matches < ENOUGH_MATCHES => {
                 unreliable |= matches < FAR_TOO_FEW;
                 reasons.push(Reason::FewMatches { matches });
             }
             _ => {}
         }
         if let Some(margin) = evidence.margin.filter(|m| *m < CLEAR_MARGIN) {
+            // No search has compared a given geometry with this one.
+            unreliable |= matches!(evidence.refined_on, RefinedOn::Given(_)) && margin < -CLEAR_MARGIN;
             reasons.push(Reason::Ambiguous { margin });
         }
         if let Some(deviation) = evidence.deviation.filter(|d| *d > LOOSEST * evidence.side) {
@@ -188,6 +190,10 @@ mod tests {
             assert_eq!(verdict(&worse), Verdict::Doubtful);
         }
         assert_eq!(verdict(&Evidence { refined_on: RefinedOn::Matches(12), ..GOOD }), Verdict::Unreliable);
+        let given = Evidence { refined_on: RefinedOn::Given(300), ..GOOD };
+        let of_margin = |margin| verdict(&Evidence { margin: Some(margin), ..given });
+        let expected = [Verdict::Reliable, Verdict::Doubtful, Verdict::Unreliable];
+        assert_eq!([0.5, -0.1, -0.5].map(of_margin), expected);
         assert_eq!(verdict(&Evidence { clicks: &[40.0, 0.1], ..GOOD }), Verdict::Doubtful, "outvoted");
         assert_eq!(
             verdict(&Evidence { clicks: &[40.0, 0.1], margin: Some(0.1), ..GOOD }),

@@ -1,0 +1,46 @@
+//! Judgement of the geometry on which matches of another program agree. It stays as it is: the images
+//! and clicks judge it, and what their features propose competes with it.
+
+use super::features::{FeatureProposals, ranked};
+use super::judged::{Found, Judged, distinct_hypotheses};
+use super::record::SearchRecord;
+use crate::estimate::evidence::patches::Refined;
+use crate::estimate::evidence::prepared::GivenMatches;
+use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::{Clicks, EstimateError, Parameters, PreparedPair, Stage};
+use crate::features::FeatureViews;
+use crate::image::RelativeView;
+
+/// Judges the geometry of given matches under the view that they suggest.
+pub(in crate::estimate) fn search(
+    prepared: &PreparedPair,
+    given: &GivenMatches,
+    clicks: &Clicks,
+    parameters: &Parameters,
+    record: &mut SearchRecord,
+) -> Result<Judged, EstimateError> {
+    let of = FeatureViews::Frontal;
+    let proposals = FeatureProposals::new(prepared, of, clicks, parameters, record)?;
+    let view = proposals.views.first().copied().unwrap_or(RelativeView::UPRIGHT);
+    let viewed = ViewedPair::new(prepared, prepared.patches_with_features(view, of), parameters);
+    record.enter(Stage::Validation)?;
+    let rivals = ranked(&proposals.fundamentals(), &[], &viewed, clicks, parameters, record)?;
+    let anchors = clicks.anchors();
+    let anchors = anchors.first_chunk::<2>();
+    let rivals = distinct_hypotheses(&rivals, &viewed, anchors, parameters, record.cancel());
+    record.enter(Stage::Refinement)?;
+    let matched = viewed.patches.matched(viewed.pyramids(), &given.fundamental);
+    let refined = matched.map(|Refined { mut refinement, weight, weight_deviation, .. }| {
+        refinement.uncertainty.clone_from(&given.uncertainty);
+        Refined { fundamental: given.fundamental, refinement, weight, weight_deviation }
+    });
+    let found = Found {
+        fundamental: given.fundamental,
+        // The images alone may show nothing.
+        hypotheses: rivals.map_or_else(|_| Vec::new(), |(hypotheses, _)| hypotheses),
+        supporting: given.inliers.clone(),
+        refined,
+        clicks_alone: false,
+    };
+    Ok(Judged::of(found, &viewed, clicks, parameters, record))
+}
