@@ -15,7 +15,7 @@ use super::picture::{Opened, Pictures};
 use super::recording::Player;
 use super::rectified::{Rectified, Viewing};
 use super::scene::{Orbit, Scene};
-use super::suggesting::{LensQuestion, Slid, SlidQuestion, Suggested};
+use super::suggesting::{LensQuestion, PlaceFound, PlacesQuestion, Suggested};
 use super::tones::{Tones, TonesCommand};
 use super::truth::KnownTruth;
 use crate::camera::{CameraModel, FocalLength, ViewPair};
@@ -67,10 +67,8 @@ pub struct OpenPair {
     /// Lens that explains the matches clearly better than one result without it, once sought. The inner
     /// `None`: there is no such lens.
     pub lens: Option<(LensQuestion, Option<DivisionFit>)>,
-    /// Pairs whose places along their lines the images do not confirm, once sought for one result.
-    pub slid: Option<(SlidQuestion, Vec<Slid>)>,
-    /// The pair whose match was last sought in vain.
-    pub unmatched: Option<PointPair>,
+    /// Places of the matches of the pairs, once sought for one result.
+    pub places: Option<(PlacesQuestion, Vec<PlaceFound>)>,
     /// The rectified pair, while it is visible. The old one stays until the new one is made.
     pub rectified: Option<Rectified>,
     /// Visible part of the rectified pair.
