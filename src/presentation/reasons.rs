@@ -88,8 +88,8 @@ pub fn reason_in_words(reason: &Reason) -> String {
             one_plane(percent, &off_the_plane(agreeing, groups), is_still)
         }
         Reason::NoRelief { along, across, on_warp } => format!(
-            "The epipole is not certain: {on_warp} of {} matches follow one smooth warp, as with a flat scene or a \
-             turned camera. \
+            "The epipole is not certain: {on_warp} of {} distinctive matches follow one smooth warp, as with a \
+             flat scene or a turned camera. \
              Of the others, {along} are off it along the epipolar lines and {across} across them. \
              Use views from different places, or a scene with more depth.",
             along + across + on_warp

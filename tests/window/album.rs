@@ -76,6 +76,11 @@ fn the_images_of_a_folder_are_shown_small_and_any_two_open() {
     press(&mut window, Key::A);
     window.get_by_label("Image shot3");
     assert_eq!(window.state().messages().count(), 0);
+    // The bar has room for the choice of the pair.
+    window.set_size(egui::vec2(1024.0, 640.0));
+    settle(&mut window);
+    let [scene, overlays] = ["3-D", "Overlays"].map(|name| window.get_by_label(name).rect());
+    assert!(scene.max.x <= overlays.min.x, "{scene:?} {overlays:?}");
 }
 
 #[test]

@@ -73,6 +73,35 @@ fn points_stay_where_they_are_in_the_pictures() {
 }
 
 #[test]
+fn a_pair_of_a_folder_keeps_its_folder_and_its_lens() {
+    let files = Files::new();
+    for name in ["a.png", "b.png", "c.png"] {
+        files.image(name, 320, 240);
+    }
+    let opening = Opening::Folder(files.0.path().to_owned());
+    let mut window = window(Start { opening, pairs: pairs().to_vec(), ..Start::default() }, services());
+    let elsewhere = Files::new();
+    drop_files(&mut window, &[calibration(&elsewhere, 320)]);
+    let open = |window: &Window| window.state().model().folder().map(|(_, pair)| pair);
+    let lens = |window: &Window| window.state().model().open.cameras().is_some();
+    assert!(open(&window) == Some([0, 1]) && lens(&window));
+    let placed = window.state().document().pairs.clone();
+    press(&mut window, Key::PageDown);
+    assert!(open(&window) == Some([1, 2]) && !lens(&window), "the lens belongs to the first pair");
+    press(&mut window, Key::PageUp);
+    assert!(open(&window) == Some([0, 1]) && lens(&window));
+    assert_eq!(window.state().document().pairs, placed);
+    press(&mut window, Key::PageDown);
+    // A session knows the lens of a pair that is not open.
+    let session = elsewhere.0.path().join("s.json");
+    save_as(&mut window, &session);
+    let mut again =
+        crate::support::window(Start { opening: Opening::Session(session), ..Start::default() }, services());
+    press(&mut again, Key::PageUp);
+    assert!(open(&again) == Some([0, 1]) && lens(&again) && again.state().document().pairs == placed);
+}
+
+#[test]
 fn epipolar_lines_are_curves_through_their_points() {
     let files = Files::new();
     let window = calibrated(&files);

@@ -82,7 +82,7 @@ fn a_transposed_matrix_is_recognised_before_it_is_drawn() {
     window.hover_at(at(&window, Side::Left, 0.1, 0.1));
     window.step();
     assert!(lines(&window, Side::Right, HOVER).is_empty(), "nothing is drawn with a wrong reading");
-    tap(&mut window, "Use this reading");
+    tap(&mut window, "Import matrix");
     assert!(is_near(&imported(&window).unwrap(), &true_f));
     let kept = window.state().document().imported.clone().unwrap();
     assert!(kept.reading.starts_with("transposed") && kept.check.is_some_and(|c| c.fits && c.median < 1.0));
@@ -110,7 +110,8 @@ fn as_it_is_means_as_the_file_has_it() {
     let mut window = sample();
     let given = transposed(&truth().fundamental);
     drop_files(&mut window, &[file(&files, "F.txt", &rows(&given))]);
-    tap(&mut window, "As it is");
+    tap(&mut window, "as read");
+    tap(&mut window, "Import matrix");
     assert!(is_near(&imported(&window).unwrap(), &given));
     assert!(window.state().document().imported.as_ref().unwrap().check.as_ref().is_some_and(|c| !c.fits));
     window.get_by_label_contains("It does not fit the matches");
@@ -127,14 +128,13 @@ fn without_matches_a_matrix_is_marked_as_unchecked() {
     let path = file(&files, "F.txt", &rows(&truth().fundamental));
     drop_files(&mut window, std::slice::from_ref(&path));
     window.get_by_label_contains("that takes 8 matches, and there are");
-    assert!(window.query_by_label("Use this reading").is_none());
     press(&mut window, Key::Escape);
     assert!(
         window.query_by_label("Which convention does this matrix use?").is_none()
             && imported(&window).is_none()
     );
     drop_files(&mut window, &[path]);
-    tap(&mut window, "As it is");
+    tap(&mut window, "Import matrix");
     assert_eq!(window.state().document().imported.as_ref().unwrap().check, None);
     window.get_by_label("unchecked");
 }
@@ -154,7 +154,7 @@ fn own_files_come_back_with_their_pairs_and_cameras_count_too() {
         let path = file(&files, &format!("own.{}", format.extension()), &whole.to_text(format));
         drop_files(&mut window, &[path]);
         window.get_by_label_contains("The geometry fits as read");
-        tap(&mut window, "Use this reading");
+        tap(&mut window, "Import matrix");
         assert!(is_near(&imported(&window).unwrap(), &sample_pair.fundamental), "{format:?}");
         assert_eq!(window.state().document().pairs.len(), 12);
         undo(&mut window);
@@ -167,7 +167,7 @@ fn own_files_come_back_with_their_pairs_and_cameras_count_too() {
     };
     let mut window = sample();
     drop_files(&mut window, &[camera(0), camera(1)]);
-    tap(&mut window, "Use this reading");
+    tap(&mut window, "Import matrix");
     assert!(is_near(&imported(&window).unwrap(), &sample_pair.fundamental));
     drop_files(&mut window, &[camera(0)]);
     assert!(told(&window, "it is the camera of one image"));
@@ -245,7 +245,7 @@ fn an_imported_geometry_takes_part_in_the_comparison_and_is_saved() {
     assert!(window.query_by_label("Geometry: Imported").is_none(), "there is none");
     let true_f = truth().fundamental;
     drop_files(&mut window, &[file(&files, "F.txt", &rows(&true_f))]);
-    tap(&mut window, "Use this reading");
+    tap(&mut window, "Import matrix");
     assert_eq!(window.state().focus().contestant(), Some(Contestant::Imported));
     window.get_by_label_contains("The images show the imported geometry, not the result");
     press(&mut window, Key::R);
@@ -527,21 +527,21 @@ fn nothing_measured_on_one_pair_shows_beside_another() {
     let mut window = sample();
     let path = file(&files, "F.txt", &rows(&truth().fundamental));
     drop_files(&mut window, std::slice::from_ref(&path));
-    tap(&mut window, "Use this reading");
+    tap(&mut window, "Import matrix");
     window.get_by_label_contains("Imported a geometry from F.txt");
-    window.get_by_label_contains("px median, ");
+    window.get_by_label_contains("true matches");
     // Asked about once more, and not answered.
     drop_files(&mut window, std::slice::from_ref(&path));
     window.get_by_label("Which convention does this matrix use?");
     drop_files(&mut window, &[files.image("a.png", 640, 480), files.image("b.png", 640, 480)]);
     assert!(window.query_by_label("Which convention does this matrix use?").is_none());
     assert_eq!(imported(&window), None);
-    for words in ["Imported a geometry", "px median, ", "The images show the imported geometry"] {
+    for words in ["Imported a geometry", "true matches", "The images show the imported geometry"] {
         assert!(window.query_by_label_contains(words).is_none(), "{words}");
     }
     // Beside these pictures nothing is known that could tell what the matrix means.
     drop_files(&mut window, &[path]);
     window.get_by_label_contains("that takes 8 matches, and there are");
-    tap(&mut window, "As it is");
+    tap(&mut window, "Import matrix");
     window.get_by_label("unchecked");
 }

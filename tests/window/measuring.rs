@@ -27,7 +27,7 @@ fn distance(window: &Window, side: Side) -> Option<f64> {
 #[test]
 fn two_clicks_measure_a_distance_until_escape() {
     let mut window = sample();
-    press(&mut window, Key::D);
+    tap(&mut window, "Measure tool");
     let [from, to] = [-0.2, 0.2].map(|x| at(&window, Side::Left, x, 0.1));
     click(&mut window, from);
     assert!(window.state().document().half.is_none(), "no point is placed");

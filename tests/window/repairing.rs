@@ -10,20 +10,18 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::estimate::{Trust, Verdict};
 use epiline::geometry::{Point, Vector, symmetric_epipolar_distance};
 use epiline::internals::app::model::document::{PointRef, Role, Side};
-use epiline::internals::app::model::suggesting::{Repair, Slid};
+use epiline::internals::app::model::suggesting::PlaceFound;
 use epiline::internals::app::{Opening, Services, Start};
 
 const Q_RIGHT: PointRef = PointRef { pair: 1, side: Side::Right };
 
-/// Moves every point that is to be refined by the same, and every one that is to go to its match to one place.
+/// Moves every point that is to be refined by the same, and finds every match at one place.
 fn moving() -> Services {
     Services {
-        repair: Box::new(|question| match question.how {
-            Repair::Refine => Ok(question.points.point2 + Vector::new(0.4, -0.3)),
-            Repair::Rematch => {
-                assert!(question.found.is_some());
-                Ok(Point::new(200.0, 150.0))
-            }
+        repair: Box::new(|question| Ok(question.points.point2 + Vector::new(0.4, -0.3))),
+        places: Box::new(|question| {
+            let place = Some(Point::new(200.0, 150.0));
+            question.pairs.iter().map(|pair| PlaceFound { pair: *pair, place, is_confirmed: true }).collect()
         }),
         ..services()
     }
@@ -41,6 +39,7 @@ fn a_pair_is_repaired_from_its_row_and_undo_takes_it_back() {
     assert_eq!(point(&window, Q_RIGHT), before);
     tap(&mut window, "Move to match: pair q");
     assert_eq!(point(&window, Q_RIGHT), Point::new(200.0, 150.0));
+    assert!(window.get_by_label("Move to match: pair q").accesskit_node().is_disabled(), "it is there");
     undo(&mut window);
     assert_eq!(point(&window, Q_RIGHT), before);
 }
@@ -212,12 +211,12 @@ fn a_pair_whose_match_lies_elsewhere_on_its_line_is_told_and_moved() {
         estimate.assessment.trust = Some(Trust { verdict: Verdict::Reliable, reasons: Vec::new() });
         Ok(estimate)
     });
-    services.slid = Box::new(move |question| {
+    services.places = Box::new(move |question| {
         let pair = question.pairs[1];
         if pair.point2 == place {
-            return vec![Slid { pair: question.pairs[0], place: None }];
+            return vec![PlaceFound { pair: question.pairs[0], place: None, is_confirmed: false }];
         }
-        vec![Slid { pair, place: Some(place) }]
+        vec![PlaceFound { pair, place: Some(place), is_confirmed: false }]
     });
     let mut window = window(Start::default(), services);
     click_two_pairs(&mut window);

@@ -167,7 +167,7 @@ pub fn services() -> Services {
         suggest: Box::new(|_| Err(SuggestError::Flat)),
         next_click: Box::new(|_| None),
         lens: Box::new(|_| None),
-        slid: Box::new(|_| Vec::new()),
+        places: Box::new(|_| Vec::new()),
         repair: Box::new(|_| Err("Nothing is alike".into())),
         pick_file: Arc::new(|| None),
         pick_folder: Arc::new(|| None),

@@ -130,6 +130,11 @@ fn a_vgg_folder_opens_its_first_pair_and_steps_to_the_others() {
     let source = TruthSource::Folder { folder: files.0.path().to_owned(), views };
     assert_eq!(document(&window).truth, Some(source));
     assert!(window.query_by_label("Show me").is_none());
+    let legends = |window: &Window| window.query_all_by_label_contains("× true matches").count();
+    assert_eq!(legends(&window), 2, "both pictures tell what the crosses are");
+    press(&mut window, Key::G);
+    assert_eq!(legends(&window), 0);
+    press(&mut window, Key::G);
     assert!(window.get_by_label("Previous pair").accesskit_node().is_disabled());
     press(&mut window, Key::PageDown);
     assert_eq!(names(&window), ["set.001.png", "set.002.png"]);

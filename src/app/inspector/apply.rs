@@ -17,7 +17,6 @@ use crate::app::model::pane_view::QuarterTurns;
 use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
-use crate::app::model::suggesting::Repair;
 use crate::app::tasks::{Opening, Wanted};
 use crate::app::view::{Destination, WantedView};
 use crate::geometry::symmetric_epipolar_distance;
@@ -68,7 +67,12 @@ impl Inspector {
             }
             Command::CheckOnly(pair, only) => model.edit_roles(|document| document.check_only(pair, only)),
             Command::Points(command) => self.apply_to_points(ctx, command),
-            Command::Repair(pair, how) => self.repair(pair, how),
+            Command::Refine(pair) => {
+                if let Some(question) = model.repair_question(pair) {
+                    self.tasks.repairing.ask(question);
+                }
+            }
+            Command::MoveToMatch(pair) => model.move_to_match(pair),
             Command::ClearPairs => model.edit(|document| document.set_pairs(Vec::new(), PairOrigin::Clicked)),
             Command::Cancel => self.cancel(),
             Command::TurnView(side) => self.view.panes[side.index()].turn(),
@@ -279,13 +283,6 @@ impl Inspector {
         for side in Side::BOTH {
             let pixel = model.open.pixel(side, side.point(&pair));
             self.view.panes[side.index()].magnify_at(pixel);
-        }
-    }
-
-    /// Requests the repair of a pair.
-    fn repair(&mut self, pair: usize, how: Repair) {
-        if let Some(question) = self.model.repair_question(pair, how) {
-            self.tasks.repairing.ask(question);
         }
     }
 

@@ -250,10 +250,7 @@ impl Inspector {
         let Some(dialog) = self.view.dialogs.reading.take() else { return };
         let ImportedMatrix { fundamental, cameras, check, matches, .. } = dialog.matrix();
         let name = dialog.found().name.clone();
-        let ranked = check.as_ref().and_then(|check| match reading {
-            Some(place) => check.readings.get(place),
-            None => check.as_read(),
-        });
+        let ranked = check.as_ref().zip(reading).and_then(|(check, place)| check.readings.get(place));
         let checked = check.as_ref().zip(ranked).map(|(check, ranked)| Checked {
             matches: check.matches,
             of: (*matches).to_owned(),

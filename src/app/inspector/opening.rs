@@ -13,7 +13,6 @@ use crate::app::model::history::History;
 use crate::app::model::ids::StageId;
 use crate::app::model::picture::Opened;
 use crate::app::model::session::{OpenSession, has_session_extension};
-use crate::app::model::truth::NO_TRUTH;
 use crate::app::tasks::{LoadedPair, NewCalibration, Opening, OpeningFailure, Wanted};
 use crate::app::view::{FocalDialog, OpenDialog, RelocateDialog};
 use crate::camera::{CameraModel, FocalLength};
@@ -60,18 +59,15 @@ impl Inspector {
     }
 
     /// Starts over with other pictures.
-    fn show_pictures(&mut self, ctx: &egui::Context, mut pair: LoadedPair) {
+    fn show_pictures(&mut self, ctx: &egui::Context, pair: LoadedPair) {
+        if let Some(calibration) = &pair.calibration {
+            return self.take_over(ctx, pair.pictures, calibration);
+        }
         // Another pair of the same folder belongs to the same session.
         let turns = pair.restored.is_none() && self.model.is_of_open_folder(pair.folder.as_ref());
-        let before = (self.model.document.clone(), std::mem::take(&mut self.model.history));
-        let calibrated = pair.calibration.take().zip(self.model.open.pictures.clone());
-        let set_aside = !turns && calibrated.is_none() && self.set_aside();
+        let set_aside = !turns && self.set_aside();
         self.note_recent(&pair);
-        for (pane, opened) in self.view.panes.iter_mut().zip(&pair.pictures) {
-            pane.set_picture(ctx, opened);
-        }
-        self.tasks.forget_pair();
-        self.view.dialogs.reading = None;
+        self.replace_pictures(ctx, &pair.pictures);
         if !turns {
             self.tasks.thumbnailing.forget();
         }
@@ -84,16 +80,11 @@ impl Inspector {
             }
             folder => {
                 self.model.open(pair.pictures, pair.known, pair.uses_truth, pair.show_me);
-                if calibrated.is_none() {
-                    // Other pictures have no rectified pair yet.
-                    self.model.look.stage = StageId::Pictures;
-                }
+                // Other pictures have no rectified pair yet.
+                self.model.look.stage = StageId::Pictures;
                 self.model.album = folder.as_ref().map(|(folder, views)| Album::new(folder, *views));
                 self.model.open.folder = folder;
             }
-        }
-        if let Some((calibration, pictures)) = calibrated {
-            return self.take_over(before, &pictures, &calibration);
         }
         let pairs = std::mem::take(&mut self.start_pairs);
         let pairs: Vec<PointPair> = pairs.iter().filter_map(|pair| self.model.open.points_of(pair)).collect();
@@ -114,18 +105,26 @@ impl Inspector {
         }
     }
 
+    /// Shows other pictures, or other lenses of the same ones, and forgets what was asked about the earlier ones.
+    fn replace_pictures(&mut self, ctx: &egui::Context, pictures: &[Opened; 2]) {
+        for (pane, opened) in self.view.panes.iter_mut().zip(pictures) {
+            pane.set_picture(ctx, opened);
+        }
+        self.tasks.forget_pair();
+        self.view.dialogs.reading = None;
+    }
+
     /// Continues a document with a new calibration of its pictures. Points stay where they are in the
     /// pictures. A pose of the calibration becomes the imported geometry.
-    fn take_over(
-        &mut self,
-        (before, past): (Document, History),
-        [left, right]: &[Opened; 2],
-        calibration: &NewCalibration,
-    ) {
+    fn take_over(&mut self, ctx: &egui::Context, pictures: [Opened; 2], calibration: &NewCalibration) {
+        let Some([left, right]) = self.model.open.pictures.clone() else { return };
+        self.replace_pictures(ctx, &pictures);
+        let before = std::mem::take(&mut self.model.document);
+        let past = std::mem::take(&mut self.model.history);
+        self.model.see_through(pictures);
         let Model { open, document, history, .. } = &mut self.model;
         let (count, had_imported) = (before.pairs.len(), before.imported.is_some());
-        let (pictures, truth) = (document.pictures.take(), document.truth.take());
-        let here = Document { pictures, truth, ..before };
+        let here = Document { pictures: document.pictures.take(), ..before };
         *document = here.placed(|points| {
             let (point1, point2) = (left.pixel(points.point1)?, right.pixel(points.point2)?);
             open.points_of(&PointPair { point1, point2 })
@@ -309,7 +308,8 @@ impl Inspector {
         let Some((folder, _)) = &self.model.open.folder else { return };
         if folder.is_pair(views) {
             let folder = Arc::clone(folder);
-            self.open(Wanted::Views(folder, views));
+            let cameras = self.model.kept_cameras(&folder, views).map(Box::new);
+            self.open(Wanted::Views(folder, views, cameras));
             self.model.wanted = Some(views);
         }
     }
@@ -324,8 +324,9 @@ impl Inspector {
 
     /// Turns the use of the ground truth on or off.
     pub(super) fn toggle_truth(&mut self) {
-        let Some(known) = &self.model.open.known else {
-            self.model.messages.tell(NO_TRUTH);
+        let Some(known) = self.model.open.known() else {
+            let text = self.model.open.why_no_truth();
+            self.model.messages.tell(text);
             return;
         };
         let source = known.source.clone();

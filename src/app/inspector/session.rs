@@ -57,14 +57,15 @@ impl Inspector {
             [left, right] if left == right => format!("the sample {left}"),
             [left, right] => format!("{left} and {right}"),
         };
-        let age = age_of(&path).map_or(String::new(), |age| format!(" Last changed {}.", ago(age)));
+        let changed = path.metadata().and_then(|file| file.modified()).ok();
         let session = OpenSession { recovers: true, ..OpenSession::from(path.clone()) };
         let actions = [
             ("Restore", SessionCommand::Open(session)),
             ("Delete it", SessionCommand::DiscardLeftBehind(path)),
         ];
-        let text = format!("{what} on {images} {were} not saved.{age} Restore that work?");
+        let text = format!("{what} on {images} {were} not saved.");
         self.ask(MessageKind::LeftBehind, text, actions);
+        self.model.messages.date(changed);
     }
 
     fn ask(&mut self, kind: MessageKind, text: String, actions: [(&'static str, SessionCommand); 2]) {
@@ -180,22 +181,29 @@ impl Inspector {
     fn note_copy(&mut self, result: Result<(), String>) {
         let Some(autosave) = &mut self.tasks.autosave else { return };
         let was_failing = std::mem::replace(&mut autosave.is_failing, result.is_err());
-        let Err(problem) = result else { return };
+        let Err(problem) = result else {
+            if was_failing {
+                self.model.messages.settle(MessageKind::Unprotected);
+            }
+            return;
+        };
         self.model.session.copied = None;
         if !was_failing {
-            self.model.messages.tell(format!(
+            let text = format!(
                 "Unsaved work is not protected against a crash: {problem}. Save the session. The program will try the copy again."
-            ));
+            );
+            self.model.messages.say(MessageKind::Unprotected, text, Vec::new());
         }
     }
 
     /// Warns if there is no place for copies of unsaved work.
     pub(super) fn tell_of_missing_copies(&mut self) {
         if let Some(problem) = self.tasks.no_autosave.take() {
-            self.model.messages.tell(format!(
+            let text = format!(
                 "Unsaved work is not protected against a crash, because the folder for copies \
                  cannot be used: {problem}. Save often."
-            ));
+            );
+            self.model.messages.say(MessageKind::Unprotected, text, Vec::new());
         }
     }
 
@@ -303,42 +311,6 @@ impl Inspector {
             self.copy_work();
         } else {
             self.remove_own_copy();
-        }
-    }
-}
-
-/// Returns the time since a file was written.
-fn age_of(path: &std::path::Path) -> Option<Duration> {
-    path.metadata().ok()?.modified().ok()?.elapsed().ok()
-}
-
-/// Describes a time in the past.
-fn ago(age: Duration) -> String {
-    let minutes = age.as_secs() / 60;
-    let (count, unit) = match minutes {
-        0 => return "less than a minute ago".to_owned(),
-        1..60 => (minutes, "minute"),
-        60..1440 => (minutes / 60, "hour"),
-        _ => (minutes / 1440, "day"),
-    };
-    format!("{count} {unit}{} ago", if count == 1 { "" } else { "s" })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ages_are_told_in_the_largest_unit() {
-        for (minutes, words) in [
-            (0, "less than a minute ago"),
-            (1, "1 minute ago"),
-            (59, "59 minutes ago"),
-            (60, "1 hour ago"),
-            (47 * 60, "1 day ago"),
-            (72 * 60, "3 days ago"),
-        ] {
-            assert_eq!(ago(Duration::from_secs(60 * minutes)), words);
         }
     }
 }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::document::{Document, TruthSource};
 use super::focus::LineSource;
 use super::pair_folder::PairFolder;
+use crate::camera::CameraModel;
 use crate::io::{relative, resolve};
 
 /// Names of a left and a right view.
@@ -33,18 +34,21 @@ pub struct KeptPair {
     /// Pinned line pairs, oldest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pins: Vec<LineSource>,
+    /// Calibrated cameras of the pictures. All points are then in views without distortion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cameras: Option<[CameraModel; 2]>,
 }
 
 impl KeptPair {
     /// Returns whether the pair has any work that would be lost.
     pub fn is_worth_keeping(&self) -> bool {
-        // A request without clicks is no work, but turning back repeats it.
-        self.document.is_worth_keeping() || self.document.unclicked || !self.pins.is_empty()
+        self.document.is_worth_keeping() || !self.pins.is_empty() || self.cameras.is_some()
     }
 
     /// Returns whether the two have the same work.
     pub fn is_same_work(&self, other: &Self) -> bool {
-        self.document.is_same_work(&other.document) && self.pins == other.pins
+        let same_views = self.pins == other.pins && self.cameras == other.cameras;
+        same_views && self.document.is_same_work(&other.document)
     }
 }
 
@@ -69,20 +73,19 @@ impl Album {
         &self.pairs
     }
 
-    /// Returns the number of point pairs on a pair that is not open.
-    pub fn points_on(&self, views: [&str; 2]) -> usize {
-        self.find(views).map_or(0, |at| self.pairs[at].document.pairs.len())
+    /// Returns the work on a pair that is not open.
+    pub fn kept(&self, views: &ViewNames) -> Option<&KeptPair> {
+        Some(&self.pairs[self.find(views)?])
     }
 
     /// Removes and returns the work on the pair that is open now.
     pub fn take_open(&mut self) -> Option<KeptPair> {
-        let at = self.find([&self.open[0], &self.open[1]])?;
+        let at = self.find(&self.open)?;
         Some(self.pairs.remove(at))
     }
 
-    fn find(&self, [left, right]: [&str; 2]) -> Option<usize> {
-        let order = |kept: &KeptPair| [kept.views[0].as_str(), &kept.views[1]].cmp(&[left, right]);
-        self.pairs.binary_search_by(order).ok()
+    fn find(&self, views: &ViewNames) -> Option<usize> {
+        self.pairs.binary_search_by(|kept| kept.views.cmp(views)).ok()
     }
 
     /// Adds the work on a pair that was open.

@@ -14,7 +14,6 @@ use super::recording::PlayerCommand;
 use super::rectified::RectifiedCommand;
 use super::scene::Orbit;
 use super::session::OpenSession;
-use super::suggesting::Repair;
 use super::tones::TonesCommand;
 use crate::camera::FocalLength;
 use crate::estimate::{Method, Parameters, Preset};
@@ -55,7 +54,9 @@ pub enum Command {
     CheckOnly(usize, bool),
     Points(PointsCommand),
     /// Find a better place for the right point of a pair, and move the point there.
-    Repair(usize, Repair),
+    Refine(usize),
+    /// Move the right point of a pair to its match, if the images show it clearly.
+    MoveToMatch(usize),
     ClearPairs,
     Cancel,
     TurnView(Side),

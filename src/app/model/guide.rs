@@ -47,7 +47,7 @@ pub fn guide(model: &Model) -> String {
             "Searching automatically. Any points you add will be used.".into()
         }
         _ if document.is_unclicked() && computation.failure().is_some() => {
-            "Click a distinct point in one image, then its match in the other.".into()
+            "The images alone gave no geometry. Click two point pairs: a distinct point, then its match.".into()
         }
         _ if document.is_unclicked() && computation.result().is_some() => {
             let more = if model.tone() == Tone::Good { "" } else { " Click pairs for more certainty." };
@@ -63,7 +63,7 @@ pub fn guide(model: &Model) -> String {
         }
         _ if computation.is_running() => "Estimating. Points can be dragged meanwhile.".into(),
         _ if computation.failure().is_some() => {
-            "Drag the points to better places, or delete a pair and click another.".into()
+            "These pairs gave no geometry. Drag the points to better places, or delete a pair and click another.".into()
         }
         _ if computation.result().is_none() => "The estimate was stopped. F5 computes again.".into(),
         _ => "Point at an image to see its epipolar line in the other. Drag points, or press I to pin lines."

@@ -1,4 +1,7 @@
-//! Messages to the user, one or two sentences each. They stay until dismissed or settled.
+//! Messages to the user, one or two sentences each. Questions and dangers stay until they are dismissed or settled,
+//! the others for as long as reading them takes.
+
+use std::time::{Duration, SystemTime};
 
 use super::command::Command;
 
@@ -8,6 +11,10 @@ const MOST: usize = 4;
 const KEPT: usize = 100;
 /// Lifetime of messages of success, seconds.
 const STAYS: f64 = 8.0;
+/// Lifetime of other messages that need no answer, seconds. Three sentences take half of that to read.
+const STAYS_LONG: f64 = 30.0;
+/// Time after which the age in a message changes, seconds.
+const MINUTE: f64 = 60.0;
 
 /// Subject of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,6 +31,8 @@ pub enum MessageKind {
     Replace,
     /// A failure about a point pair as it is now. The next change of the document removes it.
     OfPair,
+    /// A lasting danger for unsaved work.
+    Unprotected,
 }
 
 impl MessageKind {
@@ -32,7 +41,16 @@ impl MessageKind {
         match self {
             Self::LeftBehind => ("Later", "Keep the unsaved work. The next start asks again."),
             Self::Replace => ("Cancel", "Save nothing. The file stays as it is."),
-            Self::Problem | Self::Done | Self::Answer | Self::OfPair => ("Dismiss", "Remove this message."),
+            _ => ("Dismiss", "Remove this message."),
+        }
+    }
+
+    /// Returns the seconds after which the message goes by itself.
+    fn stays(self) -> Option<f64> {
+        match self {
+            Self::Done => Some(STAYS),
+            Self::Problem | Self::Answer | Self::OfPair => Some(STAYS_LONG),
+            Self::LeftBehind | Self::Replace | Self::Unprotected => None,
         }
     }
 }
@@ -48,8 +66,30 @@ pub struct Message {
     pub text: String,
     /// Buttons of the message.
     pub actions: Vec<MessageAction>,
+    /// Time when the subject of the message last changed, if that matters.
+    changed: Option<SystemTime>,
     /// Time when it was first visible, seconds of the clock of the window.
     seen: Option<f64>,
+}
+
+impl Message {
+    /// Returns the text with the age of the subject, which grows while the message is shown.
+    pub fn told(&self) -> String {
+        let age = self.changed.and_then(|changed| changed.elapsed().ok());
+        age.map_or_else(|| self.text.clone(), |age| format!("{} Last changed {}.", self.text, ago(age)))
+    }
+}
+
+/// Describes a time in the past.
+fn ago(age: Duration) -> String {
+    let minutes = age.as_secs() / 60;
+    let (count, unit) = match minutes {
+        0 => return "less than a minute ago".to_owned(),
+        1..60 => (minutes, "minute"),
+        60..1440 => (minutes / 60, "hour"),
+        _ => (minutes / 1440, "day"),
+    };
+    format!("{count} {unit}{} ago", if count == 1 { "" } else { "s" })
 }
 
 /// A button of a message.
@@ -89,15 +129,15 @@ impl Messages {
         self.list.pop().is_some()
     }
 
-    /// Removes expired messages of success and returns the seconds until the next one expires.
+    /// Removes expired messages and returns the seconds until the next one changes or expires.
     pub fn retire(&mut self, now: f64) -> Option<f64> {
-        for message in &mut self.list {
+        let left = |message: &Message| Some(message.seen? + message.kind.stays()? - now);
+        self.list.retain(|message| left(message).is_none_or(|left| left > 0.0));
+        for message in self.list.iter_mut().rev().take(MOST) {
             message.seen.get_or_insert(now);
         }
-        let due = |message: &Message| message.seen.unwrap_or(now) + STAYS - now;
-        self.list.retain(|message| message.kind != MessageKind::Done || due(message) > 0.0);
-        let done = self.list.iter().filter(|message| message.kind == MessageKind::Done);
-        done.map(due).min_by(f64::total_cmp)
+        let ages = self.list.iter().filter_map(|message| message.changed.map(|_| MINUTE));
+        self.list.iter().filter_map(left).chain(ages).min_by(f64::total_cmp)
     }
 
     /// Adds a message about a failure.
@@ -109,9 +149,16 @@ impl Messages {
     pub fn say(&mut self, kind: MessageKind, text: String, actions: Vec<MessageAction>) {
         self.list.retain(|message| message.text != text);
         self.shown += 1;
-        self.list.push(Message { number: self.shown, kind, text, actions, seen: None });
+        self.list.push(Message { number: self.shown, kind, text, actions, changed: None, seen: None });
         if self.list.len() > KEPT {
             self.list.remove(0);
+        }
+    }
+
+    /// Tells when the subject of the newest message last changed.
+    pub fn date(&mut self, changed: Option<SystemTime>) {
+        if let Some(message) = self.list.last_mut() {
+            message.changed = changed;
         }
     }
 
@@ -161,6 +208,26 @@ mod tests {
     use super::*;
 
     #[test]
+    fn ages_are_told_in_the_largest_unit_and_grow() {
+        let minutes = |count: u64| Duration::from_secs(60 * count);
+        for (count, words) in [
+            (0, "less than a minute ago"),
+            (1, "1 minute ago"),
+            (59, "59 minutes ago"),
+            (60, "1 hour ago"),
+            (47 * 60, "1 day ago"),
+            (72 * 60, "3 days ago"),
+        ] {
+            assert_eq!(ago(minutes(count)), words);
+        }
+        let mut messages = Messages::default();
+        messages.say(MessageKind::LeftBehind, "Not saved.".into(), Vec::new());
+        messages.date(SystemTime::now().checked_sub(minutes(5)));
+        assert_eq!(messages.list()[0].told(), "Not saved. Last changed 5 minutes ago.");
+        assert_eq!(messages.retire(0.0), Some(MINUTE), "the window is drawn again");
+    }
+
+    #[test]
     fn settling_removes_messages_of_one_kind() {
         let mut messages = Messages::default();
         let restore = MessageAction { label: "Restore", command: Command::Undo };
@@ -175,14 +242,26 @@ mod tests {
     }
 
     #[test]
-    fn messages_of_success_expire_and_problems_stay() {
+    fn messages_go_when_they_can_have_been_read_and_dangers_stay() {
         let mut messages = Messages::default();
-        messages.tell("It went wrong.");
+        messages.say(MessageKind::Unprotected, "Save often.".into(), Vec::new());
         assert_eq!(messages.retire(1.0), None);
+        messages.tell("It went wrong.");
         messages.say(MessageKind::Done, "Written.".into(), Vec::new());
         assert_eq!(messages.retire(100.0), Some(STAYS));
         assert_eq!(messages.retire(103.0), Some(STAYS - 3.0));
-        assert_eq!(messages.retire(100.0 + STAYS), None);
+        assert_eq!(messages.retire(100.0 + STAYS), Some(STAYS_LONG - STAYS));
+        assert_eq!(messages.list().len(), 2);
+        // A message below the others cannot be seen, and its time has not come.
+        for k in 0..MOST {
+            messages.say(MessageKind::Answer, k.to_string(), Vec::new());
+        }
+        messages.tell("Below the others.");
+        messages.say(MessageKind::Answer, "On top.".into(), Vec::new());
+        assert_eq!(messages.retire(110.0), Some(STAYS_LONG - 10.0));
+        assert_eq!(messages.retire(110.0 + STAYS_LONG), Some(STAYS_LONG), "the first two are seen only now");
+        assert_eq!(messages.list().len(), 3);
+        assert_eq!(messages.retire(110.0 + 2.0 * STAYS_LONG), None);
         assert_eq!(messages.list().len(), 1);
     }
 }

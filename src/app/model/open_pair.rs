@@ -15,9 +15,9 @@ use super::picture::{Opened, Pictures};
 use super::recording::Player;
 use super::rectified::{Rectified, Viewing};
 use super::scene::{Orbit, Scene};
-use super::suggesting::{LensQuestion, Slid, SlidQuestion, Suggested};
+use super::suggesting::{LensQuestion, PlaceFound, PlacesQuestion, Suggested};
 use super::tones::{Tones, TonesCommand};
-use super::truth::KnownTruth;
+use super::truth::{KnownTruth, NO_TRUTH};
 use crate::camera::{CameraModel, FocalLength, ViewPair};
 use crate::estimate::{DivisionFit, Estimate};
 use crate::geometry::{Frame, Point, PointPair};
@@ -44,8 +44,8 @@ pub struct OpenPair {
     pub pictures: Option<[Opened; 2]>,
     /// Point pairs for "Show me", if the pictures have any.
     pub show_me: Option<[PointPair; 2]>,
-    /// Ground truth of the pictures, whether or not it is in use.
-    pub known: Option<KnownTruth>,
+    /// Ground truth of the pictures as they are.
+    pub(super) known: Option<KnownTruth>,
     /// Folder of the pictures, and their numbers in it.
     pub folder: Option<OpenFolder>,
     /// The last action, for the status bar.
@@ -67,10 +67,8 @@ pub struct OpenPair {
     /// Lens that explains the matches clearly better than one result without it, once sought. The inner
     /// `None`: there is no such lens.
     pub lens: Option<(LensQuestion, Option<DivisionFit>)>,
-    /// Pairs whose places along their lines the images do not confirm, once sought for one result.
-    pub slid: Option<(SlidQuestion, Vec<Slid>)>,
-    /// The pair whose match was last sought in vain.
-    pub unmatched: Option<PointPair>,
+    /// Places of the matches of the pairs, once sought for one result.
+    pub places: Option<(PlacesQuestion, Vec<PlaceFound>)>,
     /// The rectified pair, while it is visible. The old one stays until the new one is made.
     pub rectified: Option<Rectified>,
     /// Visible part of the rectified pair.
@@ -108,6 +106,22 @@ impl OpenPair {
     /// Creates the state of two pictures, with their ground truth and sample points.
     pub fn new(pictures: [Opened; 2], known: Option<KnownTruth>, show_me: Option<[PointPair; 2]>) -> Self {
         Self { pictures: Some(pictures), known, show_me, ..Self::default() }
+    }
+
+    /// Returns the ground truth of the pictures, whether or not it is in use. It belongs to the pictures as they
+    /// are, so there is none for views without their distortion.
+    pub fn known(&self) -> Option<&KnownTruth> {
+        self.known.as_ref().filter(|_| self.undistorted().is_none())
+    }
+
+    /// Explains why there is no ground truth to compare with.
+    pub fn why_no_truth(&self) -> &'static str {
+        match self.known {
+            Some(_) => {
+                "The ground truth belongs to the pictures as they are. Remove the lens correction to compare with it."
+            }
+            None => NO_TRUTH,
+        }
     }
 
     /// Returns the pixels of both pictures.

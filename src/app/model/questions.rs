@@ -102,7 +102,7 @@ impl Model {
                 .and_then(|(found, _)| Some(found.uncertainty()?.covariance())),
             is_trusted: self.open.computation.result().is_some_and(|(found, _)| found.may_contradict()),
             frames: pictures.each_ref().map(|picture| picture.frame),
-            truth: self.truth().and(self.open.known.as_ref()).map(|known| known.truth.clone()),
+            truth: self.truth().and(self.open.known()).map(|known| known.truth.clone()),
             subject: self.look.compared,
         })
     }
@@ -196,7 +196,7 @@ impl Model {
     /// Returns the matches for measuring the shown geometry: true ones, else matches of the result,
     /// else clicked pairs.
     pub fn matches_beside(&self) -> MatchesAtHand {
-        let known = self.truth().and(self.open.known.as_ref()).map(|known| known.truth.clone());
+        let known = self.truth().and(self.open.known()).map(|known| known.truth.clone());
         let found = self.open.computation.shared_result().filter(|(found, _)| !found.matches().is_empty());
         known
             .map(MatchesAtHand::True)
@@ -207,7 +207,7 @@ impl Model {
     /// Returns the matches for checking an imported matrix: true ones, else clicked pairs, else
     /// matches of the result, which may be wrong. Using true matches here does not reveal them.
     pub fn matches_for_import(&self) -> MatchesAtHand {
-        let known = self.open.known.as_ref().map(|known| known.truth.clone());
+        let known = self.open.known().map(|known| known.truth.clone());
         if let Some(truth) = known.filter(|truth| truth.matches.len() >= FEWEST_MATCHES) {
             return MatchesAtHand::True(truth);
         }

@@ -14,12 +14,15 @@ use crate::image::Picture;
 /// anywhere along their rays.
 const FITTED: f64 = 0.95;
 /// Half of the room that a fitted view fills, as a share of the area.
-const HALF: f64 = 0.42;
+const HALF: f64 = 0.45;
 /// Depth from the eye at which things disappear, as a share of the distance of the view.
 const NEAREST: f64 = 0.02;
-/// Turn of a fitted view: from the left and from above, radians.
-const FROM_LEFT: f64 = -0.5;
-const FROM_ABOVE: f64 = 0.4;
+/// Turn of a fitted view: from the left and from above, radians. It shows a wall before the cameras nearly from the
+/// front, and the cameras beside it.
+const FROM_LEFT: f64 = -0.6;
+const FROM_ABOVE: f64 = 0.25;
+/// Steps of a fitted view towards the middle of all that it shows.
+const CENTRING: usize = 8;
 /// Length of the pyramid of a camera in the middle of a view, as a share of the area.
 const CAMERA: f64 = 0.07;
 /// Range of the distance of a view, baselines.
@@ -101,14 +104,27 @@ impl Orbit {
         let turned: Vec<Vector3<f64>> = places.iter().map(|place| rotation * place).collect();
         let least = turned.iter().fold(Vector3::repeat(f64::INFINITY), |all, place| all.inf(place));
         let most = turned.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |all, place| all.sup(place));
-        let middle = 0.5 * (least + most);
+        let mut middle = 0.5 * (least + most);
         let half = size * (HALF / size.min().max(1e-9));
-        let needed = turned.iter().map(|place| {
-            let away = place - middle;
-            (away.x.abs() / half.x).max(away.y.abs() / half.y) - away.z
-        });
-        let distance = needed.fold(0.0, f64::max).clamp(DISTANCES[0], DISTANCES[1]);
-        Self { centre: rotation.inverse() * middle, distance, ..start }
+        let needed = |middle: Vector3<f64>| {
+            let needed = turned.iter().map(|place| {
+                let away = place - middle;
+                (away.x.abs() / half.x).max(away.y.abs() / half.y) - away.z
+            });
+            needed.fold(0.0, f64::max).clamp(DISTANCES[0], DISTANCES[1])
+        };
+        // Near things take more room on the screen, so its middle is not that of the places.
+        for _ in 0..CENTRING {
+            let distance = needed(middle);
+            let seen = turned.iter().map(|place| (place - middle).xy() / (place.z - middle.z + distance));
+            let [least, most] = seen
+                .fold([Vector2::repeat(f64::MAX), Vector2::repeat(f64::MIN)], |all, at| {
+                    [all[0].inf(&at), all[1].sup(&at)]
+                });
+            let off = 0.5 * (least + most) * distance;
+            middle += Vector3::new(off.x, off.y, 0.0);
+        }
+        Self { centre: rotation.inverse() * middle, distance: needed(middle), ..start }
     }
 
     /// Returns the rotation from the axes of camera 1 to those of the view.
@@ -203,7 +219,10 @@ mod tests {
         assert!(inside * 100 >= points.len() * 95, "{inside}");
         let all = || points.iter().chain(&seen);
         let reach = all().map(|at| (at.x.abs() / 1.2).max(at.y.abs() / 0.5)).fold(0.0, f64::max);
-        assert!(reach > 0.7, "{reach}");
+        assert!(reach > 0.85, "{reach}");
+        let [left, right] = [f64::min, f64::max].map(|of| all().map(|at| at.x).reduce(of).unwrap());
+        let [top, bottom] = [f64::min, f64::max].map(|of| all().map(|at| at.y).reduce(of).unwrap());
+        assert!((left + right).abs() < 0.05 && (top + bottom).abs() < 0.05, "in the middle of the screen");
     }
 
     #[test]

@@ -117,7 +117,7 @@ impl Model {
     /// Returns the ground truth in use.
     pub fn truth(&self) -> Option<&GroundTruth> {
         self.document.truth.as_ref()?;
-        self.open.known.as_ref().map(|known| &*known.truth)
+        self.open.known().map(|known| &*known.truth)
     }
 
     /// Returns the lines that build the shown geometry: of the selected hypothesis, or else of the

@@ -44,37 +44,30 @@ pub struct LensQuestion {
     pub found: Shared<Estimate>,
 }
 
-/// Request to check the places of pairs along their epipolar lines, which no distance from the lines shows.
+/// Request to look for the matches of all pairs along their epipolar lines. No distance from the lines shows
+/// whether a pair is there.
 #[derive(Clone, PartialEq)]
-pub struct SlidQuestion {
+pub struct PlacesQuestion {
     /// The two pictures.
     pub pictures: Pictures,
-    /// The result, which is reliable.
+    /// The result, which is not unreliable.
     pub found: Shared<Estimate>,
-    /// The pairs that are not left out.
+    /// The pairs.
     pub pairs: Vec<PointPair>,
 }
 
-/// A pair whose place along the epipolar line the images do not confirm.
+/// What the images tell about the place of a pair along its epipolar line.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Slid {
+pub struct PlaceFound {
     /// The pair.
     pub pair: PointPair,
-    /// Place of the match in the right image, px, if it clearly lies elsewhere on the line. `None` if no
-    /// place is clear.
+    /// Place of the match of the left point in the right image, px, if it is clear.
     pub place: Option<Point>,
+    /// Whether the surroundings of both points are alike, or the match is at the right point.
+    pub is_confirmed: bool,
 }
 
-/// Method of repairing a placed pair.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Repair {
-    /// Aligns the point in the right image to a fraction of a pixel near its place.
-    Refine,
-    /// Moves the point in the right image to the best match on its epipolar line.
-    Rematch,
-}
-
-/// Request to repair a pair.
+/// Request to align the right point of a pair to a fraction of a pixel near its place.
 #[derive(Clone, PartialEq)]
 pub struct RepairQuestion {
     /// The two pictures.
@@ -83,8 +76,6 @@ pub struct RepairQuestion {
     pub pair: usize,
     /// Points of the pair.
     pub points: PointPair,
-    /// Method of the repair.
-    pub how: Repair,
     /// The final result, unless it is unreliable.
     pub found: Option<Shared<Estimate>>,
 }

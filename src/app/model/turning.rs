@@ -7,15 +7,18 @@ use super::Model;
 use super::album::{Album, KeptPair, ViewNames, view_names};
 use super::document::Document;
 use super::open_pair::OpenFolder;
+use super::pair_folder::PairFolder;
 use super::picture::Opened;
 use super::session::Work;
 use super::truth::KnownTruth;
+use crate::camera::CameraModel;
 
 impl Work {
     /// Returns the work on all pairs, the open one first. Without a folder there is only one.
     fn pairs(&self) -> impl Iterator<Item = KeptPair> + '_ {
         let views = self.album.as_ref().map_or_else(ViewNames::default, |album| album.open.clone());
-        let open = KeptPair { views, document: self.document.clone(), pins: self.pins.clone() };
+        let (document, pins, cameras) = (self.document.clone(), self.pins.clone(), self.cameras);
+        let open = KeptPair { views, document, pins, cameras };
         std::iter::once(open).chain(self.album.iter().flat_map(|album| album.pairs().iter().cloned()))
     }
 
@@ -33,7 +36,22 @@ impl Work {
 impl Model {
     /// Returns the work on the open pair.
     fn open_part(&self, views: ViewNames) -> KeptPair {
-        KeptPair { views, document: self.document.clone(), pins: self.pins().collect() }
+        let (document, pins) = (self.document.clone(), self.pins().collect());
+        KeptPair { views, document, pins, cameras: self.open.cameras() }
+    }
+
+    /// Replaces the open pictures by the same ones with other lenses. Findings go, as they belong to other
+    /// coordinates; the folder, the ground truth and the session stay.
+    pub fn see_through(&mut self, pictures: [Opened; 2]) {
+        let (folder, known) = (self.open.folder.take(), self.open.known.take());
+        let (album, session) = (self.album.take(), std::mem::take(&mut self.session));
+        self.open(pictures, known, false, None);
+        (self.open.folder, self.album, self.session) = (folder, album, session);
+    }
+
+    /// Returns the cameras of the work on a pair of the folder that is not open.
+    pub fn kept_cameras(&self, folder: &PairFolder, pair: [usize; 2]) -> Option<[CameraModel; 2]> {
+        self.album.as_ref()?.kept(&view_names(folder, pair))?.cameras
     }
 
     /// Switches to another pair of the open folder. Work on the old pair stays in the session, and
@@ -99,9 +117,8 @@ impl Model {
         if pair == open {
             return self.document.pairs.len();
         }
-        let names = folder.names();
-        let names = pair.map(|view| names.get(view).map_or("", String::as_str));
-        self.album.as_ref().map_or(0, |album| album.points_on(names))
+        let kept = self.album.as_ref().and_then(|album| album.kept(&view_names(folder, pair)));
+        kept.map_or(0, |kept| kept.document.pairs.len())
     }
 
     /// Returns the pairs of the folder with work that are not open, by number.

@@ -15,6 +15,7 @@ use super::waker::Waker;
 use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::picture::Opened;
 use crate::app::model::session::OpenSession;
+use crate::camera::CameraModel;
 use crate::cancel::CancelFlag;
 
 /// Pictures to open.
@@ -22,8 +23,8 @@ use crate::cancel::CancelFlag;
 pub enum Wanted {
     /// Something that the user, or the command line, names.
     Opening(Opening),
-    /// Two views of a folder. Images that are already open are not read again.
-    Views(Arc<PairFolder>, [usize; 2]),
+    /// Two views of a folder, with the cameras of the work on them. Images that are already open are not read again.
+    Views(Arc<PairFolder>, [usize; 2], Option<Box<[CameraModel; 2]>>),
     /// A session with its pictures.
     Session(OpenSession),
     /// Open pictures, with their calibrated cameras.
@@ -38,7 +39,10 @@ impl Wanted {
             Self::Opening(Opening::Files(left, right)) => reading.pair([&left, &right]).map(LoadedPair::of),
             Self::Opening(Opening::Folder(path)) => open_folder(&path, &mut reading),
             Self::Opening(Opening::Session(path)) => open_session(path.into(), &mut reading),
-            Self::Views(folder, views) => open_views(&folder, views, &mut reading),
+            Self::Views(folder, views, cameras) => {
+                let pair = open_views(&folder, views, &mut reading)?;
+                Ok(LoadedPair { pictures: calibrated(pair.pictures, cameras.as_deref())?, ..pair })
+            }
             Self::Session(session) => open_session(session, &mut reading),
             Self::Calibrated(both) => {
                 let (pictures, calibration) = *both;

@@ -35,7 +35,8 @@ use super::model::recording::{OffsetFound, Recordings};
 use super::model::rectified::{Rectified, RectifyQuestion};
 use super::model::scene::{Scene, SceneQuestion};
 use super::model::suggesting::{
-    LensQuestion, NextClickQuestion, RepairQuestion, Repaired, Slid, SlidQuestion, SuggestQuestion, Suggested,
+    LensQuestion, NextClickQuestion, PlaceFound, PlacesQuestion, RepairQuestion, Repaired, SuggestQuestion,
+    Suggested,
 };
 use crate::estimate::DivisionFit;
 use crate::motion::{MOST_OFFSET, find_offset};
@@ -56,7 +57,7 @@ pub struct Tasks {
     suggesting: Following<SuggestQuestion, Suggested>,
     advising: Following<NextClickQuestion, Option<NextClick>>,
     straightening: Following<LensQuestion, (LensQuestion, Option<DivisionFit>)>,
-    checking: Following<SlidQuestion, (SlidQuestion, Vec<Slid>)>,
+    checking: Following<PlacesQuestion, (PlacesQuestion, Vec<PlaceFound>)>,
     /// Repair of pairs.
     pub repairing: Task<RepairQuestion, Repaired>,
     /// Search for the time offset of sequences.
@@ -91,7 +92,7 @@ impl Tasks {
             mut suggest,
             mut next_click,
             mut lens,
-            mut slid,
+            mut places,
             mut repair,
             pick_file,
             pick_folder,
@@ -145,7 +146,7 @@ impl Tasks {
                 (question, found)
             }),
             checking: Following::strict("places of pairs", &waker, move |question| {
-                let found = slid(&question);
+                let found = places(&question);
                 (question, found)
             }),
             repairing,
@@ -178,7 +179,7 @@ impl Tasks {
         self.suggesting.take(&mut open.suggestion);
         self.advising.take(&mut open.next_click);
         self.straightening.take(&mut open.lens);
-        self.checking.take(&mut open.slid);
+        self.checking.take(&mut open.places);
         open.follow_result();
     }
 
@@ -194,8 +195,8 @@ impl Tasks {
         self.advising.follow(question, &mut model.open.next_click);
         let question = model.lens_question();
         self.straightening.follow(question, &mut model.open.lens);
-        let question = model.slid_question();
-        self.checking.follow(question, &mut model.open.slid);
+        let question = model.places_question();
+        self.checking.follow(question, &mut model.open.places);
         let request = model.inspection_request(exports);
         self.inspecting.follow(request, &mut model.open.inspection);
         let question = model.comparison_question();

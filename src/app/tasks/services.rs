@@ -9,10 +9,10 @@ use crate::app::model::picture::Pictures;
 use crate::app::model::recording::Synchronised;
 use crate::app::model::shared::Shared;
 use crate::app::model::suggesting::{
-    LensQuestion, NextClickQuestion, Repair, RepairOutcome, RepairQuestion, Slid, SlidQuestion,
+    LensQuestion, NextClickQuestion, PlaceFound, PlacesQuestion, RepairOutcome, RepairQuestion,
     SuggestQuestion, Suggested,
 };
-use crate::app::model::verdict::capitalised;
+use crate::app::model::verdict::sentence;
 use crate::cancel::CancelFlag;
 use crate::estimate::{
     DivisionFit, Estimate, EstimateError, Match, Monitor, PreparedPair, estimate_prepared, find_lens, follow,
@@ -22,8 +22,7 @@ use crate::image::RelativeView;
 use crate::io::{IMAGE_EXTENSIONS, VIDEO_EXTENSIONS};
 use crate::motion::MotionError;
 use crate::suggest::{
-    ClickedImage, Known, NextClick, Rival, SuggestError, SuggestParameters, next_click, refine, suggest,
-    view_at,
+    ClickedImage, Known, NextClick, Rival, SuggestParameters, next_click, refine, suggest, view_at,
 };
 
 /// Distance from the match, as a share of the longer side, from which a pair counts as misplaced along its
@@ -43,8 +42,8 @@ pub type PrepareFn = dyn FnMut(&Pictures, &CancelFlag) + Send;
 /// Finds the most useful place for one more pair.
 pub type NextClickFn = dyn FnMut(&NextClickQuestion) -> Option<NextClick> + Send;
 
-/// Finds the pairs whose matches lie elsewhere on their lines.
-pub type SlidFn = dyn FnMut(&SlidQuestion) -> Vec<Slid> + Send;
+/// Looks for the matches of pairs along their lines.
+pub type PlacesFn = dyn FnMut(&PlacesQuestion) -> Vec<PlaceFound> + Send;
 
 /// Finds the distortion of the lens.
 pub type LensFn = dyn FnMut(&LensQuestion) -> Option<DivisionFit> + Send;
@@ -69,8 +68,8 @@ pub struct Services {
     pub next_click: Box<NextClickFn>,
     /// Distortion of the lens, within some tenths of a second.
     pub lens: Box<LensFn>,
-    /// Pairs whose matches lie elsewhere on their lines, within some hundredths of a second for each.
-    pub slid: Box<SlidFn>,
+    /// Matches of the pairs along their lines, within some hundredths of a second for each.
+    pub places: Box<PlacesFn>,
     /// Better place for a placed pair, within some hundredths of a second.
     pub repair: Box<dyn FnMut(&RepairQuestion) -> RepairOutcome + Send>,
     /// System dialog for a file; `None` when cancelled or unable to open.
@@ -121,7 +120,7 @@ impl Default for Services {
             lens: Box::new(move |question| {
                 find_lens(&straightening.get(&question.pictures), &question.found)
             }),
-            slid: Box::new(move |question| slid(&checking.get(&question.pictures), question)),
+            places: Box::new(move |question| places(&checking.get(&question.pictures), question)),
             repair: Box::new(move |question| repaired(&repairing.get(&question.pictures), question)),
             pick_file: Arc::new(pick_file),
             pick_folder: Arc::new(pick_folder),
@@ -147,38 +146,26 @@ fn suggested(
     suggest(prepared, at, clicked, &known, &SuggestParameters::default())
 }
 
-/// Returns the pairs whose places along their epipolar lines the images do not confirm.
-fn slid(prepared: &PreparedPair, question: &SlidQuestion) -> Vec<Slid> {
+/// Looks for the matches of pairs along their epipolar lines.
+fn places(prepared: &PreparedPair, question: &PlacesQuestion) -> Vec<PlaceFound> {
     let least = SLID * prepared.frames()[1].longer_side();
     let view = Some(question.found.view());
     let check = |pair: &PointPair| {
         let found = suggested(prepared, pair.point1, ClickedImage::First, Some(&question.found), || None);
         let place = found.ok().and_then(|found| Some(found.clear()?.position));
-        let is_there = |place: Point| (place - pair.point2).norm() <= least;
+        let is_there = place.is_some_and(|place| (place - pair.point2).norm() <= least);
         // At the border of two surfaces, each has its own match. The pair may be of the other one.
         let is_alike = || refine(prepared, pair, view, &SuggestParameters::default()).is_ok();
-        (!place.is_some_and(is_there) && !is_alike()).then_some(Slid { pair: *pair, place })
+        PlaceFound { pair: *pair, place, is_confirmed: is_there || is_alike() }
     };
-    question.pairs.iter().filter_map(check).collect()
+    question.pairs.iter().map(check).collect()
 }
 
-/// Returns a better place for the right point of a pair.
-fn repaired(prepared: &PreparedPair, question: &RepairQuestion) -> RepairOutcome {
-    let RepairQuestion { points, how, found, .. } = question;
-    let found = found.as_deref();
-    let told = |error: SuggestError| capitalised(&error.to_string());
-    match how {
-        Repair::Refine => {
-            let view = found.map(Estimate::view);
-            let refined = refine(prepared, points, view, &SuggestParameters::default());
-            refined.map(|found| found.position).map_err(told)
-        }
-        Repair::Rematch => {
-            let found =
-                suggested(prepared, points.point1, ClickedImage::First, found, || None).map_err(told)?;
-            found.clear().map(|clear| clear.position).ok_or_else(|| found.verdict.to_string())
-        }
-    }
+/// Returns a better place for the right point of a pair, near its present place.
+fn repaired(prepared: &PreparedPair, RepairQuestion { points, found, .. }: &RepairQuestion) -> RepairOutcome {
+    let view = found.as_deref().map(Estimate::view);
+    let refined = refine(prepared, points, view, &SuggestParameters::default());
+    refined.map(|found| found.position).map_err(|error| sentence(&error.to_string()))
 }
 
 /// Data that depends on the pictures only. It is kept between requests and shared by the threads,

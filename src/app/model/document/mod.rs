@@ -22,7 +22,7 @@ use crate::rectify::RectifyMethod;
 pub use given::{GIVEN_FIT, Given};
 pub use parts::{
     Checked, HalfPair, Imported, PairNote, PictureIdentity, PointRef, Role, Side, TruthSource, counted,
-    pair_name,
+    pair_name, sides_named,
 };
 
 /// Everything that a person can change and undo.

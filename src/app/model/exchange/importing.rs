@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::{ImportSource, is_archive};
+use crate::app::model::document::sides_named;
 use crate::app::model::rectified::MatchesAtHand;
 use crate::convention::{ConventionCheck, FEWEST_MATCHES, check_convention};
 use crate::estimate::{Match, estimate_fundamental};
@@ -91,7 +92,8 @@ impl ImportQuestion {
     /// Reads the files. The error names the problem and the action.
     pub fn answer(&self) -> Result<ImportedFile, String> {
         let name = self.pending.source.name();
-        self.read_any().map_err(|problem| match &self.pending.prelude {
+        let told = self.read_any().map_err(|problem| sides_named(&problem));
+        told.map_err(|problem| match &self.pending.prelude {
             Some(prelude) => format!(
                 "{prelude}, and it cannot be imported either: {problem}. Nothing was changed. Try another file."
             ),

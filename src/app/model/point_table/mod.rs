@@ -26,8 +26,8 @@ impl Model {
 
     /// Returns the distance of a pair on its scale from bad to good.
     pub fn pair_gauge(&self, pair: usize) -> Option<Gauge> {
-        let sigma = self.document.parameters.click_sigma;
-        Some(Gauge::of_click(self.shown()?.fundamental, self.document.pairs.get(pair)?, sigma))
+        let (sigma, distance) = (self.document.parameters.click_sigma, self.pair_distance(pair)?);
+        Some(Gauge::of_click(self.shown()?.fundamental, self.document.pairs.get(pair)?, sigma, distance))
     }
 
     /// Selects rows of the list.

@@ -5,8 +5,7 @@ use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::computation::Freshness;
 use crate::app::model::document::pair_name;
-use crate::app::model::suggesting::Repair;
-use crate::estimate::{Reason, Verdict};
+use crate::estimate::{Reason, Suspect, Verdict};
 
 /// Text of the button that undoes the distortion of the lens.
 pub const USE_LENS: &str = "Correct the lens distortion";
@@ -18,7 +17,7 @@ pub struct CardAction {
     pub label: String,
     /// Command of the button.
     pub command: Command,
-    /// Whether it can still help. A button that did not help stays in its place.
+    /// Whether it can help. A disabled button keeps its place, so that nothing jumps once a match is found.
     pub enabled: bool,
 }
 
@@ -44,16 +43,17 @@ impl Model {
         };
         let reasons = estimate.assessment.trust.iter().flat_map(|trust| &trust.reasons);
         let off = reasons.clone().find_map(|reason| match reason {
-            Reason::ClickOff { pair, .. } => self.document.used().nth(pair.checked_sub(1)?),
+            // Where the geometry is the likelier culprit, the sentence asks for another pair.
+            Reason::ClickOff { pair, suspect: Suspect::Click, .. } => {
+                self.document.used().nth(pair.checked_sub(1)?)
+            }
             _ => None,
         });
-        if let Some(pair) = off
-            .or_else(|| self.slid_pair())
-            .filter(|pair| self.repair_question(*pair, Repair::Rematch).is_some())
-        {
+        let looks_for_matches = self.places_question().is_some();
+        if let Some(pair) = off.or_else(|| self.slid_pair()).filter(|_| looks_for_matches) {
             let label = format!("Move {} to its match", pair_name(pair));
-            let action = CardAction::new(label, Command::Repair(pair, Repair::Rematch));
-            return Some(CardAction { enabled: !self.has_no_match(pair), ..action });
+            let action = CardAction::new(label, Command::MoveToMatch(pair));
+            return Some(CardAction { enabled: self.better_place(pair).is_some(), ..action });
         }
         let lens = self.offered_lens().map(|_| CardAction::new(USE_LENS, Command::UseLens));
         if reasons.clone().any(|reason| matches!(reason, Reason::Pattern { .. })) && lens.is_some() {
@@ -86,9 +86,9 @@ impl Model {
         self.document.used().find(|pair| self.slid(*pair).is_some())
     }
 
-    /// Returns the way out if a misplaced pair has no clear match.
+    /// Returns the way out for a misplaced pair whose match is not clear.
     pub fn card_alternative(&self) -> Option<CardAction> {
-        let Command::Repair(pair, Repair::Rematch) = self.card_action()?.command else { return None };
+        let Command::MoveToMatch(pair) = self.card_action()?.command else { return None };
         let label = format!("Leave out {}", pair_name(pair));
         Some(CardAction::new(label, Command::IncludePair(pair, false)))
     }

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text};
 use super::tone::Tone;
 use crate::app::model::computation::Freshness;
-use crate::app::model::document::{Document, GIVEN_FIT, Given, Imported};
+use crate::app::model::document::{Document, GIVEN_FIT, Given, Imported, sides_named};
 use crate::camera::{PoseFit, PoseUncertainty};
 use crate::comparison::median;
 use crate::estimate::{
@@ -53,19 +53,23 @@ impl Fact {
 
 /// Returns the figures of an imported geometry.
 pub fn import_facts(imported: &Imported) -> Vec<Fact> {
-    let check = match &imported.check {
-        Some(check) => format!("{:.2} px median, {} {}", check.median, check.matches, check.of),
-        None => "unchecked".to_owned(),
-    };
-    vec![
+    let check = imported.check.as_ref();
+    let median =
+        check.map_or_else(|| "unchecked".to_owned(), |check| format!("median {:.2} px", check.median));
+    let of = check.map(|check| {
+        let tooltip = "Point pairs that the geometry was checked with at the time of the import.";
+        Fact::new("Checked on", format!("{} {}", check.matches, check.of), tooltip)
+    });
+    let facts = [
         Fact::new("From", imported.file.clone(), "File that the geometry was imported from."),
         Fact::new(
             "Read as",
-            imported.reading.clone(),
+            sides_named(&imported.reading),
             "Convention in which the numbers of the file were read.",
         ),
-        Fact::new("Checked", check, "Median symmetric distance of the matches at the time of the import."),
-    ]
+        Fact::new("Checked", median, "Median symmetric distance of these pairs at the time of the import."),
+    ];
+    facts.into_iter().chain(of).collect()
 }
 
 /// Returns how many given matches fit a result.
@@ -123,7 +127,8 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
                 None => count.to_string(),
             },
             "Image patches matched along the epipolar lines at full resolution, and the median of their \
-             symmetric distances from the lines. The result is fitted to them.",
+             symmetric distances from the lines. The result is fitted to them. Reasons count distinctive matches: \
+             those that were found without the lines.",
         );
         let gauge = Gauge::judged(Scale::MATCHES, count as f64, |v| format!("{v:.0}"));
         facts.push(fact.on(Some(gauge).filter(|_| count > 0)));
@@ -250,8 +255,9 @@ pub fn epipoles(document: &Document, f: &FundamentalMatrix, estimate: Option<&Es
     ]
 }
 
-const EPIPOLE: &str = "Image of the other camera, where all epipolar lines of this image meet. The 95 % interval of \
-                       its distance from the middle of the image, or of its direction, follows from the matches.";
+const EPIPOLE: &str = "Image of the other camera, where all epipolar lines of this image meet. Outside the image: its \
+                       side, and its distance from the middle of the image. The 95 % interval, if there is one, follows \
+                       from the matches.";
 
 /// Returns the figures of a relative pose.
 pub fn pose_facts(fit: &PoseFit) -> Vec<Fact> {
@@ -353,7 +359,8 @@ pub fn card_facts(facts: &[Fact]) -> impl Iterator<Item = &Fact> {
 pub fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String {
     // Farther away, the lines in an image of 1,000 px turn by less than 0.6°.
     const FAR: f64 = 1e5;
-    let Some(p) = finite_point(epipole).filter(|p| p.coords.amax() < FAR) else {
+    let near = finite_point(epipole).filter(|p| p.coords.amax() < FAR || frame.is_some());
+    let Some(p) = near else {
         let degrees = epipole.y.atan2(epipole.x).rem_euclid(PI).to_degrees();
         return format!("at infinity, {degrees:.1}°");
     };
@@ -362,7 +369,10 @@ pub fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String 
     let place = format!("({:.decimals$}, {:.decimals$})", p.x, p.y);
     match frame {
         Some(frame) if frame.contains(p) => format!("{place} in the image"),
-        Some(frame) => format!("{}, {place}", direction(p, frame)),
+        Some(frame) if p.coords.amax() < FAR => {
+            format!("{}, {:.0} px", direction(p, frame), (p - frame.centre()).norm())
+        }
+        Some(frame) => format!("far {}", direction(p, frame)),
         None => place,
     }
 }

@@ -55,16 +55,14 @@ impl Gauge {
         Self { place: place as f32, limits: None, tone: None, words }
     }
 
-    /// Creates the bar of a clicked pair, with the distance and limits of the verdict.
-    pub fn of_click(f: &FundamentalMatrix, pair: &PointPair, sigma: f64) -> Self {
-        let distance = sampson_distance(f, pair);
-        let gauge = Self::judged(Scale::click(sigma), distance, |v| format!("{v:.1} px"));
-        let words = format!(
-            "Judged by the Sampson distance ({distance:.2} px), which allows for the click errors \
-             of both points. {}",
-            gauge.words
-        );
-        Self { words, ..gauge }
+    /// Creates the bar of a clicked pair with the limits of the verdict, for the displayed distance of the pair.
+    ///
+    /// The verdict judges the Sampson distance. Near its line, every distance of a pair is a multiple of the
+    /// Sampson distance, and so are the limits in that measure.
+    pub fn of_click(f: &FundamentalMatrix, pair: &PointPair, sigma: f64, displayed: f64) -> Self {
+        let judged = sampson_distance(f, pair);
+        let factor = if judged > 0.0 { displayed / judged } else { 1.0 };
+        Self::judged(Scale::click(sigma), judged, |limit| format!("{:.1} px", limit * factor))
     }
 }
 

@@ -9,7 +9,7 @@ mod tests;
 mod tone;
 
 use crate::app::model::computation::{Computation, EstimateFailure, Freshness};
-use crate::app::model::document::{Document, GIVEN_FIT, Imported, Role, pair_name};
+use crate::app::model::document::{Document, GIVEN_FIT, Imported, Role, pair_name, sides_named};
 use crate::estimate::{self, CLICK_DEVIATIONS, Estimate, Reason, Trust, Warning};
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
 use crate::presentation::{error_in_words, probability_in_words, reason_in_words, warning_in_words};
@@ -103,7 +103,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
         return match computation.failure() {
             _ if computation.is_running() => bare("Estimating", stage()),
             Some(EstimateFailure::Estimate(error)) => {
-                bare("No result", format!("{}.", capitalised(&in_names(&error_in_words(error), document))))
+                bare("No result", format!("{}.", in_names(&error_in_words(error), document)))
             }
             Some(EstimateFailure::Panic(text)) => bare(
                 "No result",
@@ -250,11 +250,11 @@ fn in_units(reason: &Reason, document: &Document, f: &FundamentalMatrix) -> Stri
     }
 }
 
-/// Replaces the numbers of pairs in a sentence of the estimator by their names in the window.
-fn in_names(sentence: &str, document: &Document) -> String {
+/// Replaces the numbers of pairs and images in a sentence of the estimator by their names in the window.
+fn in_names(text: &str, document: &Document) -> String {
     let used: Vec<usize> = document.used().collect();
     let (mut expected, mut after) = (false, false);
-    let words = sentence.split(' ').map(|word| {
+    let words = text.split(' ').map(|word| {
         let is_number = expected;
         // `pair 3`, `pairs 1 and 2`.
         expected = matches!(word, "pair" | "pairs") || after && word == "and";
@@ -264,12 +264,12 @@ fn in_names(sentence: &str, document: &Document) -> String {
         let name = number.and_then(|number| Some(pair_name(*used.get(number.checked_sub(1)?)?)));
         name.map_or_else(|| word.to_owned(), |name| name + &word[digits..])
     });
-    words.collect::<Vec<_>>().join(" ")
+    sentence(&words.collect::<Vec<_>>().join(" "))
 }
 
-/// Returns the text with a capital first letter.
-pub fn capitalised(text: &str) -> String {
+/// Returns a sentence of the library with a capital first letter, and with the images named as in the window.
+pub fn sentence(text: &str) -> String {
+    let text = sides_named(text);
     let mut characters = text.chars();
-    let first = characters.next().map(|first| first.to_ascii_uppercase());
-    first.into_iter().chain(characters).collect()
+    characters.next().map_or(String::new(), |first| first.to_uppercase().chain(characters).collect())
 }

@@ -105,10 +105,14 @@ fn sentences_use_the_names_of_pairs() {
     let mut document = Document { pairs, ..Document::default() };
     document.check_only(1, true);
     let named = |sentence: &str| in_names(sentence, &document);
-    assert_eq!(named("point pair 1 is 3 px off"), "point pair p is 3 px off");
-    assert_eq!(named("through point pair 12: choose"), "through point pair 13: choose");
-    assert_eq!(named("point pairs 2 and 10 are only 2 px"), "point pairs r and 11 are only 2 px");
+    assert_eq!(named("point pair 1 is 3 px off"), "Point pair p is 3 px off");
+    assert_eq!(named("through point pair 12: choose"), "Through point pair 13: choose");
+    assert_eq!(named("point pairs 2 and 10 are only 2 px"), "Point pairs r and 11 are only 2 px");
     assert_eq!(named("3 point pairs are needed, 2 given"), "3 point pairs are needed, 2 given");
+    assert_eq!(
+        named("image 2 is uniform; image 1 is not"),
+        "The right image is uniform; the left image is not"
+    );
     assert_eq!(used(&document), "13 pairs");
 }
 
@@ -157,7 +161,8 @@ fn epipoles_are_described_near_far_and_at_infinity() {
     let frame = Some(Frame::new(100, 100));
     let text = |x, y, z| epipole_text(&HomogeneousPoint::new(x, y, z), frame);
     assert_eq!(text(50.0, 20.0, 1.0), "(50.0, 20.0) in the image");
-    assert_eq!(text(-50.0, 20.0, 0.5), "left, (-100.0, 40.0)");
+    assert_eq!(text(-50.0, 20.0, 0.5), "left, 150 px");
+    assert_eq!(text(1.0, 0.1, 1e-6), "far right");
     assert_eq!(text(-1.0, -1.0, 0.0), "at infinity, 45.0°");
-    assert_eq!(text(1.0, 0.0, 1e-8), "at infinity, 0.0°");
+    assert_eq!(text(1.0, 0.0, 1e-10), "at infinity, 0.0°");
 }

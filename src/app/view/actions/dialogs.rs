@@ -11,7 +11,6 @@ use crate::app::model::ids::OverlayId;
 use crate::app::model::point_table::{ChosenEdit, PointsCommand};
 use crate::app::model::rectified::{Guides, RectifiedCommand};
 use crate::app::model::session::OpenSession;
-use crate::app::model::suggesting::Repair;
 use crate::app::model::tones::TonesCommand;
 use crate::camera::FocalLength;
 use crate::io::{PictureFormat, RectifiedOptions};
@@ -20,7 +19,6 @@ use crate::io::{PictureFormat, RectifiedOptions};
 #[expect(clippy::too_many_lines, reason = "it is a table")]
 pub fn in_dialogs() -> Vec<Action> {
     let browse = |command: Command, tooltip| action(command, "Browse", tooltip);
-    let accept = |reading| ExchangeCommand::Accept { reading, with_pairs: false };
     let options = RectifiedOptions { format: PictureFormat::Png, guide_spacing: 0, maps: false };
     let rectified = RectifiedCommand::Export { folder: PathBuf::new(), options };
     vec![
@@ -65,15 +63,15 @@ pub fn in_dialogs() -> Vec<Action> {
             "Leave the pair out of the estimate and of all measures, or include it again.",
         ),
         action(
-            Command::Repair(0, Repair::Refine),
+            Command::Refine(0),
             "Refine",
             "Align the right point to a fraction of a pixel, near its present place.",
         ),
         action(
-            Command::Repair(0, Repair::Rematch),
+            Command::MoveToMatch(0),
             "Move to match",
-            "Move the right point to the best match on its epipolar line. Needs a reliable or \
-             doubtful result.",
+            "Move the right point to its match on the epipolar line. This takes a reliable or doubtful result, \
+             and a clear match in the images; without one, drag the point or leave the pair out.",
         ),
         action(Command::CheckOnly(0, false), "Use", "Use the pair for the estimate."),
         action(
@@ -123,24 +121,15 @@ pub fn in_dialogs() -> Vec<Action> {
             "Export file",
             "Write the file. An existing file of that name is replaced.",
         ),
-        browse(
-            ExchangeCommand::BrowseImport.into(),
-            "Choose a file with point pairs or a fundamental matrix in the system dialog.",
-        ),
         action(
             ExchangeCommand::Import(Vec::new()),
             "Import",
             "Import point pairs, a fundamental matrix or two cameras for the open images.",
         ),
         action(
-            accept(Some(0)),
-            "Use this reading",
-            "Import the matrix with the marked reading, and show its geometry in the whole window.",
-        ),
-        action(
-            accept(None),
-            "As it is",
-            "Import the matrix exactly as the file has it, regardless of the matches.",
+            ExchangeCommand::Accept { reading: None, with_pairs: false },
+            "Import matrix",
+            "Import the matrix with the marked reading, or unchecked as the file has it, and show its geometry.",
         ),
         action(ExchangeCommand::Reject, "Cancel", "Import nothing from this file."),
         action(

@@ -128,7 +128,7 @@ pub fn with_keys() -> Vec<Action> {
         .listed(|model| {
             if model.truth().is_some() { "Hide the ground truth" } else { "Compare with the ground truth" }
         })
-        .when(|model| model.open.known.is_some()),
+        .when(|model| model.open.known().is_some()),
         action(Command::Redo, "Redo", "Redo the last undone step.")
             .key(COMMAND_SHIFT, Key::Z)
             .key(COMMAND, Key::Y)
@@ -171,10 +171,10 @@ pub fn with_keys() -> Vec<Action> {
         action(
             Command::Blink,
             "Blink",
-            "Let the left and the right picture trade places. Press again and again to compare them.",
+            "Exchange the left and the right picture on the screen. Press again and again to compare them.",
         )
         .key(NONE, Key::X)
-        .listed(|_| "Blink: swap the two pictures")
+        .listed(|_| "Blink: swap the two pictures on the screen")
         .when(|model| model.document.pictures.is_some()),
         action(
             Command::ToggleDrawer,

@@ -18,7 +18,6 @@ use crate::app::model::command::{Command, ExchangeCommand, SessionCommand};
 use crate::app::model::point_table::{ChosenEdit, PointsCommand};
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
-use crate::app::model::suggesting::Repair;
 use crate::app::model::tones::TonesCommand;
 pub use action::Action;
 
@@ -31,15 +30,13 @@ pub static ACTIONS: LazyLock<Vec<Action>> = LazyLock::new(|| {
 #[derive(PartialEq, Eq)]
 enum Kind {
     Session(Discriminant<SessionCommand>),
-    /// Also whether a reading is accepted: accepting none has an entry of its own.
-    Exchange(Discriminant<ExchangeCommand>, bool),
+    Exchange(Discriminant<ExchangeCommand>),
     Rectified(Discriminant<RectifiedCommand>),
     Tones(Discriminant<TonesCommand>),
     /// Also the sign of the step: forwards and backwards have separate entries.
     Player(Discriminant<PlayerCommand>, Option<i32>),
     /// Also the edit of the chosen rows.
     Points(Discriminant<PointsCommand>, Option<ChosenEdit>),
-    Repair(Repair),
     /// Whether the pair only checks: both values have separate entries.
     CheckOnly(bool),
     Other(Discriminant<Command>),
@@ -48,10 +45,7 @@ enum Kind {
 fn kind(command: &Command) -> Kind {
     match command {
         Command::Session(command) => Kind::Session(discriminant(command)),
-        Command::Exchange(command) => {
-            let reads = matches!(command, ExchangeCommand::Accept { reading: Some(_), .. });
-            Kind::Exchange(discriminant(command), reads)
-        }
+        Command::Exchange(command) => Kind::Exchange(discriminant(command)),
         Command::Rectified(command) => Kind::Rectified(discriminant(command)),
         Command::Tones(command) => Kind::Tones(discriminant(command)),
         Command::Player(command) => {
@@ -62,7 +56,6 @@ fn kind(command: &Command) -> Kind {
             let edit = if let PointsCommand::Edit(edit) = command { Some(*edit) } else { None };
             Kind::Points(discriminant(command), edit)
         }
-        Command::Repair(_, how) => Kind::Repair(*how),
         Command::CheckOnly(_, only) => Kind::CheckOnly(*only),
         other => Kind::Other(discriminant(other)),
     }
@@ -132,7 +125,7 @@ mod tests {
         assert_eq!(Command::StepPair { forward: false }.name(), "Previous pair");
         assert_eq!(
             Command::from(ExchangeCommand::Accept { reading: None, with_pairs: true }).name(),
-            "As it is"
+            "Import matrix"
         );
         assert!(Command::ChooseHypothesis(Some(3)).keys().is_empty());
     }

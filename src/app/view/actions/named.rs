@@ -93,6 +93,14 @@ pub fn by_name() -> Vec<Action> {
         .listed(|_| "Find the geometry without clicks")
         .when(Model::can_find_without_clicks),
         action(
+            ExchangeCommand::BrowseImport,
+            "Browse",
+            "Choose a file with point pairs, matches, a fundamental matrix, two cameras or a calibration of the \
+             lens distortion in the system dialog.",
+        )
+        .listed(|_| "Import a file…")
+        .when(|model| model.document.pictures.is_some()),
+        action(
             Command::JudgeRows,
             "Is the pair rectified?",
             "Compare the rows of the matches over the whole picture, and tell by how much they differ.",

@@ -72,7 +72,7 @@ pub fn unsaved_work(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> 
     let mut focused = false;
     for message in model.messages.on_top().filter(|message| message.kind == MessageKind::LeftBehind) {
         ui.add_space(6.0);
-        ui.add(Label::new(&message.text).wrap());
+        ui.add(Label::new(message.told()).wrap());
         ui.horizontal(|ui| {
             for action in &message.actions {
                 let button = ui.button(action.label);

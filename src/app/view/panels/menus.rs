@@ -10,7 +10,6 @@ use crate::app::model::document::{Role, Side, pair_name};
 use crate::app::model::focus::LineSource;
 use crate::app::model::ids::TabId;
 use crate::app::model::point_table::{ChosenEdit, PointsCommand};
-use crate::app::model::suggesting::Repair;
 use crate::geometry::Point;
 use crate::io::Notation;
 
@@ -32,10 +31,8 @@ pub fn pair_menu(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Com
         return;
     }
     if pair < document.pairs.len() {
-        for how in [Repair::Refine, Repair::Rematch] {
-            let enabled = how == Repair::Refine || !model.has_no_match(pair);
-            offer(ui, Command::Repair(pair, how), enabled && model.repair_question(pair, how).is_some());
-        }
+        offer(ui, Command::Refine(pair), model.repair_question(pair).is_some());
+        offer(ui, Command::MoveToMatch(pair), model.better_place(pair).is_some());
         ui.separator();
         let only = document.role(pair) == Role::Used;
         offer(ui, Command::CheckOnly(pair, only), only || document.can_be_used(pair));

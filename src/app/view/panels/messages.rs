@@ -1,4 +1,4 @@
-//! Messages over the images. Each stays until it is dismissed.
+//! Messages over the images.
 
 use egui::{Align, Align2, Area, Frame, Id, Label, Layout, Margin, Order, Rect, RichText, Stroke, vec2};
 
@@ -31,7 +31,9 @@ pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<C
             let width = (area.width() - 64.0).clamp(200.0, 720.0);
             for message in shown {
                 let (fill, edge) = match message.kind {
-                    MessageKind::Problem | MessageKind::OfPair => (palette.message_fill, palette.bad),
+                    MessageKind::Problem | MessageKind::OfPair | MessageKind::Unprotected => {
+                        (palette.message_fill, palette.bad)
+                    }
                     MessageKind::Replace => (ui.visuals().panel_fill, palette.caution),
                     MessageKind::LeftBehind | MessageKind::Answer => {
                         (ui.visuals().panel_fill, palette.accent)
@@ -63,7 +65,7 @@ pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<C
                             ui.with_layout(Layout::top_down(Align::Min), |ui| {
                                 // Aligns the first line with the text of the buttons.
                                 ui.add_space(BESIDE_BUTTONS);
-                                ui.add(Label::new(RichText::new(&message.text)).wrap());
+                                ui.add(Label::new(RichText::new(message.told())).wrap());
                             });
                         });
                     });

@@ -9,7 +9,6 @@ use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::document::{Side, counted};
 use crate::app::model::pair_folder::PairFolder;
-use crate::app::model::truth::NO_TRUTH;
 use crate::app::view::actions::conditions::has_strip;
 
 /// Shows the choice of the pair, and the button of the drawer with all images.
@@ -55,11 +54,11 @@ fn kept_pairs(ui: &mut Ui, model: &Model, folder: &PairFolder, commands: &mut Ve
 /// Shows the switch of the ground truth.
 pub fn truth_button(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let button = Button::selectable(model.truth().is_some(), Command::ToggleTruth.name());
-    let button = ui.add_enabled(model.open.known.is_some(), button.frame_when_inactive(true));
-    if model.open.known.is_some() {
+    let button = ui.add_enabled(model.open.known().is_some(), button.frame_when_inactive(true));
+    if model.open.known().is_some() {
         finish_button(ui, button, Command::ToggleTruth, commands);
     } else {
-        button.on_disabled_hover_text(NO_TRUTH);
+        button.on_disabled_hover_text(model.open.why_no_truth());
     }
 }
 

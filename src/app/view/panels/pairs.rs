@@ -16,7 +16,6 @@ use crate::app::model::document::{PointRef, Role, Side, pair_name};
 use crate::app::model::focus::Target;
 use crate::app::model::point_table::{Choosing, ChosenEdit, PointsCommand};
 use crate::app::model::residuals::check_summary;
-use crate::app::model::suggesting::Repair;
 use crate::app::view::theme;
 use crate::geometry::Point;
 
@@ -211,7 +210,7 @@ fn line(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
                  points are not the same scene point."
             ));
         }
-        if model.unconfirmed(pair).is_some_and(|slid| slid.place.is_none()) {
+        if model.unconfirmed(pair).is_some_and(|found| found.place.is_none()) {
             ui.add(Label::new(RichText::new("?").weak()).selectable(false)).on_hover_text(
                 "The images do not show the match of the left point clearly. The distance from the line says \
                  nothing about the place along it, so compare both points yourself.",
@@ -264,10 +263,8 @@ fn unfolded(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>
             let button = named(ui.add_enabled(enabled, Button::new(command.name()).small()), &label);
             finish_button(ui, button, command, commands);
         };
-        for how in [Repair::Refine, Repair::Rematch] {
-            let enabled = how == Repair::Refine || !model.has_no_match(pair);
-            offer(ui, Command::Repair(pair, how), enabled && model.repair_question(pair, how).is_some());
-        }
+        offer(ui, Command::Refine(pair), model.repair_question(pair).is_some());
+        offer(ui, Command::MoveToMatch(pair), model.better_place(pair).is_some());
         offer(ui, Command::DeletePair(pair), true);
     });
 }

@@ -126,21 +126,23 @@ fn entries(model: &Model) -> Vec<PaletteEntry> {
 
 /// Returns the entries that match the text, best first; all of them for an empty text.
 fn found(entries: Vec<PaletteEntry>, text: &str) -> Vec<PaletteEntry> {
-    let mut ranked: Vec<(usize, PaletteEntry)> = entries
-        .into_iter()
-        .filter_map(|entry| Some((rank(&entry.title.to_lowercase(), &text.trim().to_lowercase())?, entry)))
-        .collect();
+    let wanted = text.trim().to_lowercase();
+    let rank_of = |entry: &PaletteEntry| {
+        rank(&entry.title.to_lowercase(), &entry.command.tooltip().to_lowercase(), &wanted)
+    };
+    let mut ranked: Vec<(usize, PaletteEntry)> =
+        entries.into_iter().filter_map(|entry| Some((rank_of(&entry)?, entry))).collect();
     // Of equally good matches, the shorter title is closer to the search.
     let typed = !text.trim().is_empty();
     ranked.sort_by_key(|(rank, entry)| (*rank, if typed { entry.title.len() } else { 0 }));
     ranked.into_iter().map(|(_, entry)| entry).collect()
 }
 
-/// Returns the rank of a title, lower is better: the positions of the words, or else a large number
-/// if the title has the letters in this order. `None` if it has not.
-fn rank(title: &str, text: &str) -> Option<usize> {
-    let words = text.split_whitespace().map(|word| title.find(word)).sum::<Option<usize>>();
-    words.or_else(|| {
+/// Returns the rank of an entry, lower is better: the positions of the words in the title, or else in the tooltip,
+/// or else a large number if the title has the letters in this order. `None` if it has not.
+fn rank(title: &str, tooltip: &str, text: &str) -> Option<usize> {
+    let words = |of: &str| text.split_whitespace().map(|word| of.find(word)).sum::<Option<usize>>();
+    words(title).or_else(|| Some(1000 + words(tooltip)?)).or_else(|| {
         let mut rest = title.chars();
         let mut letters = text.chars().filter(|letter| !letter.is_whitespace());
         letters.all(|letter| rest.any(|other| other == letter)).then_some(10_000 + title.len())
@@ -156,7 +158,7 @@ mod tests {
         let titles = ["Fit both images", "Open the sample images", "Light or dark", "Link views"];
         let entries = || {
             titles
-                .map(|title| PaletteEntry { title: title.to_owned(), command: Command::FitAll })
+                .map(|title| PaletteEntry { title: title.to_owned(), command: Command::EndDrag })
                 .into_iter()
                 .collect()
         };
@@ -167,6 +169,9 @@ mod tests {
         assert_eq!(search("o").first().map(String::as_str), Some("Open the sample images"));
         assert_eq!(search("view link"), ["Link views"]);
         assert_eq!(search("lv"), ["Link views"]);
+        let rank_of = |text: &str| rank("blink: swap", "exchange the two pictures.", text);
+        assert!(rank_of("swap") < rank_of("exchange") && rank_of("exchange") < rank_of("bksp"));
+        assert_eq!(rank_of("pinned"), None);
         assert_eq!(search("").len(), titles.len());
         assert!(search("zzz").is_empty());
     }

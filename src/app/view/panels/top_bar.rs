@@ -14,11 +14,13 @@ use crate::app::model::rectified::RectifiedCommand;
 use crate::app::view::actions::conditions::has_strip;
 use crate::app::view::theme;
 
-/// Width from which the search has a field rather than an icon, screen points.
+/// Width from which the search has a field rather than an icon, screen points, and the room that the choice of a
+/// pair takes from it.
 const ROOM_FOR_SEARCH: f32 = 1000.0;
+const PAIR: f32 = 240.0;
 /// Width from which the switch is in the middle of the bar, screen points.
 const ROOM_FOR_MIDDLE: f32 = 900.0;
-/// Width of a button of the switch, screen points.
+/// Width of a button of the switch in the middle, screen points.
 const STAGE: f32 = 80.0;
 
 /// Shows the bar.
@@ -34,10 +36,11 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         }
         if !middle {
             ui.separator();
-            switch(ui, model, commands);
+            switch(ui, 0.0, model, commands);
         }
+        let taken = if model.folder().is_some() { PAIR } else { 0.0 };
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ends(ui, area.width() >= ROOM_FOR_SEARCH, model, commands);
+            ends(ui, area.width() >= ROOM_FOR_SEARCH + taken, model, commands);
         });
     });
     if middle {
@@ -46,7 +49,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             vec2(stages(model).count() as f32 * (STAGE + 2.0), area.height()),
         );
         ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
-            ui.horizontal_centered(|ui| switch(ui, model, commands));
+            ui.horizontal_centered(|ui| switch(ui, STAGE, model, commands));
         });
     }
 }
@@ -69,6 +72,7 @@ fn icons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     button(ui, Icon::Redo, Command::Redo, model.history.can_redo(), false);
     ui.separator();
     button(ui, Icon::Pin, Command::ToggleInspectTool, any, model.tool == Tool::Inspect);
+    button(ui, Icon::Measure, Command::ToggleMeasureTool, any, model.tool == Tool::Measure);
     button(ui, Icon::Fit, Command::FitAll, any, false);
     if any {
         tones::show(ui, model, commands);
@@ -82,12 +86,12 @@ fn stages(model: &Model) -> impl Iterator<Item = StageId> {
 }
 
 /// Shows the switch of the stage.
-fn switch(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+fn switch(ui: &mut Ui, least_width: f32, model: &Model, commands: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.x = 2.0;
     for stage in stages(model) {
         let shown = model.stage() == stage;
         let enabled = stage == StageId::Pictures || model.can_rectify();
-        let button = Button::selectable(shown, stage.title()).min_size(vec2(STAGE, 26.0));
+        let button = Button::selectable(shown, stage.title()).min_size(vec2(least_width, 26.0));
         let response = ui.add_enabled(enabled, button);
         finish_button(ui, response, Command::ShowStage(stage), commands);
     }

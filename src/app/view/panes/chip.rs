@@ -7,6 +7,7 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Ui, Widget
 
 use crate::app::model::Model;
 use crate::app::model::document::Side;
+use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
 use crate::camera::UndistortedView;
 use crate::geometry::Frame;
@@ -60,6 +61,12 @@ impl Chip {
         let format = |color| TextFormat { font_id: font.clone(), color, ..TextFormat::default() };
         job.append(title, 0.0, format(theme::SELECTED));
         job.append(&text, 6.0, format(Color32::from_gray(190)));
+        let knows_matches = model.truth().is_some_and(|truth| !truth.matches.is_empty());
+        if knows_matches && model.look.shows(OverlayId::TrueMatches) {
+            let legend = "× true matches";
+            job.append(legend, 8.0, format(theme::TRUE));
+            text = format!("{text}  {legend}");
+        }
         // Copies of the view carry the word of the verdict.
         if let Some((word, look)) = model.doubt() {
             job.append(word, 8.0, format(theme::line_color(look)));

@@ -1,6 +1,6 @@
 //! An image pane: zooming, panning, clicks and drags.
 
-use egui::{CursorIcon, PointerButton, Pos2, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo};
+use egui::{Align2, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo};
 
 use super::chip::Chip;
 use super::loupe;
@@ -151,15 +151,14 @@ impl ImagePane {
         }
     }
 
-    /// Draws the whole image with a ring at a point, in the corner at the lower right of an area. Returns the
-    /// occupied area.
-    pub fn draw_small(&mut self, painter: &egui::Painter, area: Rect, point: Point) -> Rect {
+    /// Draws the whole image with a ring at a point, in a corner of an area. Returns the occupied area.
+    pub fn draw_small(&mut self, painter: &egui::Painter, area: Rect, corner: Align2, point: Point) -> Rect {
         let Some(image) = &mut self.image else { return Rect::NOTHING };
         let view = image.view.fitted(image.shown);
         let Frame { width, height } = view.turn.turned_frame(image.shown);
         let scale = (area.width() / width as f32).min(area.height() / height as f32);
         let size = egui::vec2(width as f32, height as f32) * scale;
-        let rect = Rect::from_min_size(area.max - size, size);
+        let rect = corner.align_size_within_rect(size, area);
         let transform = view.transform(image.shown, rect).through(image.lens.as_ref());
         image.texture.draw(&painter.with_clip_rect(rect), &transform);
         painter.rect_stroke(rect, 0.0, egui::Stroke::new(1.0, theme::SELECTED), StrokeKind::Outside);

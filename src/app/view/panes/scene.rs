@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use egui::{
-    Align2, Color32, FontId, Mesh, Painter, PointerButton, Pos2, Rect, Sense, Stroke, Ui, WidgetInfo, vec2,
+    Align, Align2, Color32, FontId, Mesh, Painter, PointerButton, Pos2, Rect, Sense, Stroke, Ui, WidgetInfo,
+    vec2,
 };
 use nalgebra::{Vector2, Vector3};
 
@@ -25,7 +26,7 @@ const POINT: f32 = 3.6;
 const LEAST_CONTRAST: f32 = 0.25;
 /// Length of the axes in the corner, screen points.
 const AXIS: f64 = 26.0;
-/// Share of the area that a small picture may take, and the space around it in screen points.
+/// Share of the width that a small picture may take, and the space around it in screen points.
 const SMALL: f32 = 0.24;
 const MARGIN: f32 = 10.0;
 
@@ -68,24 +69,27 @@ pub fn show(ui: &mut Ui, panes: &mut [ImagePane; 2], model: &Model, commands: &m
     drawing.points(scene);
     drawing.cameras(scene);
     drawing.axes();
-    if let Some(Target::Match(number)) = model.open.focus.hovered() {
-        drawing.pointed(scene, number);
-        small_pictures(&drawing, panes, model, number);
+    if let Some(Target::Match(number)) = model.open.focus.hovered()
+        && let Some(at) = drawing.pointed(scene, number)
+    {
+        small_pictures(&drawing, panes, model, number, at);
     }
     drawing.chip(scene, model);
 }
 
-/// Shows a match in small copies of both pictures, at the lower right.
-fn small_pictures(drawing: &Drawing, panes: &mut [ImagePane; 2], model: &Model, number: usize) {
+/// Shows a match in small copies of both pictures, each in a corner of its side. They are on the other half of the
+/// height than the scene point, so that they never cover it.
+fn small_pictures(drawing: &Drawing, panes: &mut [ImagePane; 2], model: &Model, number: usize, at: Pos2) {
     let found = model.open.computation.result().and_then(|(found, _)| found.matches().get(number));
     let Some(pair) = found.map(|found| found.pair) else { return };
-    let mut corner = drawing.rect.max - vec2(MARGIN, MARGIN);
+    let room = drawing.rect.shrink(MARGIN);
     let size = drawing.rect.size() * vec2(SMALL, 2.0 * SMALL);
-    for side in [Side::Right, Side::Left] {
-        let area = Rect::from_min_max(corner - size, corner);
-        let taken = panes[side.index()].draw_small(&drawing.painter, area, side.point(&pair));
-        label(&drawing.painter, taken.min, Align2::LEFT_TOP, side.title(), theme::SELECTED);
-        corner.x = taken.min.x - MARGIN;
+    let below = at.y < room.center().y;
+    for (side, along) in Side::BOTH.into_iter().zip([Align::Min, Align::Max]) {
+        let corner = Align2([along, if below { Align::Max } else { Align::Min }]);
+        let area = corner.align_size_within_rect(size, room);
+        let taken = panes[side.index()].draw_small(&drawing.painter, area, corner, side.point(&pair));
+        label(&drawing.painter, taken.left_bottom(), Align2::LEFT_BOTTOM, side.title(), theme::SELECTED);
     }
 }
 
@@ -172,11 +176,11 @@ impl Drawing {
         }
     }
 
-    /// Highlights a point, with the rays of both cameras to it.
-    fn pointed(&self, scene: &Scene, number: usize) {
+    /// Highlights a point, with the rays of both cameras to it. Returns its screen position.
+    fn pointed(&self, scene: &Scene, number: usize) -> Option<Pos2> {
         let project = self.projection();
-        let Some(place) = scene.point(number).map(|point| point.place) else { return };
-        let Some((at, _)) = project(&place) else { return };
+        let place = scene.point(number)?.place;
+        let (at, _) = project(&place)?;
         for (corners, color) in scene.cloud.cameras.iter().zip(theme::CAMERAS) {
             if let Some((from, _)) = project(&corners[0]) {
                 self.painter.line_segment([from, at], Stroke::new(1.0, color));
@@ -185,12 +189,13 @@ impl Drawing {
         for (width, color) in [(4.0, theme::HALO), (2.0, theme::SELECTED)] {
             self.painter.circle_stroke(at, theme::HANDLE_RADIUS, Stroke::new(width, color));
         }
+        Some(at)
     }
 
     /// Shows the number of points, the unit and the word of a doubtful verdict at the upper left.
     fn chip(&self, scene: &Scene, model: &Model) {
         let count = scene.cloud.points.len();
-        let mut text = format!("{count} of {} matches  unit: one baseline", scene.fit.matches);
+        let mut text = format!("{count} points from {} matches  unit: one baseline", scene.fit.matches);
         if let Some(uncertainty) = scene.fit.uncertainty {
             let [turn, deviation] =
                 [scene.fit.pose.rotation.angle(), uncertainty.rotation].map(f64::to_degrees);

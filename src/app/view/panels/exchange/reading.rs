@@ -1,19 +1,14 @@
 //! The dialog for the convention of an imported matrix, shown before its geometry is drawn.
 
-use egui::{Button, Grid, Key, Label, RichText, Ui};
+use egui::{Grid, Key, Label, RichText, Ui};
 
 use super::super::dialog::dialog;
-use super::super::finish_button;
+use super::super::{finish_button, main_button};
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::exchange::{ImportFound, ImportedMatrix};
+use crate::app::model::verdict::sentence;
 use crate::app::view::theme;
 use crate::convention::{ConventionCheck, FEWEST_MATCHES};
-
-/// Number of readings listed, besides the reading as in the file.
-const LISTED: usize = 5;
-
-/// Least share of fitting matches of a listed reading: less is displayed as 0 %.
-const LEAST_FITTING: f64 = 0.005;
 
 /// The imported content and the present choice.
 #[derive(Debug, Clone)]
@@ -69,7 +64,7 @@ impl ReadingDialog {
         if let Some(check) = check {
             let palette = theme::palette(ui.visuals());
             let color = if check.fits() { ui.visuals().text_color() } else { palette.caution };
-            ui.add(Label::new(RichText::new(check.sentence()).color(color)).wrap());
+            ui.add(Label::new(RichText::new(sentence(&check.sentence())).color(color)).wrap());
             ui.add_space(4.0);
             ui.weak(format!("Readings, measured on {} {matches}:", check.matches));
             readings(ui, check, &mut self.chosen);
@@ -93,14 +88,8 @@ impl ReadingDialog {
         let with_pairs = self.with_pairs;
         let accept = |reading| Command::from(ExchangeCommand::Accept { reading, with_pairs });
         let chosen = self.matrix.check.as_ref().map(|_| self.chosen);
-        if chosen.is_some() {
-            let palette = theme::palette(ui.visuals());
-            let text = RichText::new(accept(chosen).name()).color(palette.on_accent);
-            let button = ui.add(Button::new(text).fill(palette.accent));
-            finish_button(ui, button, accept(chosen), commands);
-        }
-        let button = ui.button(accept(None).name());
-        finish_button(ui, button, accept(None), commands);
+        let button = main_button(ui, accept(chosen).name());
+        finish_button(ui, button, accept(chosen), commands);
         let reject = Command::from(ExchangeCommand::Reject);
         let button = ui.button(reject.name());
         finish_button(ui, button, reject, commands);
@@ -117,12 +106,10 @@ fn as_read(check: &ConventionCheck) -> Option<usize> {
 
 /// Shows the readings to choose from.
 fn readings(ui: &mut Ui, check: &ConventionCheck, chosen: &mut usize) {
-    let listed = check.readings.len().min(LISTED);
     let own = as_read(check);
-    // A reading that fits nothing is no choice, except the one of the file.
-    let fits =
-        |place: usize| place == 0 || Some(place) == own || check.readings[place].within >= LEAST_FITTING;
-    let behind = own.filter(|place| *place >= listed);
+    // Other readings than the best one, those that fit as well, and the one of the file are no choice.
+    let is_alike = |place: usize| check.fits() && !check.readings[place].told_apart;
+    let is_listed = |place: &usize| *place == 0 || Some(*place) == own || is_alike(*place);
     let headings = [
         ("Reading", "How the numbers of the matrix are interpreted."),
         ("Median, px", "Half of the matches are closer to their epipolar lines than this."),
@@ -134,14 +121,15 @@ fn readings(ui: &mut Ui, check: &ConventionCheck, chosen: &mut usize) {
             ui.weak(title).on_hover_text(tooltip);
         }
         ui.end_row();
-        for place in (0..listed).filter(|place| fits(*place)).chain(behind) {
+        for place in (0..check.readings.len()).filter(is_listed) {
             let ranked = &check.readings[place];
-            ui.radio_value(chosen, place, ranked.reading.brief()).on_hover_text(ranked.reading.to_string());
+            ui.radio_value(chosen, place, ranked.reading.brief())
+                .on_hover_text(sentence(&ranked.reading.to_string()));
             ui.label(pixels(ranked.median));
             ui.label(format!("{:.0} %", 100.0 * ranked.within));
-            let note = match (place, ranked.told_apart) {
-                (0, _) if check.fits() => "recommended",
-                (_, false) if place > 0 && check.fits() => "fits as well",
+            let note = match place {
+                0 if check.fits() => "recommended",
+                _ if is_alike(place) => "fits as well",
                 _ => "",
             };
             ui.weak(note);

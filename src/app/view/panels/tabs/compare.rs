@@ -8,6 +8,7 @@ use super::residuals::{choice, contestants, measured, missing, px, tools};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::comparison::{Comparison, Contestant, PointSet, Subject};
+use crate::app::model::document::sides_named;
 use crate::app::model::ids::TabId;
 use crate::app::view::theme;
 use crate::comparison::Spread;
@@ -42,7 +43,8 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             Finding::DoesNotFit => palette.bad,
             Finding::Undecided => palette.caution,
         };
-        let words = RichText::new(format!("Imported: {}", judgement_in_words(judgement))).color(color);
+        let words =
+            RichText::new(format!("Imported: {}", sides_named(&judgement_in_words(judgement)))).color(color);
         ui.add(Label::new(words).wrap());
     }
     let room = ui.available_width();

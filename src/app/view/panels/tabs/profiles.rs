@@ -88,7 +88,11 @@ impl PlotGrid {
         match self {
             Self::Whole => room.y,
             Self::Low => 2.0 * room.y.max(0.5 * LEAST_HEIGHT),
-            Self::Narrow => room.y.max(2.0 * LEAST_HEIGHT),
+            // Whole plots fill the view, so that no title is cut at its end.
+            Self::Narrow => {
+                let in_view = (2.0 * room.y / LEAST_HEIGHT).floor().clamp(1.0, 4.0);
+                4.0 * (room.y / in_view).max(0.5 * LEAST_HEIGHT)
+            }
         }
     }
 
@@ -344,4 +348,18 @@ fn band_texture(ui: &Ui, inspection: &Inspection) -> TextureHandle {
     let texture = ui.ctx().load_texture("cost band", image, TextureOptions::NEAREST);
     ui.data_mut(|data| data.insert_temp(id, (inspection.number, texture.clone())));
     texture
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_narrow_column_shows_whole_plots() {
+        for height in [90.0, 185.0, 250.0, 351.0, 500.0] {
+            let plot = PlotGrid::Narrow.height(vec2(300.0, height)) / 4.0;
+            let in_view = height / plot;
+            assert!((in_view - in_view.round()).abs() < 1e-3, "{in_view} plots in {height}");
+        }
+    }
 }

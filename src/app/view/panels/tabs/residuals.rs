@@ -142,7 +142,7 @@ pub fn choice(
 pub fn contestants(model: &Model) -> Vec<Contestant> {
     let has_row = |contestant: &Contestant| match contestant {
         Contestant::Imported => model.document.imported.is_some(),
-        Contestant::Truth => model.open.known.is_some(),
+        Contestant::Truth => model.open.known().is_some(),
         _ => true,
     };
     Contestant::ALL.into_iter().filter(has_row).collect()
@@ -214,8 +214,8 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
         gauge: &|row, column| {
             let contestant = contestants[column.checked_sub(1)?];
             let pair = document.pairs.get(row).filter(|_| are_pairs)?;
-            let sigma = document.parameters.click_sigma;
-            Some(Gauge::of_click(comparison.fundamental(contestant)?, pair, sigma))
+            let (sigma, distance) = (document.parameters.click_sigma, *distances(column).get(row)?);
+            Some(Gauge::of_click(comparison.fundamental(contestant)?, pair, sigma, distance))
         },
         about: &|_| None,
         look: &|row| RowLook {

@@ -1,8 +1,8 @@
 //! The similarity matrix of a click as a picture.
 //!
 //! The horizontal axis is the direction θ of the line in the left image. The vertical axis is the
-//! rotation θ' − θ of the line in the right image. Only pairs within the largest rotation are
-//! compared: against θ', they would lie in two narrow bands.
+//! rotation θ' − θ of the line in the right image. Only pairs within the largest rotation from the relative
+//! view are compared, and the axis shows this range alone.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,7 +13,7 @@ use egui::{
 use crate::app::view::heat;
 use crate::app::view::theme;
 use crate::estimate::ComparedPencils;
-use crate::geometry::Line;
+use crate::geometry::{Line, Vector};
 
 /// Number of candidates marked, cheapest first.
 const MARKED: usize = 80;
@@ -27,8 +27,39 @@ const LABEL: f32 = 34.0;
 struct MatrixPicture {
     revision: u64,
     texture: TextureHandle,
-    /// Largest rotation compared, radians.
+    rotations: Rotations,
+}
+
+/// Range of the rotations that were compared, radians.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Rotations {
+    /// Rotation in the middle of the axis: 0 for upright images.
+    middle: f64,
+    /// Largest difference from the middle.
     extent: f64,
+}
+
+impl Rotations {
+    /// Returns the range of these pairs of directions, with a middle at a multiple of 5°, and at least `least`
+    /// on both sides.
+    fn of(angles: impl Iterator<Item = [f64; 2]> + Clone, least: f64) -> Self {
+        let sum: Vector = angles.clone().map(turn).map(|turn| Vector::new(turn.cos(), turn.sin())).sum();
+        // The mean of directions on all sides has no meaning, and need not: all of them are in the range.
+        let mean = sum.y.atan2(sum.x);
+        let (low, high) = angles
+            .clone()
+            .map(|pair| turn([mean, turn(pair)]))
+            .fold((0.0_f64, 0.0_f64), |(low, high), away| (low.min(away), high.max(away)));
+        let step = PI / 36.0;
+        let middle = turn([0.0, ((mean + f64::midpoint(low, high)) / step).round() * step]);
+        let range = Self { middle, extent: least };
+        Self { extent: angles.map(|pair| range.away(pair).abs()).fold(least, f64::max), ..range }
+    }
+
+    /// Returns the difference of a rotation from the middle, in `(−π, π]`.
+    fn away(self, angles: [f64; 2]) -> f64 {
+        turn([self.middle, turn(angles)])
+    }
 }
 
 /// Matrix of one click.
@@ -51,9 +82,9 @@ impl<'a> PencilMatrix<'a> {
         let kept =
             ui.data(|data| data.get_temp::<MatrixPicture>(id)).filter(|kept| kept.revision == revision);
         let picture = kept.unwrap_or_else(|| {
-            let (image, extent) = painted(pencils);
+            let (image, rotations) = painted(pencils);
             let texture = ui.ctx().load_texture("pencil matrix", image, TextureOptions::NEAREST);
-            let picture = MatrixPicture { revision, texture, extent };
+            let picture = MatrixPicture { revision, texture, rotations };
             ui.data_mut(|data| data.insert_temp(id, picture.clone()));
             picture
         });
@@ -64,13 +95,8 @@ impl<'a> PencilMatrix<'a> {
     fn place(&self, plot: Rect, angles: [f64; 2]) -> Pos2 {
         let across = angles[0] / PI;
         let x = egui::lerp(plot.x_range(), across as f32);
-        pos2(x, self.height(plot, turn(angles)))
-    }
-
-    /// Returns the vertical position of a rotation.
-    fn height(&self, plot: Rect, turn: f64) -> f32 {
-        let share = turn / self.picture.extent;
-        plot.center().y - share as f32 * plot.height() / 2.0
+        let share = self.picture.rotations.away(angles) / self.picture.rotations.extent;
+        pos2(x, plot.center().y - share as f32 * plot.height() / 2.0)
     }
 
     /// Returns the cell at a position: a candidate within reach, or else the nearest compared pair
@@ -86,7 +112,8 @@ impl<'a> PencilMatrix<'a> {
         let up = f64::from((plot.max.y - position.y) / plot.height());
         let angle1 = across.clamp(0.0, 1.0) * PI;
         let row = nearest(&self.pencils.angles1, angle1)?;
-        let turned = self.pencils.angles1[row] + (2.0 * up - 1.0) * self.picture.extent;
+        let Rotations { middle, extent } = self.picture.rotations;
+        let turned = self.pencils.angles1[row] + middle + (2.0 * up - 1.0) * extent;
         let column = nearest(&self.pencils.angles2, turned.rem_euclid(TAU))?;
         self.pencils.costs.at(row, column).is_finite().then_some([row, column])
     }
@@ -137,7 +164,7 @@ impl<'a> PencilMatrix<'a> {
     }
 
     /// Returns the directions of two undirected lines as the matrix has them. The first is in `[0, π)`.
-    /// The second is the sense that was compared, with the smaller rotation if both were.
+    /// The second is the sense that was compared, with the rotation nearer to the middle if both were.
     fn directions(&self, line1: &Line, line2: &Line) -> [f64; 2] {
         let angle = |line: &Line| {
             let d = line.direction();
@@ -158,10 +185,9 @@ impl<'a> PencilMatrix<'a> {
             let column = nearest(&self.pencils.angles2, angle2, TAU);
             row.zip(column).is_some_and(|(row, column)| self.pencils.costs.at(row, column).is_finite())
         };
-        let in_matrix =
-            |angle2: f64| turn([angle1, angle2]).abs() <= self.picture.extent && was_compared(angle2);
-        // If both senses were compared, the smaller rotation is taken.
-        let less = turn([angle1, angle2]).abs() <= turn([angle1, other]).abs();
+        let away = |angle2: f64| self.picture.rotations.away([angle1, angle2]).abs();
+        let in_matrix = |angle2: f64| away(angle2) <= self.picture.rotations.extent && was_compared(angle2);
+        let less = away(angle2) <= away(other);
         if in_matrix(angle2) && (less || !in_matrix(other)) { [angle1, angle2] } else { [angle1, other] }
     }
 
@@ -177,19 +203,15 @@ impl<'a> PencilMatrix<'a> {
             let at = pos2(x, plot.max.y + 4.0);
             painter.text(at, Align2::CENTER_TOP, format!("{degrees}°"), font.clone(), color);
         }
-        let extent = self.picture.extent.to_degrees();
-        for share in [-1.0, 0.0, 1.0] {
-            let y = self.height(plot, share * self.picture.extent);
+        let [middle, extent] =
+            [self.picture.rotations.middle, self.picture.rotations.extent].map(f64::to_degrees);
+        for (y, degrees) in
+            [(plot.max.y, middle - extent), (plot.center().y, middle), (plot.min.y, middle + extent)]
+        {
             painter.hline(plot.min.x - 3.0..=plot.min.x, y, stroke);
             let at = pos2(plot.min.x, y) - vec2(5.0, 0.0);
-            let text = format!("{:+.0}°", share * extent);
-            painter.text(
-                at,
-                Align2::RIGHT_CENTER,
-                if share == 0.0 { "0°" } else { &text },
-                font.clone(),
-                color,
-            );
+            let text = if degrees == 0.0 { "0°".to_owned() } else { format!("{degrees:+.0}°") };
+            painter.text(at, Align2::RIGHT_CENTER, text, font.clone(), color);
         }
     }
 }
@@ -204,8 +226,8 @@ fn nearest(values: &[f64], wanted: f64) -> Option<usize> {
 }
 
 /// Paints the matrix, one pixel per pair of lines, transparent where nothing was compared. Also
-/// returns the largest rotation.
-fn painted(pencils: &ComparedPencils) -> (ColorImage, f64) {
+/// returns the range of the rotations.
+fn painted(pencils: &ComparedPencils) -> (ColorImage, Rotations) {
     let costs = &pencils.costs;
     let cells = || {
         let rows = pencils.angles1.iter().enumerate();
@@ -218,23 +240,24 @@ fn painted(pencils: &ComparedPencils) -> (ColorImage, f64) {
     let mut finite: Vec<f32> = cells().map(|(_, cost)| cost).collect();
     let [lines1, lines2] = pencils.lines_before.map(|lines| lines.max(1));
     if finite.is_empty() {
-        return (ColorImage::filled([1, 1], Color32::TRANSPARENT), PI);
+        return (ColorImage::filled([1, 1], Color32::TRANSPARENT), Rotations { middle: 0.0, extent: PI });
     }
     let cheapest = finite.iter().copied().fold(f32::INFINITY, f32::min);
     // Few pairs are similar, so the colours cover only the cheaper three quarters.
     let k = (finite.len() - 1) * 3 / 4;
     let dear = *finite.select_nth_unstable_by(k, f32::total_cmp).1;
     let step2 = PI / lines2 as f64;
-    let extent = cells().map(|(angles, _)| turn(angles).abs()).fold(step2, f64::max);
-    let height = (2.0 * extent / step2).round() as usize + 1;
+    let angles: Vec<[f64; 2]> = cells().map(|(angles, _)| angles).collect();
+    let rotations = Rotations::of(angles.iter().copied(), step2);
+    let height = (2.0 * rotations.extent / step2).round() as usize + 1;
     let mut image = ColorImage::filled([lines1, height], Color32::TRANSPARENT);
     for (angles, cost) in cells() {
         let x = (angles[0] / PI * lines1 as f64).round() as usize;
-        let y = ((extent - turn(angles)) / step2).round() as usize;
+        let y = ((rotations.extent - rotations.away(angles)) / step2).round() as usize;
         let share = (dear - cost) / (dear - cheapest).max(f32::MIN_POSITIVE);
         image.pixels[y.min(height - 1) * lines1 + x.min(lines1 - 1)] = heat::color(share);
     }
-    (image, extent)
+    (image, rotations)
 }
 
 #[cfg(test)]
@@ -247,6 +270,19 @@ mod tests {
         assert!((turn([0.3, 0.1]) + 0.2).abs() < 1e-12);
         assert!((turn([3.0, TAU - 0.1]) - (TAU - 3.1)).abs() < 1e-12 || turn([3.0, TAU - 0.1]) < PI);
         assert!((turn([0.1, TAU - 0.1]) + 0.2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_axis_shows_the_rotations_that_were_compared_and_no_others() {
+        // All lines, each with those within 45° of the rotation between the images.
+        for (rotation, middle) in [(0_i32, 0.0), (90, 90.0), (-88, -90.0), (178, 180.0)] {
+            let pairs =
+                (0..60_i32).flat_map(|k| (-45..=45).map(move |away| [3 * k, 3 * k + rotation + away]));
+            let pairs = pairs.map(|pair| pair.map(|degrees| f64::from(degrees).to_radians().rem_euclid(TAU)));
+            let range = Rotations::of(pairs.collect::<Vec<_>>().into_iter(), 0.01);
+            assert!(turn([range.middle, f64::to_radians(middle)]).abs() < 1e-9, "{rotation}: {range:?}");
+            assert!((44.9..=47.1).contains(&range.extent.to_degrees()), "{rotation}: {range:?}");
+        }
     }
 
     #[test]

@@ -4,10 +4,11 @@ use std::fmt::Write;
 
 use egui::{Button, ComboBox, Grid, RichText, Slider, Ui, UiBuilder};
 
-use super::{finish_button, sentence};
+use super::finish_button;
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::rectified::{Blink, DrawnPair, Guides, Rectified, RectifiedCommand, RectifiedLayout};
+use crate::app::model::verdict::sentence;
 use crate::app::view::theme;
 use crate::rectify::{Distortion, Measures, Rectification, RectifyMethod, RectifyWarning};
 

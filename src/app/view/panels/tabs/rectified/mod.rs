@@ -11,6 +11,7 @@ use super::{busy, empty, finish_button, main_button};
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::rectified::RectifiedCommand;
+use crate::app::model::verdict::sentence;
 use crate::app::view::theme;
 use crate::rectify::{RectifyError, RectifyMethod};
 
@@ -86,11 +87,4 @@ fn failure(ui: &mut Ui, model: &Model, error: &RectifyError, commands: &mut Vec<
         finish_button(ui, polar, RectifiedCommand::SetMethod(RectifyMethod::Polar).into(), commands);
     }
     ui.horizontal(|ui| figures::method_chooser(ui, model, commands));
-}
-
-/// Capitalises the first letter, and names the images as the window does.
-fn sentence(text: &str) -> String {
-    let text = text.replace("image 1", "the left image").replace("image 2", "the right image");
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
