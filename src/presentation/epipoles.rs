@@ -16,8 +16,9 @@ pub fn interval_in_words(bearing: &EpipoleBearing) -> String {
             if half <= SYMMETRIC * distance {
                 format!("{} ± {} px", rounded(distance, half), rounded(half, half))
             } else {
-                let step = 0.1 * farthest;
-                format!("{} to {} px", rounded(nearest, step), rounded(farthest, step))
+                // Two digits of each end: the far one may be hundreds of times the near one.
+                let end = |end: f64| rounded(end, 0.1 * if end > 0.0 { end } else { farthest });
+                format!("{} to {} px", end(nearest), end(farthest))
             }
         }
         (EpipoleCertainty::Direction, _) => {
@@ -48,7 +49,9 @@ mod tests {
         assert_eq!(words(4954.0, 4252.0, Some(5671.0), 0.01), "5000 ± 700 px");
         assert_eq!(words(83.27, 82.15, Some(84.43), 0.01), "83 ± 1 px");
         assert_eq!(words(83.27, 83.15, Some(83.43), 0.01), "83.3 ± 0.1 px");
-        assert_eq!(words(6000.0, 3120.0, Some(12_100.0), 0.01), "3000 to 12000 px");
+        assert_eq!(words(6000.0, 3120.0, Some(12_100.0), 0.01), "3100 to 12000 px");
+        assert_eq!(words(5300.0, 2640.0, Some(773_000.0), 0.01), "2600 to 770000 px");
+        assert_eq!(words(50.0, 0.0, Some(121.0), 0.01), "0 to 120 px");
         assert_eq!(words(6000.0, 3120.0, None, 0.02), "direction ± 1.1°, distance unknown");
         assert_eq!(words(f64::INFINITY, 400.0, None, 1.5), "direction and distance unknown");
     }
