@@ -22,7 +22,7 @@ use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::{Refined, UnguidedMatch, largest_plane, resized};
 use crate::estimate::evidence::viewed::ViewedPair;
 use crate::estimate::verdict::trust::{
-    Evidence, HALF_PLANE, Mirror, PlaneEvidence, RefinedOn, Relief, Together, USUAL_SIDE,
+    Evidence, HALF_PLANE, Mirror, OffPlane, PlaneEvidence, RefinedOn, Relief, Together, USUAL_SIDE,
 };
 use crate::estimate::{
     Assessment, Clicks, Estimate, Parameters, PatchSupport, PlaneHomography, Refinement, Search, Trust,
@@ -31,7 +31,7 @@ use crate::estimate::{
 use crate::geometry::{FundamentalMatrix, PointPair, finite_point, median, sampson_distance, transfer_error};
 use examination::Examiner;
 use margin::{all_apart, differs, least_clear, margin};
-use parallax::{CORNER_SIGMA, OffPlane, precision};
+use parallax::{CORNER_SIGMA, precision};
 
 /// Largest distance of a match from a homography that explains it, px: three deviations of a
 /// refined match. It grows in proportion for images larger than [`USUAL_SIDE`], where corners are
@@ -185,20 +185,8 @@ impl Judge<'_> {
         let clicked = OffPlane::new(&self.clicks.observed(), f, &h, side, self.parameters.click_sigma);
         // Each kind of matches alone may determine the epipoles.
         let is_still = leaves_in_place(&h, matches, tolerance);
-        let evidence = [afar, closely, clicked].map(|off| {
-            let OffPlane { groups, agreeing, motions, by_chance, motions_by_chance } = off;
-            PlaneEvidence {
-                share,
-                bent_share,
-                groups,
-                agreeing,
-                motions,
-                by_chance,
-                motions_by_chance,
-                is_still,
-            }
-        });
-        let evidence = evidence.into_iter().reduce(PlaneEvidence::or_stronger)?;
+        let off = afar.or_stronger(closely).or_stronger(clicked);
+        let evidence = PlaneEvidence { share, bent_share, off, is_still };
         let together = parallax::together(&distinctive, &f_fine, &h_fine, side_fine);
         let relief = warp::relief(&testify, matches, &h, f, frames[0], tolerance, self.parameters.seed);
         // Most unguided matches of an upright pair are right; those of a mirror image are not.

@@ -38,23 +38,8 @@ use nalgebra::Matrix3;
 
 use crate::estimate::evidence::patches::BAND;
 use crate::estimate::verdict::poisson::fewer_than;
-use crate::estimate::verdict::trust::{Together, WRONG_TOGETHER};
+use crate::estimate::verdict::trust::{OffPlane, Together, WRONG_TOGETHER};
 use crate::geometry::{FundamentalMatrix, PointPair, Vector, finite_point, median};
-
-/// Matches off the largest plane, as evidence for the epipoles.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct OffPlane {
-    /// Number of groups of matches that move alike.
-    pub groups: usize,
-    /// Number of groups that agree with `F`.
-    pub agreeing: usize,
-    /// Number of motions among the agreeing groups with more matches than are wrong.
-    pub motions: usize,
-    /// Expected number of epipoles that do as well by chance: N above, of groups.
-    pub by_chance: f64,
-    /// N above, of motions.
-    pub motions_by_chance: f64,
-}
 
 /// Standard deviation of a coordinate of a match between corners, px of the level. Corners are
 /// precise to a pixel.

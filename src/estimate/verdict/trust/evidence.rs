@@ -61,29 +61,22 @@ pub(super) const PATTERN_SIZE: f64 = 0.3;
 /// errors grow in proportion.
 pub(in crate::estimate) const USUAL_SIDE: f64 = 800.0;
 
-/// Share of the matches that one homography explains, and the evidence of the other matches for the
-/// epipoles.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::estimate) struct PlaneEvidence {
-    /// Share of the matches explained by the homography, 0 to 1.
-    pub share: f64,
-    /// Share explained by a homography with radial distortion, 0 to 1.
-    pub bent_share: f64,
-    /// Number of groups of matches off the plane that move alike.
+/// Matches off the largest plane, as evidence for the epipoles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::estimate) struct OffPlane {
+    /// Number of groups of matches that move alike.
     pub groups: usize,
     /// Number of groups that agree with `F`.
     pub agreeing: usize,
-    /// Number of different motions among the agreeing groups.
+    /// Number of motions among the agreeing groups with more matches than are wrong.
     pub motions: usize,
     /// Expected number of epipoles that do as well by chance.
     pub by_chance: f64,
     /// The same number if all groups of one motion count once.
     pub motions_by_chance: f64,
-    /// Whether the homography leaves the matches in their places, as if the camera stood still.
-    pub is_still: bool,
 }
 
-impl PlaneEvidence {
+impl OffPlane {
     /// Returns whether the matches off the plane determine the epipoles by themselves.
     fn holds_the_epipoles(&self) -> bool {
         self.by_chance <= BY_CHANCE
@@ -97,7 +90,23 @@ impl PlaneEvidence {
         let rank = |one: &Self| (!one.holds_the_epipoles(), one.by_chance);
         if rank(&other) < rank(&self) { other } else { self }
     }
+}
 
+/// Share of the matches that one homography explains, and the evidence of the other matches for the
+/// epipoles.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::estimate) struct PlaneEvidence {
+    /// Share of the matches explained by the homography, 0 to 1.
+    pub share: f64,
+    /// Share explained by a homography with radial distortion, 0 to 1.
+    pub bent_share: f64,
+    /// Matches off the plane.
+    pub off: OffPlane,
+    /// Whether the homography leaves the matches in their places, as if the camera stood still.
+    pub is_still: bool,
+}
+
+impl PlaneEvidence {
     /// Returns whether the matches leave the epipoles undetermined. Relief beside
     /// [`ANY_EPIPOLE`] further planes shows the epipoles whatever the number of motions, since some
     /// epipole fits the planes but not the rest. If the camera stood still, everything that moved did
@@ -106,8 +115,8 @@ impl PlaneEvidence {
         let is_undecided = || !relief.is_some_and(|relief| relief.further.show_the_epipole());
         self.share > ONE_PLANE
             || self.share > HALF_PLANE && self.is_still
-            || self.share > MOSTLY_PLANE && !self.holds_the_epipoles() && is_undecided()
-            || self.share > HALF_PLANE && self.motions <= ANY_EPIPOLE && is_undecided()
+            || self.share > MOSTLY_PLANE && !self.off.holds_the_epipoles() && is_undecided()
+            || self.share > HALF_PLANE && self.off.motions <= ANY_EPIPOLE && is_undecided()
     }
 
     /// Returns whether a lens explains most of the matches off the plane.

@@ -7,8 +7,8 @@ mod rules;
 use serde::{Deserialize, Serialize};
 
 pub(in crate::estimate) use evidence::{
-    ALONG, ANY_EPIPOLE, BarcodeEvidence, Evidence, HALF_PLANE, Mirror, PlaneEvidence, RefinedOn, Relief,
-    ResidualPattern, Together, USUAL_SIDE, WRONG_TOGETHER, Witnesses,
+    ALONG, ANY_EPIPOLE, BarcodeEvidence, Evidence, HALF_PLANE, Mirror, OffPlane, PlaneEvidence, RefinedOn,
+    Relief, ResidualPattern, Together, USUAL_SIDE, WRONG_TOGETHER, Witnesses,
 };
 pub(in crate::estimate) use rules::CHANCE_DEVIATIONS;
 pub use rules::{
