@@ -5,10 +5,10 @@ use rayon::prelude::*;
 use super::judged::Found;
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::patches::{self, Proposal, Refined, Settling};
-use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::selection::{ClickedPairs, select};
 use crate::estimate::verdict::trust::FAR_TOO_FEW;
-use crate::estimate::{Clicks, Estimate, EstimateError, Parameters};
+use crate::estimate::{Estimate, EstimateError};
 use crate::geometry::{FundamentalMatrix, Observation};
 
 /// Refines the ranked proposals. The result reports `hypotheses`.
@@ -16,10 +16,9 @@ pub(super) fn refine_ranked(
     ranked: &[Proposal],
     hypotheses: Vec<Estimate>,
     viewed: &ViewedPair,
-    clicks: &Clicks,
-    parameters: &Parameters,
     cancel: &CancelFlag,
 ) -> Result<Found, EstimateError> {
+    let SearchInput { clicks, parameters, .. } = viewed.input;
     let fine = viewed.fine();
     let full_size = fine.scales.map(f64::recip);
     let matches = ranked.first().map(|leader| fine.support.matches(&leader.fundamental, patches::BAND));
@@ -31,7 +30,7 @@ pub(super) fn refine_ranked(
     let fundamental = *first.ok_or(EstimateError::NoGeometry)?.fundamental();
     // Near-copies of the leader are refined, too. One of them may become better.
     let starts = ranked.iter().filter_map(|proposal| proposal.full_size(fine.scales));
-    let refined = refine_best(starts, viewed, clicks, parameters, cancel)?;
+    let refined = refine_best(starts, viewed, cancel)?;
     Ok(Found { fundamental, hypotheses, supporting, refined, clicks_alone: false })
 }
 
@@ -40,10 +39,9 @@ pub(super) fn refine_ranked(
 pub(super) fn refine_best(
     starts: impl Iterator<Item = FundamentalMatrix>,
     viewed: &ViewedPair,
-    clicks: &Clicks,
-    parameters: &Parameters,
     cancel: &CancelFlag,
 ) -> Result<Option<Refined>, EstimateError> {
+    let SearchInput { prepared, clicks, parameters } = viewed.input;
     let (patches, refinement) = (&viewed.patches, &parameters.refinement);
     let observed = clicks.observed();
     let clicked = ClickedPairs { pairs: &observed, sigma: parameters.click_sigma };
@@ -88,7 +86,7 @@ pub(super) fn refine_best(
             .iter()
             .map(|pair| Observation { pair: *pair, sigma: parameters.click_sigma })
             .collect::<Vec<_>>(),
-        given: viewed.prepared.given().map_or(&[][..], |given| &given.all),
+        given: prepared.given().map_or(&[][..], |given| &given.all),
         allows: &|f| !clicked.prefer(&best.fundamental, f),
         seed: parameters.seed,
     };
@@ -101,7 +99,7 @@ pub(super) fn refine_best(
 mod tests {
     use super::*;
     use crate::estimate::exact::ExactScene;
-    use crate::estimate::{PreparedPair, SearchPlan};
+    use crate::estimate::{Clicks, Parameters, PreparedPair, SearchPlan};
     use crate::features::FeatureViews;
     use crate::geometry::PointPair;
     use crate::image::RelativeView;
@@ -115,12 +113,13 @@ mod tests {
     ) -> Option<FundamentalMatrix> {
         let parameters = Parameters::default();
         let patches = prepared.patches_with_features(RelativeView::UPRIGHT, FeatureViews::Frontal);
-        let viewed = ViewedPair::new(prepared, patches, &parameters);
         let clicks = Clicks::for_plan(pairs, SearchPlan::Patches { clicks: 2 });
+        let input = SearchInput { prepared, clicks: &clicks, parameters: &parameters };
+        let viewed = ViewedPair::new(input, patches);
         let starts = starts.iter().copied();
         let cancel = CancelFlag::default();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let found = pool.install(|| refine_best(starts, &viewed, &clicks, &parameters, &cancel)).unwrap();
+        let found = pool.install(|| refine_best(starts, &viewed, &cancel)).unwrap();
         found.map(|refined| refined.fundamental)
     }
 

@@ -20,16 +20,15 @@ use nalgebra::Matrix3;
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::{Refined, UnguidedMatch, largest_plane, resized};
-use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::trust::{
     Evidence, HALF_PLANE, Mirror, OffPlane, PlaneEvidence, RefinedOn, Relief, Together, USUAL_SIDE,
 };
 use crate::estimate::{
-    Assessment, Clicks, Estimate, Parameters, PatchSupport, PlaneHomography, Refinement, Search, Trust,
-    Warning,
+    Assessment, Estimate, PatchSupport, PlaneHomography, Refinement, Search, Trust, Warning,
 };
 use crate::geometry::{FundamentalMatrix, PointPair, finite_point, median, sampson_distance, transfer_error};
-use examination::Examiner;
+use examination::{line_figures, patch_support};
 use margin::{all_apart, differs, least_clear, margin};
 use parallax::{CORNER_SIGMA, precision};
 
@@ -45,11 +44,9 @@ const NEAR_PLANE: f64 = 0.05;
 /// Evidence by which a geometry is judged.
 pub(in crate::estimate) struct Judge<'a> {
     pub viewed: &'a ViewedPair<'a>,
-    pub clicks: &'a Clicks,
-    pub parameters: &'a Parameters,
     /// Geometries found by the search, best first.
     pub hypotheses: &'a [Estimate],
-    /// Pencils through the anchors of `clicks`.
+    /// Pencils through the anchors.
     pub pencils: &'a [Arc<ComparedPencils>],
     /// Whether the geometry follows from the clicks alone.
     pub clicks_alone: bool,
@@ -68,12 +65,13 @@ struct FoundPlane {
 impl Judge<'_> {
     /// Returns the assessment of a preliminary geometry, without a verdict.
     pub fn preliminary(&self, f: &FundamentalMatrix, support: Option<PatchSupport>) -> Assessment {
-        let frames = self.viewed.prepared.frames();
+        let SearchInput { prepared, parameters, .. } = self.viewed.input;
+        let frames = prepared.frames();
         let rival = self.hypotheses.iter().position(|other| differs(f, other.fundamental(), &[], frames));
         Assessment {
             lines: self.hypotheses.first().and_then(|best| best.assessment.lines.clone()),
             support,
-            margin: margin(self.hypotheses, rival, self.parameters.search),
+            margin: margin(self.hypotheses, rival, parameters.search),
             warnings: self.warnings(f),
             ..Assessment::default()
         }
@@ -87,14 +85,14 @@ impl Judge<'_> {
         supporting: &[PointPair],
         refined: Option<Refined>,
     ) -> Assessment {
-        let Self { viewed, parameters, .. } = *self;
-        let examiner = Examiner { viewed, parameters };
+        let viewed = self.viewed;
+        let SearchInput { prepared, clicks, parameters } = viewed.input;
         // These are figures of the result, not of the hypothesis from which it was refined.
         let turn = self.hypotheses.first().map_or(0.0, Estimate::turn);
-        let anchors = self.clicks.anchors();
-        let lines = anchors.first_chunk::<2>().and_then(|anchors| examiner.line_figures(*anchors, f, turn));
-        let support = examiner.patch_support(f);
-        let apart = all_apart(f, self.hypotheses, supporting, viewed.prepared.frames());
+        let anchors = clicks.anchors();
+        let lines = anchors.first_chunk().and_then(|anchors| line_figures(viewed, *anchors, f, turn));
+        let support = patch_support(viewed, f);
+        let apart = all_apart(f, self.hypotheses, supporting, prepared.frames());
         let margin = margin(self.hypotheses, apart.rival(), parameters.search);
         let least = |refined: &Refined| least_clear(refined.weight, refined.weight_deviation);
         let has_rival = apart.rival().is_some();
@@ -122,9 +120,10 @@ impl Judge<'_> {
     /// Returns the advantage of a refined geometry, whose matches weigh `weight`, over its refined
     /// rivals. A rival counts if refinement leaves it clearly different.
     fn refined_margin(&self, f: &FundamentalMatrix, weight: f64, supporting: &[PointPair]) -> f64 {
-        let Self { viewed, parameters, .. } = *self;
-        let observed = self.clicks.observed();
-        let is_rival = |other: &FundamentalMatrix| differs(f, other, supporting, viewed.prepared.frames());
+        let viewed = self.viewed;
+        let SearchInput { prepared, clicks, parameters } = viewed.input;
+        let observed = clicks.observed();
+        let is_rival = |other: &FundamentalMatrix| differs(f, other, supporting, prepared.frames());
         let heaviest = self
             .hypotheses
             .iter()
@@ -147,17 +146,18 @@ impl Judge<'_> {
     }
 
     fn warnings(&self, f: &FundamentalMatrix) -> Vec<Warning> {
-        let of_clicks = degeneracy::click_warnings(f, self.viewed.prepared.frames(), self.clicks);
-        let mut warnings = little_texture(self.clicks, self.pencils);
-        warnings.extend(of_clicks);
+        let SearchInput { prepared, clicks, .. } = self.viewed.input;
+        let mut warnings = little_texture(clicks, self.pencils);
+        warnings.extend(degeneracy::click_warnings(f, prepared.frames(), clicks));
         warnings
     }
 
     /// Returns the largest plane, the evidence beside it, and the distinctive matches that move
     /// together. `None` if no plane is found.
     fn plane(&self, f: &FundamentalMatrix, matches: &[PointPair], tolerance: f64) -> Option<FoundPlane> {
-        let frames = self.viewed.prepared.frames();
-        let (h, most) = largest_plane(matches, tolerance, self.parameters.seed)?;
+        let SearchInput { prepared, clicks, parameters } = self.viewed.input;
+        let frames = prepared.frames();
+        let (h, most) = largest_plane(matches, tolerance, parameters.seed)?;
         let share = most as f64 / matches.len() as f64;
         let bent_share = lens::share_through_a_lens(matches, &h, frames, tolerance);
         let fine = self.viewed.fine();
@@ -182,13 +182,13 @@ impl Judge<'_> {
             testify.iter().filter(|m| m.is_likely()).map(|m| m.pair).filter(is_near).collect();
         let closely = OffPlane::new(&near, f, &h, side, precision(&near, f));
         // Each clicked pair shows one scene point in both images.
-        let clicked = OffPlane::new(&self.clicks.observed(), f, &h, side, self.parameters.click_sigma);
+        let clicked = OffPlane::new(&clicks.observed(), f, &h, side, parameters.click_sigma);
         // Each kind of matches alone may determine the epipoles.
         let is_still = leaves_in_place(&h, matches, tolerance);
         let off = afar.or_stronger(closely).or_stronger(clicked);
         let evidence = PlaneEvidence { share, bent_share, off, is_still };
         let together = parallax::together(&distinctive, &f_fine, &h_fine, side_fine);
-        let relief = warp::relief(&testify, matches, &h, f, frames[0], tolerance, self.parameters.seed);
+        let relief = warp::relief(&testify, matches, &h, f, frames[0], tolerance, parameters.seed);
         // Most unguided matches of an upright pair are right; those of a mirror image are not.
         let on_lines = |m: &&UnguidedMatch| sampson_distance(f, &m.pair) < tolerance;
         let likely = || unguided.iter().filter(|m| m.is_likely());
@@ -213,23 +213,20 @@ impl Judge<'_> {
         margin: Option<f64>,
         refinement: Option<&Refinement>,
     ) -> (Trust, Option<PlaneHomography>) {
-        let parameters = self.parameters;
-        let distances: Vec<f64> =
-            self.clicks.observed().iter().map(|pair| sampson_distance(f, pair)).collect();
+        let SearchInput { prepared, clicks, parameters } = self.viewed.input;
+        let distances: Vec<f64> = clicks.observed().iter().map(|pair| sampson_distance(f, pair)).collect();
         let matches: Vec<PointPair> =
             refinement.iter().flat_map(|r| r.matches.iter().map(|m| m.pair)).collect();
         let uncertainty = refinement.and_then(|r| r.uncertainty.as_ref());
         let deviation = uncertainty.and_then(|uncertainty| uncertainty.median_line2_deviation(&matches));
-        let side = self.viewed.prepared.frames()[0].longer_side();
+        let side = prepared.frames()[0].longer_side();
         let tolerance = PLANE_TOLERANCE * (side / USUAL_SIDE).max(1.0);
         let found = self.plane(f, &matches, tolerance);
         let trust = Trust::judge(&Evidence {
             patches: parameters.search == Search::Patches,
             barcodes: None,
             refined_on: match refinement {
-                Some(_) if self.viewed.prepared.given_alone(parameters).is_some() => {
-                    RefinedOn::Given(matches.len())
-                }
+                Some(_) if prepared.given_alone(parameters).is_some() => RefinedOn::Given(matches.len()),
                 Some(_) => RefinedOn::Matches(matches.len()),
                 None if self.clicks_alone => RefinedOn::Clicks,
                 None if !parameters.refinement.refine => RefinedOn::Nothing,
