@@ -42,7 +42,7 @@ pub(in crate::estimate) struct GivenMatches {
 }
 
 /// Least longer side of a pyramid level, px. Parameters that ask for smaller images get the
-/// smallest level. Half and twice of it: `lab/notes.md`.
+/// smallest level.
 const SMALLEST_LEVEL: f64 = 48.0;
 /// Number of views kept, besides the upright one. Each takes some ten megabytes. No result depends
 /// on it.

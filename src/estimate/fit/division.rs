@@ -47,9 +47,8 @@ const STEPS: [f64; 2] = [0.08, 0.0005];
 const NEAR: f64 = 0.01;
 /// Gain in log-likelihood below which the rounds end.
 const LEAST_GAIN: f64 = 0.05;
-/// Width of the band around the lines of the start in which matches count, as a share of the longer side. A
-/// strong lens moves points by a tenth of the side, but mostly along with their neighbours. Half and twice of
-/// it: `lab/notes.md`.
+/// Width of the band around the lines of the start in which matches count, as a share of the longer
+/// side. A strong lens moves points by a tenth of the side, but mostly along with their neighbours.
 const BAND: f64 = 0.03;
 /// Standard deviations from which a coefficient is clear. By chance, one coefficient in a thousand is as far
 /// from zero: nine regions have 8 degrees of freedom in Student's distribution.

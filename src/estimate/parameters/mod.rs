@@ -164,12 +164,12 @@ pub struct PatchParameters {
     /// Whether these rounds also draw epipoles from matches off the largest planes.
     pub parallax: bool,
     /// Number of combinations of candidates whose exact support is computed, most votes first. The
-    /// time is in proportion. Half and twice of it: `lab/notes.md`.
+    /// time is in proportion.
     pub supported: usize,
     /// Number of hypotheses whose matches are pooled for resampling. More add matches of wrong
-    /// hypotheses. Half and twice of it: `lab/notes.md`.
+    /// hypotheses.
     pub pooled: usize,
-    /// Number of samples of each kind in a round of resampling. Half and twice of it: `lab/notes.md`.
+    /// Number of samples of each kind in a round of resampling.
     #[serde(rename = "resampling_draws")]
     pub samples: usize,
 }
@@ -185,18 +185,15 @@ impl Default for PatchParameters {
 #[serde(default)]
 pub struct FeatureParameters {
     /// Number of minimal samples. The time is in proportion.
-    /// None of six results changed at half and twice of it (`lab/notes.md`).
     #[serde(rename = "feature_draws")]
     pub draws: usize,
-    /// Number of hypotheses that are refitted. Half and twice of it: `lab/notes.md`.
+    /// Number of hypotheses that are refitted.
     #[serde(rename = "features_refitted")]
     pub refitted: usize,
     /// Number of refitted hypotheses that are matched again along their lines.
-    /// None of six results changed at half and twice of it (`lab/notes.md`).
     #[serde(rename = "features_rematched")]
     pub rematched: usize,
     /// Largest number of relative views that features suggest. Each takes a search of its own.
-    /// None of six results changed at half and twice of it (`lab/notes.md`).
     #[serde(rename = "feature_views")]
     pub views: usize,
     /// Largest number of searches through two drawn matches, without clicks. If half of the matches
@@ -218,7 +215,7 @@ impl Default for FeatureParameters {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct LineRefinementParameters {
-    /// Number of rounds at each image size. Half and twice of it: `lab/notes.md`.
+    /// Number of rounds at each image size.
     #[serde(rename = "line_refinement_rounds")]
     pub rounds: usize,
     /// First step: the rotation that moves a line by this many pixels at the far side of the image.
@@ -226,7 +223,7 @@ pub struct LineRefinementParameters {
     #[serde(rename = "line_refinement_step")]
     pub first_step: f64,
     /// Number of lines per image. Fewer than in validation, since only similar geometries are
-    /// compared. Half and twice of it: `lab/notes.md`.
+    /// compared.
     #[serde(rename = "line_refinement_lines")]
     pub lines: usize,
 }
@@ -242,11 +239,10 @@ impl Default for LineRefinementParameters {
 #[serde(default)]
 pub struct BarcodeParameters {
     /// Least longer side of the images in which lines are compared, px. Barcodes cost less than
-    /// stereo, so it is larger. Half and twice of it: `lab/notes.md`.
+    /// stereo, so it is larger.
     #[serde(rename = "barcode_side")]
     pub side: f64,
     /// Number of refined proposals of each kind: from the clicks, and from all lines.
-    /// Half and twice of it: `lab/notes.md`.
     #[serde(rename = "barcodes_refined")]
     pub refined: usize,
 }
@@ -266,7 +262,6 @@ pub struct RefinementParameters {
     pub refined: usize,
     /// Number of rivals that are refined if the margin before refinement is too small to decide.
     /// Each takes as long as the result.
-    /// None of six results changed at half and twice of it (`lab/notes.md`).
     #[serde(default = "three")]
     pub rivals: usize,
 }

@@ -13,7 +13,7 @@ use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::similarity::{ScaledSimilarity, SimilarityParameters, SimilaritySource};
 
 /// Smallest reach of disparities without a click to fix their zero, as a share of the longer side:
-/// a quarter of the image. The time grows with it. Never varied.
+/// a quarter of the image. The time grows with it.
 const UNANCHORED_REACH: f64 = 0.25;
 
 /// Finds candidate pairs among all lines and draws three of them at a time: two give the epipoles,

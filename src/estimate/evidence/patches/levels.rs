@@ -20,19 +20,16 @@ use crate::geometry::{FundamentalMatrix, Observation, PointPair, rescaling};
 use crate::image::{PairLevel, PyramidPair, RelativeView, warps_around};
 
 /// Longer side of the images at which patches first rank hypotheses, px. In a smaller image a patch
-/// covers more of the scene, but errors of a pixel are larger. Half and twice of it change up to 2
-/// of 41 verdicts, and typical lines by 0.03 px.
+/// covers more of the scene, but errors of a pixel are larger.
 const COARSE_SIDE: f64 = 384.0;
 /// Number of corners of each image at the coarse size. Each corner is compared with all corners of
-/// the other image, so twice as many take four times as long. Half and twice of it change up to 1
-/// of 41 verdicts, and typical lines by less than 0.01 px.
+/// the other image, so twice as many take four times as long.
 const COARSE_CORNERS: usize = 600;
 /// Longer side of the images at which hypotheses are ranked again, px: an octave above the coarse
 /// size.
 const FINE_SIDE: f64 = 2.0 * COARSE_SIDE;
 /// Number of look-alikes of a corner that vote for κ, best first. The right one is not always the
-/// first; each more adds wrong votes. Half and twice of it change 1 of 41 verdicts at most, and
-/// typical lines by less than 0.01 px.
+/// first; each more adds wrong votes.
 const VOTES_PER_CORNER: usize = 3;
 /// Largest distance of a match from the homography of a mirror image, px of the coarse level: twice
 /// the precision of corners.

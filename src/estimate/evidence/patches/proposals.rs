@@ -77,8 +77,7 @@ impl Proposal {
 }
 
 /// Number of combinations kept before thinning, for each one whose exact support is computed. Many
-/// are copies, so fewer may leave places empty. Half and twice of it change no verdict, and typical
-/// lines by less than 0.01 px.
+/// are copies, so fewer may leave places empty.
 const THINNING: usize = 12;
 /// Difference of directions, radians, and of ln κ, below which combinations are copies of each
 /// other. A rotation by this angle moves a line by 2 px, the band of support, at some 70 px from

@@ -51,7 +51,7 @@ pub(in crate::estimate) struct RefinementLevel {
 /// (`lab/notes.md`).
 const CORNERS: usize = 1500;
 /// Widths of the band, px of the level, one for each round: the error of a ranked geometry, then
-/// that of a refined one. Half and twice of it: `lab/notes.md`.
+/// that of a refined one.
 const BANDS: [f64; 3] = [4.0, 2.0, 1.2];
 /// Width of a band in standard deviations of a match: 99.7 % of Gaussian errors are within it.
 const BAND_DEVIATIONS: f64 = 3.0;

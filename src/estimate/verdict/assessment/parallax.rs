@@ -55,16 +55,13 @@ const ALIKE: f64 = 4.0;
 const OFF_LINE: f64 = 3.0;
 /// Difference between motions, as a share of their length, below which they are one motion. If
 /// moving objects tilt the homography, one motion varies across the image.
-/// None of six results changed at half and twice of it (`lab/notes.md`).
 const ALIKE_SHARE: f64 = 0.1;
 /// Smallest deviation of an aligned match, px. The median of few matches may be smaller by chance.
-/// None of six results changed at half and twice of it (`lab/notes.md`).
 const ALIGNED: f64 = 0.15;
 /// Median absolute value of a normal distribution, in standard deviations.
 const MEDIAN: f64 = 0.6745;
 /// Largest distance between matches of one group, as a share of the longer side. Moving objects are
 /// smaller, and a larger surface counts as several groups.
-/// None of six results changed at half and twice of it (`lab/notes.md`).
 const TOGETHER: f64 = 0.1;
 /// Radius of the neighbourhood of a match, as a share of the longer side: as far as matches of one
 /// group.

@@ -49,7 +49,6 @@ const MIRRORED: f64 = 0.1;
 const HALF_WRONG_BY_CHANCE: f64 = 1e-2;
 /// Expected fraction of distinctive matches that agree on a wrong motion (repeated structure). Of
 /// 200 matches five may contradict the geometry; with half and twice the fraction, four and eight.
-/// None of six results changed at half and twice of it (`lab/notes.md`).
 pub(in crate::estimate) const WRONG_TOGETHER: f64 = 0.005;
 /// Share of the variance of the residuals that neighbours have in common, beyond which the
 /// residuals are more pattern than noise: one half.
