@@ -206,7 +206,7 @@ fn of_images(pictures: &[Picture; 2], arguments: &JudgeArguments) -> Result<Show
     let found = on_threads(arguments.threads, || watched(compute))??;
     Ok(Shown {
         fundamental: *found.fundamental(),
-        matches: found.matches().iter().map(|found| found.pair).collect(),
+        matches: found.matched_pairs(),
         is_trusted: found.may_contradict(),
         verdict: found.assessment.trust.as_ref().map(|trust| trust.verdict),
         covariance: found.uncertainty().map(Uncertainty::covariance),

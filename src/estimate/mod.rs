@@ -50,10 +50,9 @@ pub use parameters::{PARAMETERS, ParameterEntry, ParameterValue};
 pub use stage::Stage;
 pub use verdict::assessment::{SMALLEST_SIDE, examine};
 pub use verdict::result::{
-    Apart, Assessment, BarcodeFigures, Determined, Estimate, PlaneHomography, SearchCounts, SearchTrace,
-    StageTiming,
+    Apart, Assessment, Determined, Estimate, PlaneHomography, SearchCounts, SearchTrace, StageTiming,
 };
 pub use verdict::trust::{
-    CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW, GUESS_MARGIN,
-    Reason, Suspect, Trust, Verdict,
+    BarcodeFigures, CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW,
+    GUESS_MARGIN, Reason, Suspect, Trust, Verdict,
 };

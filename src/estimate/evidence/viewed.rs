@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use super::patches::{KappaVoting, PatchLevels, SupportLevel};
+use super::patches::PatchLevels;
 use super::prepared::PreparedPair;
 use crate::estimate::{Clicks, Parameters};
-use crate::image::PyramidPair;
 use crate::similarity::SimilaritySource;
 
 /// Input of a search.
@@ -40,25 +39,5 @@ impl<'a> ViewedPair<'a> {
     /// Returns the pair under the same view with other clicks.
     pub fn with_clicks<'b>(&'b self, clicks: &'b Clicks) -> ViewedPair<'b> {
         ViewedPair::new(SearchInput { clicks, ..self.input }, Arc::clone(&self.patches))
-    }
-
-    /// Returns the pyramids of both images.
-    pub fn pyramids(&self) -> &'a PyramidPair {
-        self.input.prepared.pyramids()
-    }
-
-    /// Returns the corners and their correlations at the coarse size.
-    pub fn coarse(&self) -> &SupportLevel {
-        self.patches.coarse(self.pyramids())
-    }
-
-    /// Returns the votes of look-alike corners for κ, at the coarse size.
-    pub fn voting(&self) -> &KappaVoting {
-        self.patches.voting(self.pyramids())
-    }
-
-    /// Returns the corners and their correlations at the fine size.
-    pub fn fine(&self) -> &SupportLevel {
-        self.patches.fine(self.pyramids())
     }
 }

@@ -127,13 +127,12 @@ pub(in crate::estimate) fn search(
         }
     }
     let (observed, click_sigma) = (input.clicks.observed(), input.parameters.click_sigma);
-    let clicked = ClickedPairs { pairs: &observed, sigma: click_sigma };
-    let best = select(&all, &clicked).map(|k| all.swap_remove(k)).ok_or(failure)?;
+    let best = select(&all, &ClickedPairs::of(input)).map(|k| all.swap_remove(k)).ok_or(failure)?;
     let Some(f) = of_clicks_alone(&observed, &best.fundamental, click_sigma) else { return Ok(best) };
     // The geometry of the clicks is judged under the view of the one it replaces, with the same
     // rivals.
     let viewed = ViewedPair::new(SearchInput { clicks: &best.clicks, ..input }, best.patches);
-    let support = viewed.patches.measure(viewed.pyramids(), &f);
+    let support = viewed.patches.measure(&f);
     let mut hypotheses = vec![Estimate::proposed(f, None, support)];
     hypotheses.extend(best.hypotheses);
     let found = Found { fundamental: f, hypotheses, supporting: observed, refined: None, clicks_alone: true };
@@ -169,7 +168,7 @@ pub(super) fn ranked(
     let SearchInput { clicks, parameters, .. } = viewed.input;
     let anchors = clicks.anchors();
     let anchors = anchors.first_chunk::<2>();
-    let fine = viewed.fine();
+    let fine = viewed.patches.fine();
     let turn = viewed.patches.view().rotation;
     let starts: Vec<Proposal> =
         proposed.iter().filter_map(|f| Proposal::of(f, anchors, turn, fine)).collect();

@@ -25,7 +25,7 @@ pub(in crate::estimate) fn search(
     let rivals = ranked(&proposals.fundamentals(), &[], &viewed, record.cancel())?;
     let rivals = distinct_hypotheses(&rivals, &viewed, record.cancel());
     record.enter(Stage::Refinement)?;
-    let matched = viewed.patches.matched(viewed.pyramids(), &given.fundamental);
+    let matched = viewed.patches.matched(&given.fundamental);
     let refined = matched.map(|Refined { mut refinement, weight, weight_deviation, .. }| {
         refinement.uncertainty.clone_from(&given.uncertainty);
         Refined { fundamental: given.fundamental, refinement, weight, weight_deviation }

@@ -121,7 +121,7 @@ pub(super) fn distinct_hypotheses<'p>(
     cancel: &CancelFlag,
 ) -> Result<(Vec<Estimate>, &'p Proposal), EstimateError> {
     let anchors = viewed.input.clicks.anchors();
-    let fine = viewed.fine();
+    let fine = viewed.patches.fine();
     let different = patches::different(&fine.support, ranked, REPORTED);
     cancel.check()?;
     let examiner = anchors

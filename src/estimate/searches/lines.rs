@@ -80,7 +80,7 @@ fn by_their_patches(
 ) -> Result<Option<Judged>, EstimateError> {
     let SearchInput { prepared, clicks, .. } = viewed.input;
     record.enter(Stage::Validation)?;
-    let fine = viewed.fine();
+    let fine = viewed.patches.fine();
     let full_size = fine.scales.map(f64::recip);
     let putative: Vec<PointPair> =
         fine.support.distinctive().into_iter().map(|m| m.rescaled(full_size)).collect();

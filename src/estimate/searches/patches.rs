@@ -15,7 +15,7 @@ use crate::estimate::{Estimate, EstimateError, Stage};
 pub(super) fn search(viewed: &ViewedPair, record: &mut SearchRecord) -> Result<Judged, EstimateError> {
     let SearchInput { clicks, parameters, .. } = viewed.input;
     let cancel = record.cancel();
-    let (coarse, voting) = (viewed.coarse(), viewed.voting());
+    let (coarse, voting) = (viewed.patches.coarse(), viewed.patches.voting());
     let (anchors, pencils) = compare_pencils(viewed, record)?;
 
     record.enter(Stage::Hypotheses)?;
@@ -35,7 +35,7 @@ pub(super) fn search(viewed: &ViewedPair, record: &mut SearchRecord) -> Result<J
     record.counts.validated = proposals.len();
 
     record.enter(Stage::Validation)?;
-    let fine = viewed.fine();
+    let fine = viewed.patches.fine();
     let ranked = patches::rank(coarse, fine, &proposals, &clicks.observed(), parameters, cancel)?;
     let (hypotheses, leader) = distinct_hypotheses(&ranked, viewed, cancel)?;
     let (best, support) = (*hypotheses[0].fundamental(), Some(leader.support));

@@ -9,7 +9,7 @@ use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::selection::{ClickedPairs, select};
 use crate::estimate::verdict::trust::FAR_TOO_FEW;
 use crate::estimate::{Estimate, EstimateError};
-use crate::geometry::{FundamentalMatrix, Observation};
+use crate::geometry::FundamentalMatrix;
 
 /// Refines the ranked proposals. The result reports `hypotheses`.
 pub(super) fn refine_ranked(
@@ -18,14 +18,12 @@ pub(super) fn refine_ranked(
     viewed: &ViewedPair,
     cancel: &CancelFlag,
 ) -> Result<Found, EstimateError> {
-    let SearchInput { clicks, parameters, .. } = viewed.input;
-    let fine = viewed.fine();
+    let fine = viewed.patches.fine();
     let full_size = fine.scales.map(f64::recip);
     let matches = ranked.first().map(|leader| fine.support.matches(&leader.fundamental, patches::BAND));
     let supporting = matches.iter().flatten().map(|m| m.pair.rescaled(full_size)).collect();
     // Without refinement, the result is the best hypothesis that most of the clicks do not refuse.
-    let observed = clicks.observed();
-    let clicked = ClickedPairs { pairs: &observed, sigma: parameters.click_sigma };
+    let clicked = ClickedPairs::of(viewed.input);
     let first = hypotheses.iter().find(|h| !clicked.refuse(h.fundamental())).or(hypotheses.first());
     let fundamental = *first.ok_or(EstimateError::NoGeometry)?.fundamental();
     // Near-copies of the leader are refined, too. One of them may become better.
@@ -41,15 +39,11 @@ pub(super) fn refine_best(
     viewed: &ViewedPair,
     cancel: &CancelFlag,
 ) -> Result<Option<Refined>, EstimateError> {
-    let SearchInput { prepared, clicks, parameters } = viewed.input;
+    let SearchInput { prepared, parameters, .. } = viewed.input;
     let (patches, refinement) = (&viewed.patches, &parameters.refinement);
-    let observed = clicks.observed();
-    let clicked = ClickedPairs { pairs: &observed, sigma: parameters.click_sigma };
+    let clicked = ClickedPairs::of(viewed.input);
     let refine = |f: &FundamentalMatrix| {
-        if cancel.is_cancelled() {
-            return None;
-        }
-        patches.refine(viewed.pyramids(), f, &observed, parameters.click_sigma, cancel)
+        if cancel.is_cancelled() { None } else { patches.refine(f, &clicked.0, cancel) }
     };
     // Few matches do not overrule the clicks.
     let is_of_this_scene = |refined: &Refined| {
@@ -66,14 +60,14 @@ pub(super) fn refine_best(
     // If the first start fails early, corners of the larger sizes are missing. A thread that made
     // them inside the parallel loop could take up another start while it waits, and that start
     // would wait for the same corners for ever.
-    patches.prepare_refinement(viewed.pyramids());
+    patches.prepare_refinement();
     let others: Vec<Option<Refined>> = others.par_iter().map(refine).collect();
     cancel.check()?;
     let mut all: Vec<Refined> =
         std::iter::once(first).chain(others).flatten().filter(is_of_this_scene).collect();
     let best = select(&all, &clicked).map(|k| all[k].fundamental);
     // If clicks speak against the best geometry, starts that the clicks prefer are refined, too.
-    if !observed.is_empty() && best.is_none_or(|best| clicked.speak_against(&best)) {
+    if !clicked.0.is_empty() && best.is_none_or(|best| clicked.speak_against(&best)) {
         let mut preferred = clicked.preferred(rest, best.as_ref());
         preferred.truncate(count);
         let more: Vec<Option<Refined>> = preferred.par_iter().map(refine).collect();
@@ -82,15 +76,12 @@ pub(super) fn refine_best(
     }
     let Some(best) = select(&all, &clicked).map(|k| all.swap_remove(k)) else { return Ok(None) };
     let settling = Settling {
-        clicks: &observed
-            .iter()
-            .map(|pair| Observation { pair: *pair, sigma: parameters.click_sigma })
-            .collect::<Vec<_>>(),
+        clicks: &clicked.0,
         given: prepared.given().map_or(&[][..], |given| &given.all),
         allows: &|f| !clicked.prefer(&best.fundamental, f),
         seed: parameters.seed,
     };
-    let settled = patches.settle(viewed.pyramids(), &best.fundamental, &settling, cancel);
+    let settled = patches.settle(&best.fundamental, &settling, cancel);
     cancel.check()?;
     Ok(Some(settled.unwrap_or(best)))
 }

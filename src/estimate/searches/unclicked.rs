@@ -51,8 +51,7 @@ pub(in crate::estimate) fn search(
             break;
         }
     }
-    let clicked = ClickedPairs { pairs: &clicks.observed(), sigma: parameters.click_sigma };
-    let best = select(&all, &clicked).map(|k| all.swap_remove(k));
+    let best = select(&all, &ClickedPairs::of(input)).map(|k| all.swap_remove(k));
     let of_given = || {
         // The images alone show nothing, so the matches from elsewhere decide.
         let GivenMatches { fundamental, inliers, .. } = prepared.given()?;

@@ -56,6 +56,7 @@ pub(in crate::estimate) struct PatchLevels {
 /// Corners under a view, shared by levels with and without features.
 #[derive(Debug)]
 struct CornerLevels {
+    pyramids: Arc<PyramidPair>,
     view: RelativeView,
     coarse: Lazy<SupportLevel>,
     voting: Lazy<KappaVoting>,
@@ -70,9 +71,10 @@ struct CornerLevels {
 
 impl PatchLevels {
     /// Returns levels that are not yet made.
-    pub fn new(view: RelativeView) -> Self {
+    pub fn new(pyramids: &Arc<PyramidPair>, view: RelativeView) -> Self {
         let patches = SharedPatches::default();
         let corners = CornerLevels {
+            pyramids: Arc::clone(pyramids),
             view,
             coarse: Lazy::default(),
             voting: Lazy::default(),
@@ -115,34 +117,34 @@ impl PatchLevels {
     }
 
     /// Returns the support at the coarse size, where proposals are made: of corners alone.
-    pub fn coarse(&self, pyramids: &PyramidPair) -> &SupportLevel {
+    pub fn coarse(&self) -> &SupportLevel {
         let corners = &self.corners;
-        corners.coarse.get_or_make(|| corners.coarse(pyramids))
+        corners.coarse.get_or_make(|| corners.coarse())
     }
 
     /// Returns the number of distinctive matches of image 1 with the mirror image of image 2, at the
     /// coarse size, that one homography explains, and the number of corners of image 1.
-    pub fn mirrored(&self, pyramids: &PyramidPair) -> [usize; 2] {
-        *self.corners.mirrored.get_or_make(|| self.corners.mirrored(pyramids))
+    pub fn mirrored(&self) -> [usize; 2] {
+        *self.corners.mirrored.get_or_make(|| self.corners.mirrored())
     }
 
     /// Returns the corner pairs of the coarse level that vote for κ.
-    pub fn voting(&self, pyramids: &PyramidPair) -> &KappaVoting {
-        let vote = || KappaVoting::new(&self.coarse(pyramids).support, VOTES_PER_CORNER);
+    pub fn voting(&self) -> &KappaVoting {
+        let vote = || KappaVoting::new(&self.coarse().support, VOTES_PER_CORNER);
         self.corners.voting.get_or_make(vote)
     }
 
     /// Returns the support of a geometry (full-size pixels) at the fine size.
-    pub fn measure(&self, pyramids: &PyramidPair, f: &FundamentalMatrix) -> Option<PatchSupport> {
-        let fine = self.fine(pyramids);
+    pub fn measure(&self, f: &FundamentalMatrix) -> Option<PatchSupport> {
+        let fine = self.fine();
         Some(fine.support.measure(&f.rescaled(fine.scales[0], fine.scales[1])?))
     }
 
     /// Returns the support at the fine size, where proposals are ranked: of corners, and of
     /// features if there are any.
-    pub fn fine(&self, pyramids: &PyramidPair) -> &SupportLevel {
+    pub fn fine(&self) -> &SupportLevel {
         let corners = &self.corners;
-        let fine = corners.fine.get_or_make(|| corners.fine(pyramids));
+        let fine = corners.fine.get_or_make(|| corners.fine());
         if self.features.is_empty() {
             return fine;
         }
@@ -157,16 +159,16 @@ impl PatchLevels {
     }
 
     /// Returns the levels at which `F` is refined, coarsest first, each once.
-    fn refinement<'a>(&'a self, pyramids: &'a PyramidPair) -> Vec<(PairLevel<'a>, &'a RefinementLevel)> {
-        let level = |side: &f64| pyramids.level_seen(*side, self.view());
+    fn refinement(&self) -> Vec<(PairLevel<'_>, &RefinementLevel)> {
+        let level = |side: &f64| self.corners.pyramids.level_seen(*side, self.view());
         let mut levels: Vec<_> = REFINEMENT_SIDES.iter().map(level).zip(&self.corners.refinement).collect();
         levels.dedup_by_key(|(level, _)| level.scales);
         levels
     }
 
     /// Finds the corners that refinement needs.
-    pub fn prepare_refinement(&self, pyramids: &PyramidPair) {
-        for (level, stage) in self.refinement(pyramids) {
+    pub fn prepare_refinement(&self) {
+        for (level, stage) in self.refinement() {
             stage.prepare(&level, self.view());
         }
     }
@@ -175,18 +177,14 @@ impl PatchLevels {
     /// matches, or when stopped.
     pub fn refine(
         &self,
-        pyramids: &PyramidPair,
         f: &FundamentalMatrix,
-        clicks: &[PointPair],
-        click_sigma: f64,
+        clicks: &[Observation],
         cancel: &CancelFlag,
     ) -> Option<Refined> {
-        let clicks: Vec<Observation> =
-            clicks.iter().map(|pair| Observation { pair: *pair, sigma: click_sigma }).collect();
         let mut refined: Option<Refined> = None;
-        for ((level, stage), aligned) in self.refinement(pyramids).into_iter().zip(&self.aligned) {
+        for ((level, stage), aligned) in self.refinement().into_iter().zip(&self.aligned) {
             let start = refined.as_ref().map_or(*f, |r| r.fundamental);
-            match stage.refine(&level, self.view(), aligned, &start, &clicks, cancel) {
+            match stage.refine(&level, self.view(), aligned, &start, clicks, cancel) {
                 Some(result) => refined = Some(result),
                 None => break,
             }
@@ -199,25 +197,20 @@ impl PatchLevels {
     /// when too few matches determine it.
     pub fn settle(
         &self,
-        pyramids: &PyramidPair,
         start: &FundamentalMatrix,
         settling: &Settling,
         cancel: &CancelFlag,
     ) -> Option<Refined> {
-        self.at_full_size(pyramids, |matcher| matcher.settled(start, settling, cancel))
+        self.at_full_size(|matcher| matcher.settled(start, settling, cancel))
     }
 
     /// Returns a geometry as it is, with the matches along its lines at full size.
-    pub fn matched(&self, pyramids: &PyramidPair, f: &FundamentalMatrix) -> Option<Refined> {
-        self.at_full_size(pyramids, |matcher| matcher.unchanged(f))
+    pub fn matched(&self, f: &FundamentalMatrix) -> Option<Refined> {
+        self.at_full_size(|matcher| matcher.unchanged(f))
     }
 
-    fn at_full_size(
-        &self,
-        pyramids: &PyramidPair,
-        fit: impl FnOnce(&GuidedMatcher) -> Option<Refined>,
-    ) -> Option<Refined> {
-        let mut levels = self.refinement(pyramids);
+    fn at_full_size(&self, fit: impl FnOnce(&GuidedMatcher) -> Option<Refined>) -> Option<Refined> {
+        let mut levels = self.refinement();
         let features = &self.aligned[levels.len() - 1];
         let (level, stage) = levels.pop()?;
         fit(&GuidedMatcher { stage, level: &level, view: self.view(), features })
@@ -225,22 +218,18 @@ impl PatchLevels {
 
     /// Returns the mutual best matches of corners among the pairs that are `possible`, aligned.
     /// All are in full-size pixels.
-    pub fn unguided_corners(
-        &self,
-        pyramids: &PyramidPair,
-        possible: impl Fn(&PointPair) -> bool,
-    ) -> Vec<UnguidedMatch> {
-        let Some((level, _)) = self.refinement(pyramids).pop() else { return Vec::new() };
-        matched_corners(self.fine(pyramids), &level, self.view(), possible)
+    pub fn unguided_corners(&self, possible: impl Fn(&PointPair) -> bool) -> Vec<UnguidedMatch> {
+        let Some((level, _)) = self.refinement().pop() else { return Vec::new() };
+        matched_corners(self.fine(), &level, self.view(), possible)
     }
 
     /// Returns the matches found in the whole of image 2, without any geometry.
-    pub fn unguided(&self, pyramids: &PyramidPair) -> &[UnguidedMatch] {
+    pub fn unguided(&self) -> &[UnguidedMatch] {
         self.unguided.get_or_make(|| {
-            let mut levels = self.refinement(pyramids);
+            let mut levels = self.refinement();
             let features = &self.aligned[levels.len() - 1];
             let Some((level, _)) = levels.pop() else { return Vec::new() };
-            unguided_matches(self.fine(pyramids), &level, self.view(), features)
+            unguided_matches(self.fine(), &level, self.view(), features)
         })
     }
 }
@@ -252,15 +241,15 @@ pub(in crate::estimate) fn resized(h: &Matrix3<f64>, scales: [f64; 2]) -> Option
 }
 
 impl CornerLevels {
-    fn coarse(&self, pyramids: &PyramidPair) -> SupportLevel {
-        let level = pyramids.level_seen(COARSE_SIDE, self.view);
+    fn coarse(&self) -> SupportLevel {
+        let level = self.pyramids.level_seen(COARSE_SIDE, self.view);
         let warps = warps_around(&level.warp(self.view));
         let patches = CornerPatches::new(&level, COARSE_CORNERS, warps);
         SupportLevel { scales: level.scales, support: Support::new(&patches) }
     }
 
-    fn mirrored(&self, pyramids: &PyramidPair) -> [usize; 2] {
-        let level = pyramids.level_seen(COARSE_SIDE, self.view);
+    fn mirrored(&self) -> [usize; 2] {
+        let level = self.pyramids.level_seen(COARSE_SIDE, self.view);
         // Left and right exchanged, or top and bottom.
         let flips = [Vector2::new(-1.0, 1.0), Vector2::new(1.0, -1.0)];
         let warps = flips.map(|flip| level.warp(self.view) * Matrix2::from_diagonal(&flip));
@@ -271,8 +260,8 @@ impl CornerLevels {
         [most, patches.points1.len()]
     }
 
-    fn fine(&self, pyramids: &PyramidPair) -> SupportLevel {
-        let level = pyramids.level_seen(FINE_SIDE, self.view);
+    fn fine(&self) -> SupportLevel {
+        let level = self.pyramids.level_seen(FINE_SIDE, self.view);
         let patches = self.patches.get(&level, self.view);
         SupportLevel { scales: level.scales, support: Support::new(&patches) }
     }

@@ -88,13 +88,17 @@ mod tests {
     use crate::geometry::Vector;
     use crate::image::{GrayPlane, PyramidPair};
 
+    fn levels(plane1: &GrayPlane, plane2: &GrayPlane) -> PatchLevels {
+        let pyramids = PyramidPair::new(plane1, plane2, 48.0);
+        PatchLevels::new(&std::sync::Arc::new(pyramids), RelativeView::UPRIGHT)
+    }
+
     #[test]
     fn matches_are_found_and_aligned_without_a_geometry() {
         let scene = ExactScene::aside();
         let [plane1, plane2] = scene.planes();
-        let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
-        let levels = PatchLevels::new(RelativeView::UPRIGHT);
-        let found = levels.unguided(&pyramids);
+        let levels = levels(&plane1, &plane2);
+        let found = levels.unguided();
         let off = |m: &UnguidedMatch| -> Vector { scene.partner(m.pair.point1) - m.pair.point2 };
         let likely: Vec<&UnguidedMatch> = found.iter().filter(|m| m.is_likely()).collect();
         let right = likely.iter().filter(|m| off(m).norm() < 0.3).count();
@@ -105,10 +109,9 @@ mod tests {
     fn corners_have_fewer_look_alikes_where_their_match_is_possible() {
         let scene = ExactScene::aside();
         let [plane1, plane2] = scene.planes();
-        let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
-        let levels = PatchLevels::new(RelativeView::UPRIGHT);
+        let levels = levels(&plane1, &plane2);
         let right = |possible: &dyn Fn(&PointPair) -> bool| {
-            let found = levels.unguided_corners(&pyramids, possible);
+            let found = levels.unguided_corners(possible);
             assert!(found.iter().all(|m| m.prior > 0.0 && m.prior <= 1.0));
             let is_right = |m: &&UnguidedMatch| {
                 m.is_likely() && (scene.partner(m.pair.point1) - m.pair.point2).norm() < 0.3
@@ -126,11 +129,8 @@ mod tests {
         let [plane, other] = ExactScene::aside().planes();
         let frame = plane.frame();
         let flipped = GrayPlane::from_fn(frame, |x, y| plane.values()[y * frame.width + frame.width - 1 - x]);
-        let count = |second: &GrayPlane| {
-            let pyramids = PyramidPair::new(&plane, second, 48.0);
-            PatchLevels::new(RelativeView::UPRIGHT).mirrored(&pyramids)
-        };
-        let [[mirrored, corners], [upright, _]] = [count(&flipped), count(&other)];
+        let [[mirrored, corners], [upright, _]] =
+            [&flipped, &other].map(|second| levels(&plane, second).mirrored());
         assert!(5 * mirrored > corners, "{mirrored} of {corners}");
         assert!(50 * upright < corners, "{upright} of {corners}");
     }

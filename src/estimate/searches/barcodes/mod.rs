@@ -20,9 +20,11 @@ use crate::estimate::searches::lines::from_all_lines;
 use crate::estimate::searches::published;
 use crate::estimate::searches::record::SearchRecord;
 use crate::estimate::verdict::assessment::little_texture;
-use crate::estimate::verdict::result::{BarcodeFigures, REPORTED};
-use crate::estimate::verdict::trust::{BarcodeEvidence, Evidence};
-use crate::estimate::{Assessment, Estimate, EstimateError, Parameters, Preset, Search, Stage, Trust};
+use crate::estimate::verdict::result::REPORTED;
+use crate::estimate::verdict::trust::Evidence;
+use crate::estimate::{
+    Assessment, BarcodeFigures, Estimate, EstimateError, Parameters, Preset, Search, Stage, Trust,
+};
 use crate::geometry::{FundamentalMatrix, PointPair, epipolar_difference, line_spacing, sampson_distance};
 use crate::motion::Silhouettes;
 use crate::similarity::ScaledSimilarity;
@@ -165,11 +167,7 @@ fn assessed(
     let distances: Vec<f64> =
         clicks.observed().iter().map(|pair: &PointPair| sampson_distance(f, pair)).collect();
     let trust = Trust::judge(&Evidence {
-        barcodes: Some(BarcodeEvidence {
-            correlation: figures.correlation,
-            by_chance: figures.by_chance,
-            lines: figures.lines,
-        }),
+        barcodes: Some(figures),
         clicks: &distances,
         click_sigma: parameters.click_sigma,
         margin,

@@ -10,7 +10,7 @@ use crate::geometry::{FundamentalMatrix, PointPair};
 /// Returns the patch support of `f` (full size). `None` if the search uses lines alone.
 pub(super) fn patch_support(viewed: &ViewedPair, f: &FundamentalMatrix) -> Option<PatchSupport> {
     match viewed.input.parameters.search {
-        Search::Patches => viewed.patches.measure(viewed.pyramids(), f),
+        Search::Patches => viewed.patches.measure(f),
         Search::Lines => None,
     }
 }
@@ -26,7 +26,7 @@ pub(super) fn line_figures(
     let parameters = viewed.input.parameters;
     let mut angles = PencilAngles::of(f, &clicks, turn)?;
     if parameters.search == Search::Patches {
-        let fine = viewed.fine();
+        let fine = viewed.patches.fine();
         let at_fine = f.rescaled(fine.scales[0], fine.scales[1])?;
         let matches = fine.support.matches(&at_fine, BAND);
         let own = clicks.map(|click| click.rescaled(fine.scales));

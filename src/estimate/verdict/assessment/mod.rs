@@ -21,6 +21,7 @@ use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::{Refined, UnguidedMatch, largest_plane, resized};
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
+use crate::estimate::verdict::selection::ClickedPairs;
 use crate::estimate::verdict::trust::{
     Evidence, HALF_PLANE, Mirror, OffPlane, PlaneEvidence, RefinedOn, Relief, Together, USUAL_SIDE,
 };
@@ -121,8 +122,8 @@ impl Judge<'_> {
     /// rivals. A rival counts if refinement leaves it clearly different.
     fn refined_margin(&self, f: &FundamentalMatrix, weight: f64, supporting: &[PointPair]) -> f64 {
         let viewed = self.viewed;
-        let SearchInput { prepared, clicks, parameters } = viewed.input;
-        let observed = clicks.observed();
+        let SearchInput { prepared, parameters, .. } = viewed.input;
+        let clicked = ClickedPairs::of(viewed.input);
         let is_rival = |other: &FundamentalMatrix| differs(f, other, supporting, prepared.frames());
         let heaviest = self
             .hypotheses
@@ -130,15 +131,7 @@ impl Judge<'_> {
             .map(Estimate::fundamental)
             .filter(|other| is_rival(other))
             .take(parameters.refinement.rivals)
-            .filter_map(|rival| {
-                viewed.patches.refine(
-                    viewed.pyramids(),
-                    rival,
-                    &observed,
-                    parameters.click_sigma,
-                    self.cancel,
-                )
-            })
+            .filter_map(|rival| viewed.patches.refine(rival, &clicked.0, self.cancel))
             .filter(|refined| is_rival(&refined.fundamental))
             .map(|refined| refined.weight)
             .fold(0.0, f64::max);
@@ -160,14 +153,14 @@ impl Judge<'_> {
         let (h, most) = largest_plane(matches, tolerance, parameters.seed)?;
         let share = most as f64 / matches.len() as f64;
         let bent_share = lens::share_through_a_lens(matches, &h, frames, tolerance);
-        let fine = self.viewed.fine();
+        let fine = self.viewed.patches.fine();
         let [s1, s2] = fine.scales;
         let (h_fine, f_fine) = (resized(&h, fine.scales)?, f.rescaled(s1, s2)?);
         let (side, side_fine) = (frames[0].longer_side(), s1 * frames[0].longer_side());
         let distinctive = fine.support.distinctive();
         let afar = OffPlane::new(&distinctive, &f_fine, &h_fine, side_fine, CORNER_SIGMA);
-        let (patches, pyramids) = (&self.viewed.patches, self.viewed.pyramids());
-        let unguided = patches.unguided(pyramids);
+        let patches = &self.viewed.patches;
+        let unguided = patches.unguided();
         let is_near = |m: &PointPair| {
             let mapped = finite_point(&(h * m.point1.to_homogeneous()));
             mapped.is_some_and(|at| (m.point2 - at).norm() < NEAR_PLANE * side)
@@ -175,7 +168,7 @@ impl Judge<'_> {
         // A corner has fewer look-alikes near its place on a plane that explains many matches.
         let mut testify = Vec::new();
         if share > HALF_PLANE {
-            testify = patches.unguided_corners(pyramids, is_near);
+            testify = patches.unguided_corners(is_near);
         }
         testify.extend(unguided);
         let near: Vec<PointPair> =
@@ -194,7 +187,7 @@ impl Judge<'_> {
         let likely = || unguided.iter().filter(|m| m.is_likely());
         let is_suspect = 2 * likely().filter(on_lines).count() < likely().count();
         let mirror = is_suspect.then(|| {
-            let [flipped, corners] = self.viewed.patches.mirrored(self.viewed.pyramids());
+            let [flipped, corners] = self.viewed.patches.mirrored();
             Mirror { flipped, corners }
         });
         Some(FoundPlane {

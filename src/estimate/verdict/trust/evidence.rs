@@ -2,6 +2,8 @@
 //!
 //! Limits of chance are probabilities. The others are shares and sizes, with their reasons.
 
+use serde::Serialize;
+
 use crate::estimate::verdict::poisson::fewer_than;
 
 /// Share of the matches on one plane beyond which only a handful of matches would determine the
@@ -270,15 +272,21 @@ impl ResidualPattern {
     }
 }
 
-/// Evidence of motion barcodes for a geometry.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::estimate) struct BarcodeEvidence {
-    /// Agreement of the barcodes of corresponding lines.
+/// Figures of a geometry from the barcodes of corresponding lines.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BarcodeFigures {
+    /// Agreement of the barcodes of corresponding epipolar lines over both images: 1 for equal
+    /// barcodes, 0 for unrelated ones.
     pub correlation: f64,
-    /// Best agreement with one sequence shifted in time.
+    /// Best agreement with the second sequence shifted in time, which only chance explains.
     pub by_chance: f64,
-    /// Number of independent lines.
+    /// Number of independent epipolar lines. The same objects cross neighbouring lines.
     pub lines: f64,
+    /// Standard deviation of the epipolar lines at moving objects, px, from a jackknife over the
+    /// frames. `None` with too few frames.
+    pub deviation: Option<f64>,
+    /// Number of frames compared.
+    pub frames: usize,
 }
 
 /// Data that a result was refined on.
@@ -302,8 +310,8 @@ pub(in crate::estimate) enum RefinedOn {
 pub(in crate::estimate) struct Evidence<'a> {
     /// Whether patches were compared.
     pub patches: bool,
-    /// Evidence of barcodes, for sequences.
-    pub barcodes: Option<BarcodeEvidence>,
+    /// Figures of motion barcodes, for sequences.
+    pub barcodes: Option<BarcodeFigures>,
     /// Data that the result was refined on.
     pub refined_on: RefinedOn,
     /// Sampson distances of the clicks, px.

@@ -6,9 +6,10 @@ mod rules;
 
 use serde::{Deserialize, Serialize};
 
+pub use evidence::BarcodeFigures;
 pub(in crate::estimate) use evidence::{
-    ALONG, ANY_EPIPOLE, BarcodeEvidence, Evidence, HALF_PLANE, Mirror, OffPlane, PlaneEvidence, RefinedOn,
-    Relief, ResidualPattern, Together, USUAL_SIDE, WRONG_TOGETHER, Witnesses,
+    ALONG, ANY_EPIPOLE, Evidence, HALF_PLANE, Mirror, OffPlane, PlaneEvidence, RefinedOn, Relief,
+    ResidualPattern, Together, USUAL_SIDE, WRONG_TOGETHER, Witnesses,
 };
 pub(in crate::estimate) use rules::CHANCE_DEVIATIONS;
 pub use rules::{

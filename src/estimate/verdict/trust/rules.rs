@@ -12,7 +12,7 @@
 //! numbers from results of known truth, with right and wrong clicks (`lab/notes.md` has the
 //! figures).
 
-use super::evidence::{BarcodeEvidence, Evidence, OffPlane, PlaneEvidence, RefinedOn, Relief, Witnesses};
+use super::evidence::{BarcodeFigures, Evidence, OffPlane, PlaneEvidence, RefinedOn, Relief, Witnesses};
 use super::{Reason, Suspect, Trust, Verdict};
 
 /// Fewest matches of a reliable result. A round number from results of known truth
@@ -45,7 +45,7 @@ impl Trust {
     pub(in crate::estimate) fn judge(evidence: &Evidence) -> Self {
         let mut reasons = Vec::new();
         let mut unreliable = false;
-        if let Some(BarcodeEvidence { correlation, by_chance, lines }) = evidence.barcodes {
+        if let Some(BarcodeFigures { correlation, by_chance, lines, .. }) = evidence.barcodes {
             if correlation <= by_chance {
                 unreliable = true;
                 reasons.push(Reason::BarcodesByChance { correlation, by_chance });
