@@ -7,9 +7,9 @@ use nalgebra::{Matrix2, Matrix3, Vector2};
 use super::aligned_features::AlignedFeatures;
 use super::corner_patches::CornerPatches;
 use super::feature_support::{FeatureSupport, SupportingMatch};
-use super::guided_fit::{GuidedMatcher, Settling};
+use super::guided_fit::Settling;
 use super::plane::largest_plane;
-use super::refinement::{Refined, RefinementLevel, SharedPatches};
+use super::refinement::{LevelMatcher, Refined, RefinementLevel, SharedPatches};
 use super::support::{PatchSupport, Support, SupportLevel};
 use super::unguided::{UnguidedMatch, matched_corners, unguided_matches};
 use super::voting::KappaVoting;
@@ -17,7 +17,7 @@ use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lazy::Lazy;
 use crate::features::FeatureViews;
 use crate::geometry::{FundamentalMatrix, Observation, PointPair, rescaling};
-use crate::image::{PairLevel, PyramidPair, RelativeView, warps_around};
+use crate::image::{PyramidPair, RelativeView, warps_around};
 
 /// Longer side of the images at which patches first rank hypotheses, px. In a smaller image a patch
 /// covers more of the scene, but errors of a pixel are larger.
@@ -159,17 +159,23 @@ impl PatchLevels {
     }
 
     /// Returns the levels at which `F` is refined, coarsest first, each once.
-    fn refinement(&self) -> Vec<(PairLevel<'_>, &RefinementLevel)> {
-        let level = |side: &f64| self.corners.pyramids.level_seen(*side, self.view());
-        let mut levels: Vec<_> = REFINEMENT_SIDES.iter().map(level).zip(&self.corners.refinement).collect();
-        levels.dedup_by_key(|(level, _)| level.scales);
+    fn refinement(&self) -> Vec<LevelMatcher<'_>> {
+        let CornerLevels { pyramids, view, refinement, .. } = &*self.corners;
+        let parts = REFINEMENT_SIDES.iter().zip(refinement).zip(&self.aligned);
+        let mut levels: Vec<_> = parts
+            .map(|((side, stage), features)| {
+                let level = pyramids.level_seen(*side, *view);
+                LevelMatcher { stage, level, view: *view, features }
+            })
+            .collect();
+        levels.dedup_by_key(|matcher| matcher.level.scales);
         levels
     }
 
     /// Finds the corners that refinement needs.
     pub fn prepare_refinement(&self) {
-        for (level, stage) in self.refinement() {
-            stage.prepare(&level, self.view());
+        for matcher in self.refinement() {
+            matcher.corners();
         }
     }
 
@@ -182,9 +188,9 @@ impl PatchLevels {
         cancel: &CancelFlag,
     ) -> Option<Refined> {
         let mut refined: Option<Refined> = None;
-        for ((level, stage), aligned) in self.refinement().into_iter().zip(&self.aligned) {
+        for matcher in self.refinement() {
             let start = refined.as_ref().map_or(*f, |r| r.fundamental);
-            match stage.refine(&level, self.view(), aligned, &start, clicks, cancel) {
+            match matcher.refine(&start, clicks, cancel) {
                 Some(result) => refined = Some(result),
                 None => break,
             }
@@ -201,35 +207,26 @@ impl PatchLevels {
         settling: &Settling,
         cancel: &CancelFlag,
     ) -> Option<Refined> {
-        self.at_full_size(|matcher| matcher.settled(start, settling, cancel))
+        self.refinement().pop()?.settled(start, settling, cancel)
     }
 
     /// Returns a geometry as it is, with the matches along its lines at full size.
     pub fn matched(&self, f: &FundamentalMatrix) -> Option<Refined> {
-        self.at_full_size(|matcher| matcher.unchanged(f))
-    }
-
-    fn at_full_size(&self, fit: impl FnOnce(&GuidedMatcher) -> Option<Refined>) -> Option<Refined> {
-        let mut levels = self.refinement();
-        let features = &self.aligned[levels.len() - 1];
-        let (level, stage) = levels.pop()?;
-        fit(&GuidedMatcher { stage, level: &level, view: self.view(), features })
+        self.refinement().pop()?.unchanged(f)
     }
 
     /// Returns the mutual best matches of corners among the pairs that are `possible`, aligned.
     /// All are in full-size pixels.
     pub fn unguided_corners(&self, possible: impl Fn(&PointPair) -> bool) -> Vec<UnguidedMatch> {
-        let Some((level, _)) = self.refinement().pop() else { return Vec::new() };
-        matched_corners(self.fine(), &level, self.view(), possible)
+        let full_size = self.refinement().pop();
+        full_size.map_or_else(Vec::new, |matcher| matched_corners(self.fine(), &matcher, possible))
     }
 
     /// Returns the matches found in the whole of image 2, without any geometry.
     pub fn unguided(&self) -> &[UnguidedMatch] {
         self.unguided.get_or_make(|| {
-            let mut levels = self.refinement();
-            let features = &self.aligned[levels.len() - 1];
-            let Some((level, _)) = levels.pop() else { return Vec::new() };
-            unguided_matches(self.fine(), &level, self.view(), features)
+            let full_size = self.refinement().pop();
+            full_size.map_or_else(Vec::new, |matcher| unguided_matches(self.fine(), &matcher))
         })
     }
 }

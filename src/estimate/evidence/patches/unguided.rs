@@ -3,12 +3,13 @@
 
 use rayon::prelude::*;
 
-use super::aligned_features::AlignedFeatures;
 use super::level_corners::{CORRELATION_NOISE, ELSEWHERE};
 use super::look_alikes::Putative;
+use super::matches::LevelMatch;
+use super::refinement::LevelMatcher;
 use super::support::{Support, SupportLevel};
 use crate::geometry::PointPair;
-use crate::image::{Alignment, PairLevel, Placement, RelativeView, align};
+use crate::image::{Alignment, Placement, align};
 
 /// A match found without a geometry and aligned at full size.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,35 +30,27 @@ impl UnguidedMatch {
     }
 }
 
-/// Returns the mutual best matches of corners and of features, aligned at `level`, the full size.
-pub(super) fn unguided_matches(
-    fine: &SupportLevel,
-    level: &PairLevel,
-    view: RelativeView,
-    features: &AlignedFeatures,
-) -> Vec<UnguidedMatch> {
-    let full_size = level.scales.map(f64::recip);
-    let mut found = matched_corners(fine, level, view, |_| true);
-    found.extend(
-        features
-            .all(level)
-            .into_iter()
-            .map(|m| UnguidedMatch { pair: m.found.pair.rescaled(full_size), prior: m.prior }),
-    );
+/// Returns the mutual best matches of corners and of features, aligned at full size.
+pub(super) fn unguided_matches(fine: &SupportLevel, matcher: &LevelMatcher) -> Vec<UnguidedMatch> {
+    let full_size = matcher.level.scales.map(f64::recip);
+    let at_full_size =
+        |m: LevelMatch| UnguidedMatch { pair: m.found.pair.rescaled(full_size), prior: m.prior };
+    let mut found = matched_corners(fine, matcher, |_| true);
+    found.extend(matcher.features.all(&matcher.level).into_iter().map(at_full_size));
     found
 }
 
 /// Returns the mutual best matches of corners among the pairs that are `possible` (full-size
-/// pixels), aligned at `level`, the full size.
+/// pixels), aligned at full size.
 pub(super) fn matched_corners(
     fine: &SupportLevel,
-    level: &PairLevel,
-    view: RelativeView,
+    matcher: &LevelMatcher,
     possible: impl Fn(&PointPair) -> bool,
 ) -> Vec<UnguidedMatch> {
+    let LevelMatcher { level, view, .. } = matcher;
     let from_fine = fine.scales.map(f64::recip);
     let full_size = level.scales.map(f64::recip);
-    let affine = level.warp(view);
+    let affine = level.warp(*view);
     let best = fine.support.mutual_best(|pair| possible(&pair.rescaled(from_fine)));
     let aligned = |group: Vec<Putative>| {
         let prior = prior_of_best(&fine.support, &group);
@@ -86,7 +79,7 @@ mod tests {
     use super::*;
     use crate::estimate::exact::ExactScene;
     use crate::geometry::Vector;
-    use crate::image::{GrayPlane, PyramidPair};
+    use crate::image::{GrayPlane, PyramidPair, RelativeView};
 
     fn levels(plane1: &GrayPlane, plane2: &GrayPlane) -> PatchLevels {
         let pyramids = PyramidPair::new(plane1, plane2, 48.0);
