@@ -71,6 +71,9 @@
 //!
 //! `ARCHITECTURE.md` shows the layout of the code and how to add to it.
 
+#[macro_use]
+mod named;
+
 #[cfg(feature = "inspector")]
 mod app;
 pub mod camera;

@@ -13,57 +13,40 @@ pub use entry::{ParameterEntry, ParameterValue};
 pub use plan::SearchPlan;
 pub use table::PARAMETERS;
 
-/// Preset of all parameters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Preset {
-    /// The published method, with the corrections of `docs/estimator.md`.
-    Paper,
-    /// The values that measured best on real images.
-    #[default]
-    Robust,
-}
-
-impl Preset {
-    /// Both presets.
-    pub const ALL: [Self; 2] = [Self::Paper, Self::Robust];
-
-    /// Returns the name on the command line and in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Paper => "paper",
-            Self::Robust => "robust",
-        }
+named! {
+    fn name;
+    /// Preset of all parameters.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Preset {
+        /// The published method, with the corrections of `docs/estimator.md`.
+        Paper = "paper",
+        /// The values that measured best on real images.
+        #[default]
+        Robust = "robust",
     }
 }
 
-/// Input from which the geometry is found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// Two point pairs; the third line pair is searched.
-    #[default]
-    TwoPoint,
-    /// Three point pairs; the third gives the third line pair.
-    ThreePoint,
-    /// No point pair; all lines of both images are compared (paper, section 4).
-    #[serde(rename = "lines")]
-    LinesAlone,
+impl Preset {}
+
+named! {
+    fn name;
+    /// Input from which the geometry is found.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Method {
+        /// Two point pairs; the third line pair is searched.
+        #[default]
+        TwoPoint = "two-point",
+        /// Three point pairs; the third gives the third line pair.
+        ThreePoint = "three-point",
+        /// No point pair; all lines of both images are compared (paper, section 4).
+        #[serde(rename = "lines")]
+        LinesAlone = "lines",
+    }
 }
 
 impl Method {
-    /// All methods.
-    pub const ALL: [Self; 3] = [Self::TwoPoint, Self::ThreePoint, Self::LinesAlone];
-
-    /// Returns the name on the command line and in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::TwoPoint => "two-point",
-            Self::ThreePoint => "three-point",
-            Self::LinesAlone => "lines",
-        }
-    }
-
     /// Returns the number of point pairs that the method needs.
     pub fn pairs_needed(self) -> usize {
         match self {
@@ -74,19 +57,16 @@ impl Method {
     }
 }
 
-/// Evidence that ranks the combinations of candidate line pairs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Search {
-    /// Lines alone, as published: bisectors, round trips, and validation over both images.
-    Lines,
-    /// Small image patches, which vote for κ and whose support ranks.
-    Patches,
-}
-
-impl Search {
-    /// Both searches.
-    pub const ALL: [Self; 2] = [Self::Lines, Self::Patches];
+named! {
+    /// Evidence that ranks the combinations of candidate line pairs.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Search {
+        /// Lines alone, as published: bisectors, round trips, and validation over both images.
+        Lines,
+        /// Small image patches, which vote for κ and whose support ranks.
+        Patches,
+    }
 }
 
 /// Score of a hypothesis by the lines of its two pencils.

@@ -16,26 +16,18 @@ pub use rules::{
     CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW, GUESS_MARGIN,
 };
 
-/// Reliability of a result.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// No test speaks against the result.
-    Reliable,
-    /// At least one test speaks against the result.
-    Doubtful,
-    /// The result contradicts the images or the clicks, or rests on far too few matches.
-    Unreliable,
-}
-
-impl Verdict {
-    /// Returns the word for display.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Reliable => "reliable",
-            Self::Doubtful => "doubtful",
-            Self::Unreliable => "unreliable",
-        }
+named! {
+    fn label;
+    /// Reliability of a result.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Verdict {
+        /// No test speaks against the result.
+        Reliable = "reliable",
+        /// At least one test speaks against the result.
+        Doubtful = "doubtful",
+        /// The result contradicts the images or the clicks, or rests on far too few matches.
+        Unreliable = "unreliable",
     }
 }
 
