@@ -79,7 +79,6 @@ struct JudgeFile<'a, T: Serialize> {
     /// Difference between the judged calibration and the pose that fits the matches.
     #[serde(skip_serializing_if = "Option::is_none")]
     pose_difference: Option<PoseDifference>,
-    /// Fundamental matrix of the reference.
     reference: FundamentalMatrix,
     /// Verdict on the reference; null for given matches.
     reference_verdict: Option<Verdict>,

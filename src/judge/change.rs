@@ -23,7 +23,6 @@ impl Affected {
     /// All choices, the most common first.
     pub(super) const ALL: [Self; 3] = [Self::Both, Self::Image1, Self::Image2];
 
-    /// Returns whether an image is affected, 0 or 1.
     fn has(self, image: usize) -> bool {
         match self {
             Self::Both => true,

@@ -81,7 +81,6 @@ impl PreparedPair {
         Ok(())
     }
 
-    /// Returns the matches from elsewhere.
     pub(in crate::estimate) fn given(&self) -> Option<&GivenMatches> {
         self.given.as_ref()
     }

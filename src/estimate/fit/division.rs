@@ -59,7 +59,6 @@ const CLEAR_GAIN: f64 = 9.0;
 const TOGETHER: &[[f64; 2]] = &[[1.0, 1.0]];
 const EACH: &[[f64; 2]] = &[[1.0, 0.0], [0.0, 1.0]];
 
-/// Returns the undistorted place of a point.
 fn undistorted(point: Point, lambda: f64, frame: Frame) -> Point {
     let from: Vector = point - frame.centre();
     frame.centre() + from / (1.0 + lambda * share(from, frame))

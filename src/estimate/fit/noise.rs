@@ -93,7 +93,6 @@ impl Noise {
         inlier * cauchy * self.spread + (1.0 - inlier)
     }
 
-    /// Returns the probability that a match is an inlier.
     pub(super) fn inlier_probability(&self, r: &Residual) -> f64 {
         1.0 - (1.0 - self.inliers * r.prior) / self.ratio(r)
     }

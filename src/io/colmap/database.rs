@@ -141,7 +141,6 @@ impl Database {
         Ok(numbers.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect())
     }
 
-    /// Returns the verified matches of a pair.
     pub(super) fn verified(&self, pair: i64) -> Result<Vec<[u32; 2]>, String> {
         self.matches(self.geometries()?.0, pair)
     }

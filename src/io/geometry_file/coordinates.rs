@@ -27,7 +27,6 @@ pub(super) struct NamedTable {
 /// Fit of the point pairs to F, computed from the numbers in the file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SelfCheck {
-    /// Number of pairs.
     pub(super) pairs: usize,
     /// Mean symmetric epipolar distance, px.
     pub(super) mean: f64,

@@ -64,7 +64,6 @@ impl Quantity {
         names.get(1).unwrap_or(&names[0])
     }
 
-    /// Returns the quantity of a name.
     pub(super) fn named(name: &str) -> Option<Self> {
         QUANTITIES.iter().find(|(_, names, _)| names.contains(&name)).map(|(quantity, ..)| *quantity)
     }

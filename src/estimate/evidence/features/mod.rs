@@ -197,7 +197,6 @@ type Scored = (f64, FundamentalMatrix);
 struct FeatureSearch<'a> {
     evidence: &'a FeatureEvidence<'a>,
     parameters: &'a FeatureParameters,
-    /// Seed of all draws.
     seed: u64,
     units: Units,
     /// Witnesses: first the matches, then the clicks.

@@ -53,7 +53,6 @@ impl FeatureBlock {
 
 /// Features of image 2 in blocks of neighbours. Most blocks are far from a line and skipped.
 struct FeatureMap {
-    /// Groups of sixteen blocks.
     groups: Vec<FeatureBlock>,
     blocks: Vec<FeatureBlock>,
     /// Indices of the features, block by block.

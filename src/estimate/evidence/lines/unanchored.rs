@@ -155,11 +155,9 @@ impl Measured {
 /// Settings of the consensus.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::estimate) struct LineConsensus {
-    /// Number of draws.
     pub draws: usize,
     /// Largest area between a line and its mapped partner, in px times the width of the image.
     pub area: f64,
-    /// Seed of the draws.
     pub seed: u64,
 }
 

@@ -106,7 +106,6 @@ impl PatchLevels {
         }
     }
 
-    /// Returns the relative view of the images.
     pub fn view(&self) -> RelativeView {
         self.corners.view
     }

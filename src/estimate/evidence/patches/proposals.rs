@@ -33,7 +33,6 @@ pub(in crate::estimate) struct Proposal {
 /// A proposal in full-size pixels.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct Hypothesis {
-    /// Fundamental matrix.
     pub fundamental: FundamentalMatrix,
     /// Figures of the lines through two clicks, if there are two.
     pub lines: Option<LineFigures>,
@@ -70,7 +69,6 @@ impl Proposal {
         Some(Hypothesis { fundamental: self.full_size(scales)?, lines, support: self.support })
     }
 
-    /// Returns the matrix in full-size pixels.
     pub fn full_size(&self, scales: [f64; 2]) -> Option<FundamentalMatrix> {
         self.fundamental.rescaled(1.0 / scales[0], 1.0 / scales[1])
     }

@@ -120,7 +120,6 @@ impl Support {
             .collect()
     }
 
-    /// Returns the points of a putative match.
     pub fn pair(&self, m: &Putative) -> PointPair {
         PointPair { point1: self.corners[0][m.corner1 as usize], point2: self.corners[1][m.corner2 as usize] }
     }

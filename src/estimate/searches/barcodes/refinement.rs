@@ -20,7 +20,6 @@ use crate::motion::Silhouettes;
 pub(super) struct Steps {
     /// Standard deviation of the first steps, as a share of half a diagonal.
     pub first: f64,
-    /// Number of rounds.
     pub rounds: usize,
 }
 

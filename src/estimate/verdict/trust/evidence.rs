@@ -101,7 +101,6 @@ pub(in crate::estimate) struct PlaneEvidence {
     pub share: f64,
     /// Share explained by a homography with radial distortion, 0 to 1.
     pub bent_share: f64,
-    /// Matches off the plane.
     pub off: OffPlane,
     /// Whether the homography leaves the matches in their places, as if the camera stood still.
     pub is_still: bool,
@@ -129,7 +128,6 @@ impl PlaneEvidence {
 /// Matches found without `F`, beside the smooth warp that most matches follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(in crate::estimate) struct Witnesses {
-    /// Number of matches on the warp.
     pub on_warp: usize,
     /// Number of matches that are beside it along their epipolar lines.
     pub along: usize,
