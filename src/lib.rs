@@ -98,6 +98,9 @@ pub mod motion;
 pub mod presentation;
 pub mod rectify;
 pub mod similarity;
+#[cfg(all(test, feature = "files"))]
+#[path = "../tests/skipping/mod.rs"]
+mod skipping;
 pub mod suggest;
 #[cfg(feature = "pictures")]
 pub mod synthetic;

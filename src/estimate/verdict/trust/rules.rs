@@ -326,6 +326,10 @@ mod tests {
         for evidence in silent {
             assert_eq!(reasons(&evidence), [], "{evidence:?}");
         }
+        let one_plane = |percent, plane| {
+            let reason = Reason::OnePlane { percent, groups: 9, agreeing: 7, is_still: false };
+            (Evidence { plane, ..GOOD }, reason)
+        };
         let off = next(CLICK_DEVIATIONS);
         let (few, margin, deviation) = (ENOUGH_MATCHES - 1, before(CLEAR_MARGIN), next(LOOSEST * GOOD.side));
         let told = [
@@ -340,29 +344,11 @@ mod tests {
             ),
             (Evidence { margin: Some(margin), ..GOOD }, Reason::Ambiguous { margin }),
             (Evidence { deviation: Some(deviation), ..GOOD }, Reason::Loose { deviation }),
-            (
-                Evidence { plane: plane(next(ONE_PLANE), 0.0), ..GOOD },
-                Reason::OnePlane { percent: 95, groups: 9, agreeing: 7, is_still: false },
-            ),
-            (
-                Evidence { plane: plane(next(MOSTLY_PLANE), next(BY_CHANCE)), ..GOOD },
-                Reason::OnePlane { percent: 50, groups: 9, agreeing: 7, is_still: false },
-            ),
-            (
-                Evidence {
-                    plane: with(next(MOSTLY_PLANE), beside(three, 0.0, next(MOTIONS_BY_CHANCE))),
-                    ..GOOD
-                },
-                Reason::OnePlane { percent: 50, groups: 9, agreeing: 7, is_still: false },
-            ),
-            (
-                Evidence { plane: with(next(MOSTLY_PLANE), beside(ANY_EPIPOLE, 0.0, 0.0)), ..GOOD },
-                Reason::OnePlane { percent: 50, groups: 9, agreeing: 7, is_still: false },
-            ),
-            (
-                Evidence { plane: with(next(HALF_PLANE), beside(ANY_EPIPOLE, 0.0, 0.0)), ..GOOD },
-                Reason::OnePlane { percent: 40, groups: 9, agreeing: 7, is_still: false },
-            ),
+            one_plane(95, plane(next(ONE_PLANE), 0.0)),
+            one_plane(50, plane(next(MOSTLY_PLANE), next(BY_CHANCE))),
+            one_plane(50, with(next(MOSTLY_PLANE), beside(three, 0.0, next(MOTIONS_BY_CHANCE)))),
+            one_plane(50, with(next(MOSTLY_PLANE), beside(ANY_EPIPOLE, 0.0, 0.0))),
+            one_plane(40, with(next(HALF_PLANE), beside(ANY_EPIPOLE, 0.0, 0.0))),
             (Evidence { plane: bent(0.71), ..GOOD }, Reason::Bent { percent: 71 }),
             (Evidence { pattern: pattern(next(PATTERN), 0.4), ..GOOD }, Reason::Pattern { size: 0.4 }),
             (
