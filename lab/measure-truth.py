@@ -23,18 +23,12 @@ import sys
 import cv2
 import numpy as np
 
+from trust import distances
+
 RADIUS = 8
 LEAST_CORRELATION = 0.85
 MOST_MOVED = 4.0
 NEIGHBOURS = 25
-
-
-def symmetric_distances(fundamental, matches):
-    """Mean distance of the two points of each match from each other's epipolar lines, px."""
-    points1, points2 = (np.c_[matches[:, i : i + 2], np.ones(len(matches))] for i in (0, 2))
-    lines2, lines1 = points1 @ fundamental.T, points2 @ fundamental
-    algebraic = np.abs((points2 * lines2).sum(1))
-    return 0.5 * (algebraic / np.hypot(*lines2[:, :2].T) + algebraic / np.hypot(*lines1[:, :2].T))
 
 
 def aligned(images, match, near):
@@ -118,7 +112,7 @@ def main():
     for name, fundamental in (("this program", ours), ("SIFT + MAGSAC++", theirs)):
         if fundamental is None:
             continue
-        all_, as_given, after = (symmetric_distances(fundamental, np.array(m)).mean() for m in (truth, kept, new))
+        all_, as_given, after = (distances(fundamental, np.array(m)).mean() for m in (truth, kept, new))
         print(f"{name}: all as given {all_:.2f} px; those aligned: as given {as_given:.2f} px, aligned {after:.2f} px")
 
 

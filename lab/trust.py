@@ -196,7 +196,6 @@ def run(program, task):
     parts = ("verdict", "failed_tests", "reasons", "determined", "margin", "refined_margin", "support", "noise", "seconds", "epipole_bearings", "pair_distances")
     record |= {part: found.get(part) for part in parts}
     record |= {"matches": len(found["matches"]), "side": side, "at_matches": at_matches, "everywhere": everywhere}
-    record["judged"] = [line for line in done.stderr.decode().splitlines() if line.startswith(("EVIDENCE", "REASONS"))]
     return record
 
 

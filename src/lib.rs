@@ -71,6 +71,9 @@
 //!
 //! `ARCHITECTURE.md` shows the layout of the code and how to add to it.
 
+#[macro_use]
+mod named;
+
 #[cfg(feature = "inspector")]
 mod app;
 pub mod camera;
@@ -95,6 +98,9 @@ pub mod motion;
 pub mod presentation;
 pub mod rectify;
 pub mod similarity;
+#[cfg(all(test, feature = "files"))]
+#[path = "../tests/skipping/mod.rs"]
+mod skipping;
 pub mod suggest;
 #[cfg(feature = "pictures")]
 pub mod synthetic;

@@ -9,13 +9,12 @@
 
 use std::error::Error;
 use std::path::Path;
-use std::sync::Arc;
 use std::time::Instant;
 
 use epiline::estimate::CancelFlag;
 use epiline::geometry::{Camera, Frame};
 use epiline::image::GrayPlane;
-use epiline::io::{PictureFormat, TruthOrigin, encode_picture};
+use epiline::io::{PictureFormat, encode_picture};
 use epiline::rectify::{Distortion, Limits, RectifyMethod, rectify, stacked};
 use epiline::synthetic::{Motion, Sample};
 use epiline_lab::{KnownScene, pair_scenes, vgg_scenes};
@@ -27,20 +26,6 @@ fn picture(plane: &GrayPlane) -> DynamicImage {
     GrayImage::from_raw(plane.frame().width as u32, plane.frame().height as u32, values)
         .map(DynamicImage::from)
         .unwrap_or_default()
-}
-
-fn sample_scene(sample: Sample) -> KnownScene {
-    let name = sample.name().to_owned();
-    let pair = sample.load();
-    KnownScene {
-        silhouettes: None,
-        name,
-        images: pair.pictures.map(|p| Arc::new(p.gray)),
-        matches: pair.matches,
-        truth: pair.fundamental,
-        origin: TruthOrigin::Cameras,
-        printed: None,
-    }
 }
 
 fn shape(d: &Distortion) -> String {
@@ -90,7 +75,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let argument = |k: usize, default: &'static str| arguments.get(k).map_or(default, String::as_str);
     let mut scenes = vgg_scenes(Path::new(argument(0, "../shared/data/house")), 1, &[])?;
     scenes.extend(pair_scenes(Path::new(argument(1, "../shared/data/pairs")), &[])?);
-    scenes.extend(Sample::ALL.map(sample_scene));
+    scenes.extend(Sample::ALL.map(|sample| KnownScene::of_sample(sample.name(), sample.load())));
     println!(
         "|dy| in px over the true matches; angle of the middle lines, ratio of the diagonals, % cut, below half, above twice the area"
     );

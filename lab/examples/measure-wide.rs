@@ -7,19 +7,19 @@
 //! each bin of the folder's `TABLE.md` it prints the fractions below 1 px and below 1 % of the
 //! longer side, then the times.
 //!
-//! A folder holds `NAMEA.png` and `NAMEB.png` (or `.jpg`), and the true matches `NAME.txt` as rows
-//! of `x1 y1 x2 y2`. The folder may hold `NAME_F.txt` if F is known more accurately than from the
-//! matches.
+//! A folder holds pictures `NAMEA.*` and `NAMEB.*`, and the true matches `NAME.txt` as rows of
+//! `x1 y1 x2 y2`.
 
 use std::collections::BTreeMap;
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use epiline::estimate::covariant::{FeatureEvidence, hypotheses_from_features};
 use epiline::features::{FeatureParameters, find_features, match_features};
 use epiline::geometry::{FundamentalMatrix, PointPair, symmetric_epipolar_distance};
 use epiline::image::{GrayPlane, Picture};
+use epiline::io::{pair_folder, read_point_pairs};
 use epiline_lab::{mean, median};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -33,36 +33,10 @@ const NOISE: f64 = 1.0;
 #[derive(Default)]
 struct Bin(Vec<[f64; 2]>);
 
-fn numbers(path: &Path) -> Result<Vec<f64>, Box<dyn Error>> {
-    Ok(std::fs::read_to_string(path)?.split_whitespace().map(str::parse).collect::<Result<_, _>>()?)
-}
-
-fn beside(name: &Path, suffix: &str) -> PathBuf {
-    PathBuf::from(format!("{}{suffix}", name.display()))
-}
-
-/// Returns the names of all pairs in a folder, without `A.png` and `B.png`.
-fn names(folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
-    let mut names: Vec<PathBuf> = folder
-        .read_dir()?
-        .flatten()
-        .map(|entry| entry.path())
-        .filter(|path| path.extension().is_some_and(|e| e == "txt"))
-        .map(|path| path.with_extension(""))
-        .filter(|name| picture(name, "A").is_some())
-        .collect();
-    names.sort();
-    Ok(names)
-}
-
-fn picture(name: &Path, side: &str) -> Option<PathBuf> {
-    ["png", "jpg"].map(|e| beside(name, &format!("{side}.{e}"))).into_iter().find(|path| path.exists())
-}
-
 /// Returns the last column of a pair's row in `TABLE.md`.
-fn bin(name: &Path) -> Option<String> {
-    let table = std::fs::read_to_string(name.with_file_name("TABLE.md")).ok()?;
-    let start = format!("| {} |", name.file_name()?.to_str()?);
+fn bin(folder: &Path, name: &str) -> Option<String> {
+    let table = std::fs::read_to_string(folder.join("TABLE.md")).ok()?;
+    let start = format!("| {name} |");
     let row = table.lines().find(|line| line.starts_with(&start))?;
     Some(row.trim_end_matches('|').rsplit('|').next()?.trim().to_owned())
 }
@@ -106,27 +80,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut bins: BTreeMap<String, Bin> = BTreeMap::new();
     let (mut preparing, mut searching) = (Vec::new(), Vec::new());
     println!("{:<28} {:<10} errors of {trials} trials with {count} clicks, px", "pair", "bin");
-    for folder in folders {
-        for name in names(Path::new(folder))? {
-            let pictures = ["A", "B"].map(|side| picture(&name, side).map(|path| Picture::open(&path)));
-            let [Some(first), Some(second)] = pictures else { continue };
+    for folder in folders.into_iter().map(Path::new) {
+        for files in pair_folder(folder)? {
+            let [first, second] = files.images.each_ref().map(|path| Picture::open(path));
             let planes = [first?.gray, second?.gray];
-            let matches: Vec<PointPair> = numbers(&beside(&name, ".txt"))?
-                .chunks_exact(4)
-                .map(|r| PointPair::new(r[0], r[1], r[2], r[3]))
-                .collect();
+            let matches = read_point_pairs(&files.matches.ok_or("a pair has no matches")?)?;
             let begun = Instant::now();
             let sets = planes.each_ref().map(|p| find_features(p, &FeatureParameters::default()));
             let candidates = match_features(&sets[0], &sets[1]);
             preparing.push(begun.elapsed().as_secs_f64());
             let frames = planes.each_ref().map(GrayPlane::frame);
             let sides = frames.map(|f| f.longer_side());
-            let bin = bin(&name).unwrap_or_else(|| "other".to_owned());
-            let title = name.file_name().unwrap_or_default().display();
-            print!("{title:<28} {bin:<10}");
+            let bin = bin(folder, &files.name).unwrap_or_else(|| "other".to_owned());
+            let path = folder.join(&files.name);
+            print!("{:<28} {bin:<10}", files.name);
             for trial in 0..trials {
                 let seed =
-                    name.to_string_lossy().bytes().fold(trial as u64, |h, b| h.rotate_left(5) ^ u64::from(b));
+                    path.to_string_lossy().bytes().fold(trial as u64, |h, b| h.rotate_left(5) ^ u64::from(b));
                 let clicks = clicks(&matches, sides, count, &mut Pcg64Mcg::seed_from_u64(seed));
                 let evidence = FeatureEvidence {
                     sets: [&sets[0], &sets[1]],

@@ -35,6 +35,22 @@ pub struct Outcome {
     pub choice: Option<Choice>,
 }
 
+impl Outcome {
+    /// Returns the outcome of a method that does not assess its result.
+    pub(super) fn unassessed(fundamental: FundamentalMatrix, seconds: f64) -> Self {
+        Self {
+            fundamental,
+            seconds,
+            first_seconds: seconds,
+            score: None,
+            margin: None,
+            verdict: None,
+            warnings: Vec::new(),
+            choice: None,
+        }
+    }
+}
+
 /// Hypotheses of one trial.
 #[derive(Debug, Clone)]
 pub struct Choice {
@@ -81,20 +97,24 @@ pub struct MethodEntry {
     pub name: &'static str,
     /// Whether the method depends on the preset. Otherwise it takes part once.
     pub has_presets: bool,
-    /// Constructor from the parameters of a preset.
-    build: fn(Parameters) -> Box<dyn Contender>,
+    /// Constructor from the name and the parameters of a preset.
+    build: fn(&'static str, Parameters) -> Box<dyn Contender>,
 }
 
 /// All methods.
 pub const METHODS: [MethodEntry; 8] = [
     MethodEntry { name: "no-clicks", has_presets: true, build: without_clicks },
-    MethodEntry { name: "two-point", has_presets: true, build: |p| clicked(2, Method::TwoPoint, p) },
-    MethodEntry { name: "three-point", has_presets: true, build: |p| clicked(3, Method::ThreePoint, p) },
-    MethodEntry { name: "four-clicks", has_presets: true, build: |p| clicked(4, Method::TwoPoint, p) },
-    MethodEntry { name: "five-clicks", has_presets: true, build: |p| clicked(5, Method::TwoPoint, p) },
-    MethodEntry { name: "eight-clicks", has_presets: true, build: |p| clicked(8, Method::TwoPoint, p) },
-    MethodEntry { name: "seven-point", has_presets: false, build: |_| Box::new(SevenPoint) },
-    MethodEntry { name: "eight-point", has_presets: false, build: |_| Box::new(EightPoint) },
+    MethodEntry { name: "two-point", has_presets: true, build: |n, p| clicked(n, 2, Method::TwoPoint, p) },
+    MethodEntry {
+        name: "three-point",
+        has_presets: true,
+        build: |n, p| clicked(n, 3, Method::ThreePoint, p),
+    },
+    MethodEntry { name: "four-clicks", has_presets: true, build: |n, p| clicked(n, 4, Method::TwoPoint, p) },
+    MethodEntry { name: "five-clicks", has_presets: true, build: |n, p| clicked(n, 5, Method::TwoPoint, p) },
+    MethodEntry { name: "eight-clicks", has_presets: true, build: |n, p| clicked(n, 8, Method::TwoPoint, p) },
+    MethodEntry { name: "seven-point", has_presets: false, build: |_, _| Box::new(SevenPoint) },
+    MethodEntry { name: "eight-point", has_presets: false, build: |_, _| Box::new(EightPoint) },
 ];
 
 /// Returns the names of all methods.
@@ -115,27 +135,33 @@ pub fn contenders(
             continue;
         }
         let takes_part = if entry.has_presets { presets } else { &presets[..presets.len().min(1)] };
-        chosen.extend(takes_part.iter().map(|parameters| (entry.build)(parameters.clone())));
+        chosen.extend(takes_part.iter().map(|parameters| (entry.build)(entry.name, parameters.clone())));
     }
     Ok(chosen)
 }
 
 /// Estimator of this program.
 struct Clicked {
+    name: &'static str,
     clicks: usize,
     parameters: Parameters,
 }
 
 /// Creates this program's estimator with a number of clicks.
-fn clicked(clicks: usize, method: Method, mut parameters: Parameters) -> Box<dyn Contender> {
+fn clicked(
+    name: &'static str,
+    clicks: usize,
+    method: Method,
+    mut parameters: Parameters,
+) -> Box<dyn Contender> {
     parameters.method = method;
-    Box::new(Clicked { clicks, parameters })
+    Box::new(Clicked { name, clicks, parameters })
 }
 
 /// Creates this program's estimator without clicks. The published search then compares all lines.
-fn without_clicks(parameters: Parameters) -> Box<dyn Contender> {
+fn without_clicks(name: &'static str, parameters: Parameters) -> Box<dyn Contender> {
     let lines_alone = parameters.search == Search::Lines;
-    clicked(0, if lines_alone { Method::LinesAlone } else { Method::TwoPoint }, parameters)
+    clicked(name, 0, if lines_alone { Method::LinesAlone } else { Method::TwoPoint }, parameters)
 }
 
 impl Clicked {
@@ -154,14 +180,7 @@ impl Clicked {
 
 impl Contender for Clicked {
     fn method(&self) -> &'static str {
-        match self.clicks {
-            0 => "no-clicks",
-            2 => "two-point",
-            3 => "three-point",
-            4 => "four-clicks",
-            5 => "five-clicks",
-            _ => "eight-clicks",
-        }
+        self.name
     }
 
     fn preset(&self) -> Option<&'static str> {
@@ -224,7 +243,7 @@ impl Contender for SevenPoint {
     fn estimate(&self, scene: &KnownScene, clicks: &[PointPair]) -> Result<Outcome, String> {
         let begun = Instant::now();
         let fit = fit_seven(clicks, &scene.matches).map_err(|e| e.to_string())?;
-        Ok(from_points(fit.fundamental, begun.elapsed().as_secs_f64()))
+        Ok(Outcome::unassessed(fit.fundamental, begun.elapsed().as_secs_f64()))
     }
 }
 
@@ -243,21 +262,7 @@ impl Contender for EightPoint {
     fn estimate(&self, _: &KnownScene, clicks: &[PointPair]) -> Result<Outcome, String> {
         let begun = Instant::now();
         let fundamental = eight_point(clicks).map_err(|e| e.to_string())?;
-        Ok(from_points(fundamental, begun.elapsed().as_secs_f64()))
-    }
-}
-
-/// Returns the outcome of a method that uses only points and does not assess its result.
-fn from_points(fundamental: FundamentalMatrix, seconds: f64) -> Outcome {
-    Outcome {
-        fundamental,
-        seconds,
-        first_seconds: seconds,
-        score: None,
-        margin: None,
-        verdict: None,
-        warnings: Vec::new(),
-        choice: None,
+        Ok(Outcome::unassessed(fundamental, begun.elapsed().as_secs_f64()))
     }
 }
 

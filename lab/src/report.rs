@@ -11,7 +11,7 @@ use epiline::estimate::Verdict;
 use epiline::geometry::FundamentalMatrix;
 
 /// Trial of one contender. Infinite numbers are serialised as `null`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct TrialRecord {
     /// Index of the trial, from 0.
     pub trial: usize,

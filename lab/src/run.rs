@@ -187,18 +187,10 @@ fn run_trial(scene: &KnownScene, contender: &dyn Contender, draws: &Draws, job: 
         trial: job.trial,
         matches: job.matches.clone(),
         clicks: clicks.iter().map(PointPair::numbers).collect(),
-        fundamental: None,
         mean: f64::INFINITY,
         median: f64::INFINITY,
-        off_everywhere: None,
         seconds: elapsed,
-        first_seconds: None,
-        score: None,
-        margin: None,
-        verdict: None,
-        warnings: Vec::new(),
-        search: None,
-        failure: None,
+        ..TrialRecord::default()
     };
     match outcome {
         Err(failure) => TrialRecord { failure: Some(failure), ..failed },
@@ -248,16 +240,7 @@ mod tests {
             if (self.fails)(clicks) {
                 return Err("no idea".into());
             }
-            Ok(Outcome {
-                fundamental: scene.truth,
-                seconds: 0.5,
-                first_seconds: 0.25,
-                score: Some(1.0),
-                margin: None,
-                verdict: None,
-                warnings: vec!["a word".into()],
-                choice: None,
-            })
+            Ok(Outcome::unassessed(scene.truth, 0.5))
         }
     }
 

@@ -18,6 +18,7 @@ use epiline::io::{
     has_image_extension, is_sequence, pair_folder, read_sequence,
 };
 use epiline::motion::{BackgroundParameters, MotionError, Silhouettes};
+use epiline::synthetic::SamplePair;
 
 /// Reason why an evaluation is impossible. The message is shown to the user.
 #[derive(Debug, Error)]
@@ -117,6 +118,13 @@ impl KnownScene {
     fn new(known: GroundTruth, images: [Arc<GrayPlane>; 2], printed: Option<PrintedErrors>) -> Self {
         let GroundTruth { name, fundamental: truth, matches, origin } = known;
         Self { name, images, silhouettes: None, matches, truth, origin, printed }
+    }
+
+    /// Returns the scene of a built-in pair.
+    pub fn of_sample(name: &str, pair: SamplePair) -> Self {
+        let SamplePair { pictures, fundamental, matches, .. } = pair;
+        let known = GroundTruth { name: name.to_owned(), fundamental, matches, origin: TruthOrigin::Cameras };
+        Self::new(known, pictures.map(|picture| Arc::new(picture.gray)), None)
     }
 
     /// Prepares the images and silhouettes for estimates.
@@ -335,17 +343,9 @@ pub(crate) mod tests {
             })
             .take(matches)
             .collect();
-        let truth = Camera::fundamental(&camera1, &camera2).unwrap();
-        let images = [plane.clone(), plane];
-        KnownScene {
-            name: name.to_owned(),
-            images,
-            silhouettes: None,
-            matches,
-            truth,
-            origin: TruthOrigin::Cameras,
-            printed: None,
-        }
+        let fundamental = Camera::fundamental(&camera1, &camera2).unwrap();
+        let known = GroundTruth { name: name.to_owned(), fundamental, matches, origin: TruthOrigin::Cameras };
+        KnownScene::new(known, [plane.clone(), plane], None)
     }
 
     #[test]

@@ -353,7 +353,6 @@ fn across(direction: &Vector3<f64>) -> [Vector3<f64>; 2] {
     [first, direction.cross(&first).normalize()]
 }
 
-/// Returns the unit rays of matches.
 fn rays(calibrations: &[Matrix3<f64>; 2], matches: &[PointPair]) -> Option<Vec<[Vector3<f64>; 2]>> {
     let [first, second] = [calibrations[0].try_inverse()?, calibrations[1].try_inverse()?];
     let of = |pair: &PointPair| {

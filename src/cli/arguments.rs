@@ -150,17 +150,15 @@ macro_rules! value_enum {
     };
 }
 
-value_enum!(Preset, [Self::Paper, Self::Robust], value => match value {
-    Self::Paper => PossibleValue::new("paper").help("as published"),
-    Self::Robust => PossibleValue::new("robust").help("best results on real images"),
-});
-value_enum!(Method, Self::ALL, value => match value {
-    Self::TwoPoint => PossibleValue::new("two-point").help("two point pairs"),
-    Self::ThreePoint => PossibleValue::new("three-point").help("three point pairs, faster"),
-    Self::LinesAlone => {
-        PossibleValue::new("lines").help("no point pairs: compares all lines of both images")
-    }
-});
+value_enum!(Preset, Self::ALL, value => PossibleValue::new(value.name()).help(match value {
+    Self::Paper => "as published",
+    Self::Robust => "best results on real images",
+}));
+value_enum!(Method, Self::ALL, value => PossibleValue::new(value.name()).help(match value {
+    Self::TwoPoint => "two point pairs",
+    Self::ThreePoint => "three point pairs, faster",
+    Self::LinesAlone => "no point pairs: compares all lines of both images",
+}));
 value_enum!(Format, Self::ALL, value => {
     PossibleValue::new(value.name()).help(format!("{}, .{}", value.label(), value.extension()))
 });

@@ -122,7 +122,6 @@ fn sequences(arguments: &BarcodeArguments) -> Result<[SequenceFile; 2], CliError
     Ok(files)
 }
 
-/// Returns the built-in sequences.
 fn built_in() -> Option<[SequenceFile; 2]> {
     let [left, right] = BallScene::new(ThrownBalls::default())?.sequences()?;
     Some([SequenceFile::made(left).ok()?, SequenceFile::made(right).ok()?])

@@ -88,12 +88,10 @@ impl FromStr for TypedFocal {
 }
 
 impl CalibrationArguments {
-    /// Returns the files.
     pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
         self.calibration.iter().flatten().map(PathBuf::as_path)
     }
 
-    /// Reads the calibration.
     pub(super) fn read(&self) -> Result<Option<[CalibratedCamera; 2]>, CliError> {
         let Some(files) = &self.calibration else { return Ok(None) };
         let names = match self.camera_names.as_deref() {
@@ -112,7 +110,6 @@ impl CalibrationArguments {
 }
 
 impl CameraArguments {
-    /// Returns whether any camera is given.
     pub(super) fn is_given(&self) -> bool {
         self.calibration.calibration.is_some() || self.focal_length.is_some() || self.division.is_some()
     }

@@ -99,7 +99,6 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), CliError> {
     if check.fits() { Ok(()) } else { Err(CliError::NothingFits(sentence)) }
 }
 
-/// Formats the readings as a table.
 fn table(check: &ConventionCheck, format: Format, all: bool) -> String {
     const MOST: usize = 8;
     let mut text = format!("Read as {}, on {} matches:\n", format.label(), check.matches);

@@ -54,7 +54,6 @@ impl GeometryInput {
         Ok((file, format))
     }
 
-    /// Returns all input files.
     pub(super) fn inputs(&self) -> Vec<&Path> {
         let images = self.images.iter().flatten();
         let files = [&self.file].into_iter().chain(&self.camera2).chain(&self.matches).chain(images);

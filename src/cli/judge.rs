@@ -79,7 +79,6 @@ struct JudgeFile<'a, T: Serialize> {
     /// Difference between the judged calibration and the pose that fits the matches.
     #[serde(skip_serializing_if = "Option::is_none")]
     pose_difference: Option<PoseDifference>,
-    /// Fundamental matrix of the reference.
     reference: FundamentalMatrix,
     /// Verdict on the reference; null for given matches.
     reference_verdict: Option<Verdict>,
@@ -206,7 +205,7 @@ fn of_images(pictures: &[Picture; 2], arguments: &JudgeArguments) -> Result<Show
     let found = on_threads(arguments.threads, || watched(compute))??;
     Ok(Shown {
         fundamental: *found.fundamental(),
-        matches: found.matches().iter().map(|found| found.pair).collect(),
+        matches: found.matched_pairs(),
         is_trusted: found.may_contradict(),
         verdict: found.assessment.trust.as_ref().map(|trust| trust.verdict),
         covariance: found.uncertainty().map(Uncertainty::covariance),

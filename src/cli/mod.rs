@@ -62,7 +62,6 @@ pub fn main() -> ExitCode {
 }
 
 impl CommandLine {
-    /// Runs the command.
     fn run(self) -> Result<(), CliError> {
         match self.command {
             None => window::run(self.window),

@@ -62,13 +62,6 @@ pub(super) struct RectifyArguments {
     threads: Option<usize>,
 }
 
-/// Pose of the cameras for a rectification.
-struct Posed {
-    pose: RelativePose,
-    /// Length of the baseline in the unit of the calibration, if known.
-    baseline: Option<f64>,
-}
-
 /// Rectifies the images, writes the folder and prints a summary.
 pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let calibrated = arguments.cameras.calibration.read()?;
@@ -100,19 +93,19 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let inputs = images.chain(arguments.fundamental.as_deref()).chain(arguments.matches.as_deref());
     let inputs: Vec<&Path> = inputs.chain(arguments.cameras.calibration.files()).collect();
     if let (Some(program), Some(views)) = (arguments.program, &views) {
-        let posed = posed.ok_or_else(no_pose)??;
+        let (pose, baseline) = posed.ok_or_else(no_pose)??;
         let files = StereoPairFiles::prepare(&arguments.output, program, &inputs)?;
-        let (made, rig) = rectify_calibrated(&posed.pose, views, &matches, &limits)?;
+        let (made, rig) = rectify_calibrated(&pose, views, &matches, &limits)?;
         let drawn = drawn(&made, &pictures, arguments.threads)?;
         let disparities = made.measures.rows.map(|rows| rows.disparity);
-        let pair = StereoPair { rig: &rig, views, pose: &posed.pose, baseline: posed.baseline, disparities };
+        let pair = StereoPair { rig: &rig, views, pose: &pose, baseline, disparities };
         files.write(&pair, [&drawn[0], &drawn[1]])?;
         return print(&stereo_summary(&made, &pair, &files));
     }
     let fundamental = match (fundamental, posed, &views) {
         (Some(fundamental), ..) => fundamental,
         (None, Some(posed), Some(views)) => {
-            posed?.pose.fundamental(&views.calibrations()).ok_or_else(no_pose)?
+            posed?.0.fundamental(&views.calibrations()).ok_or_else(no_pose)?
         }
         _ => return Err(no_pose()),
     };
@@ -158,17 +151,16 @@ fn read_result(path: &Path, is_calibrated: bool) -> Result<(FundamentalMatrix, V
 }
 
 /// Returns the pose of F or, without F, that of the calibration. Only the calibration tells the length of
-/// the baseline.
+/// the baseline, which is in its unit.
 fn posed(
     calibrated: &[CalibratedCamera; 2],
     views: &ViewPair,
     fundamental: Option<&FundamentalMatrix>,
     matches: &[PointPair],
-) -> Result<Posed, CliError> {
+) -> Result<(RelativePose, Option<f64>), CliError> {
     let own = CalibratedCamera::relative_pose(calibrated);
     let Some(fundamental) = fundamental else {
-        let (pose, baseline) = own.ok_or_else(no_pose)?;
-        return Ok(Posed { pose, baseline: Some(baseline) });
+        return own.map(|(pose, baseline)| (pose, Some(baseline))).ok_or_else(no_pose);
     };
     if !views.has_focal_lengths() {
         let missing = "a pose needs the focal lengths. Give them (--focal-length)";
@@ -183,7 +175,7 @@ fn posed(
         let missing = "the side of the right camera is not known without matches. Give some (--matches)";
         return Err(CliError::Arguments(missing.into()));
     }
-    Ok(Posed { pose: pose.ok_or_else(no_pose)?, baseline: own.map(|(_, baseline)| baseline) })
+    Ok((pose.ok_or_else(no_pose)?, own.map(|(_, baseline)| baseline)))
 }
 
 fn no_pose() -> CliError {

@@ -7,7 +7,7 @@ use clap::Args;
 use super::CliError;
 use super::geometry_file::{GeometryOutput, image_notes};
 use super::output::Output;
-use crate::camera::{Baseline, PointCloud, PoseFit, UndistortedView, ViewPair};
+use crate::camera::{Baseline, PointCloud, UndistortedView, ViewPair};
 use crate::estimate::{Estimate, Parameters, Uncertainty};
 use crate::geometry::{PointPair, median, sampson_distance};
 use crate::image::Picture;
@@ -72,12 +72,14 @@ impl ResultOutput {
         beside: Beside,
     ) -> Result<(), CliError> {
         let Beside { offset, views, baseline, given } = beside;
-        let pose = views.and_then(|views| pose(found, views));
+        let matches = found.matched_pairs();
+        let pose = views.and_then(|views| views.fit_pose(found.fundamental(), &matches));
         if let Some(export) = self.export {
             let cameras = views.zip(pose.as_ref()).and_then(|(views, fit)| views.posed(&fit.pose));
             let is_undistorted = views.is_some_and(ViewPair::is_undistorted);
             let cloud = views.zip(pose.as_ref()).map(|(views, fit)| {
-                let cloud = cloud(found, views, fit, &pictures[0]);
+                let color = |point| pictures[0].color_at(point);
+                let cloud = PointCloud::new(&fit.pose, views, &matches, color);
                 match baseline {
                     Some(baseline) => cloud.with_baseline(baseline),
                     None => cloud,
@@ -141,18 +143,6 @@ fn guess_in_words(views: &ViewPair) -> String {
     )
 }
 
-/// Refines the pose of a result on its matches.
-fn pose(found: &Estimate, views: &ViewPair) -> Option<PoseFit> {
-    let matches: Vec<PointPair> = found.matches().iter().map(|found| found.pair).collect();
-    views.fit_pose(found.fundamental(), &matches)
-}
-
-/// Triangulates the matches.
-fn cloud(found: &Estimate, views: &ViewPair, fit: &PoseFit, left: &Picture) -> PointCloud {
-    let matches: Vec<PointPair> = found.matches().iter().map(|found| found.pair).collect();
-    PointCloud::new(&fit.pose, views, &matches, |point| left.color_at(point))
-}
-
 /// Returns the content of the export: the clicks followed by the matches of the refinement. If the
 /// epipoles are undetermined, it includes the homography.
 fn geometry_file(found: &Estimate, pairs: &[PointPair], pictures: &[Picture; 2]) -> GeometryFile {
@@ -161,7 +151,7 @@ fn geometry_file(found: &Estimate, pairs: &[PointPair], pictures: &[Picture; 2])
     let matched = found.matches().iter().map(|_| label(PairOrigin::Automatic));
     GeometryFile {
         fundamental: Some(*found.fundamental()),
-        pairs: pairs.iter().copied().chain(found.matches().iter().map(|m| m.pair)).collect(),
+        pairs: pairs.iter().copied().chain(found.matched_pairs()).collect(),
         labels: given.chain(matched).collect(),
         trust: found.assessment.trust.as_ref().map(TrustNote::from),
         images: Some(image_notes(pictures)),

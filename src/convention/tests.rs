@@ -1,6 +1,3 @@
-#[path = "../../tests/skipping/mod.rs"]
-mod skipping;
-
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -8,6 +5,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::*;
 use crate::geometry::{Camera, FundamentalMatrix, Point, PointPair};
+use crate::skipping;
 
 /// Returns F and `count` matches of two cameras 0.9 apart. The second camera is rotated about its
 /// axis by `roll`; the points are 4 to 9 away, over 768×576 px. Noise is 0.3 px and every fifth

@@ -7,6 +7,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::evidence::viewed::SearchInput;
 use super::searches::record::SearchRecord;
 use super::searches::{barcodes, features, given, lines, published, unclicked};
 use super::verdict::assessment::{check_images, check_points};
@@ -58,15 +59,14 @@ fn run(
     if matches!(plan, SearchPlan::Patches { .. } | SearchPlan::Unclicked) {
         record.counts.left_out = prepared.pyramids().left_out();
     }
+    let input = SearchInput { prepared, clicks: &clicks, parameters };
     let best = match (plan, prepared.given_alone(parameters)) {
-        (SearchPlan::Barcodes, _) => barcodes::search(prepared, &clicks, parameters, &mut record),
-        (_, Some(given)) => given::search(prepared, given, &clicks, parameters, &mut record),
-        (SearchPlan::Published { .. }, _) => published::search(prepared, &clicks, parameters, &mut record),
-        (SearchPlan::Patches { .. }, _) => features::search(prepared, &clicks, parameters, &mut record),
-        (SearchPlan::Unclicked, _) => unclicked::search(prepared, &clicks, parameters, &mut record),
-        (SearchPlan::LinesAlone { ranked_by }, _) => {
-            lines::search(prepared, &clicks, ranked_by, parameters, &mut record)
-        }
+        (SearchPlan::Barcodes, _) => barcodes::search(input, &mut record),
+        (_, Some(given)) => given::search(input, given, &mut record),
+        (SearchPlan::Published { .. }, _) => published::search(input, &mut record),
+        (SearchPlan::Patches { .. }, _) => features::search(input, &mut record),
+        (SearchPlan::Unclicked, _) => unclicked::search(input, &mut record),
+        (SearchPlan::LinesAlone { ranked_by }, _) => lines::search(input, ranked_by, &mut record),
     }?;
     record.finish()?;
     let trace = record.trace(&best.clicks, &best.pencils, &best.patches, best.hypotheses, parameters);

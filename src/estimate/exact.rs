@@ -104,7 +104,6 @@ impl ExactScene {
         FundamentalMatrix::from_rank_two(f).unwrap()
     }
 
-    /// Returns the rendered pair, prepared.
     pub fn prepared(&self) -> PreparedPair {
         let [plane1, plane2] = self.planes();
         PreparedPair::new(&plane1, &plane2)

@@ -54,19 +54,18 @@ fn refitted<'a>(
     clicks: &[PointPair],
     click_sigma: f64,
 ) -> Option<(FundamentalMatrix, PatchSupport)> {
-    let pyramids = prepared.pyramids();
     let (patches, at_level, support) = starts
         .into_iter()
         .filter_map(|start| {
             // Patches are compared under the view of the search that found the start.
             let patches = prepared.patches_of(start);
-            let fine = patches.fine(pyramids);
+            let fine = patches.fine();
             let at_level: FundamentalMatrix = start.fundamental().rescaled(fine.scales[0], fine.scales[1])?;
             let support = fine.support.measure(&at_level);
             Some((patches, at_level, support))
         })
         .max_by(|a, b| a.2.score.total_cmp(&b.2.score))?;
-    let fine = patches.fine(pyramids);
+    let fine = patches.fine();
     let [s1, s2] = fine.scales;
     if support.matches < LEAST_MATCHES {
         return None;

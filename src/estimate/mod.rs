@@ -2,10 +2,11 @@
 //!
 //! [`estimate`] is the driver: propose, rank, refine, judge. `searches` has one search per file,
 //! `evidence` the evidence of lines, patches and features, `fit` the fits of matches, `sampling`
-//! what all random samples share, and `verdict` the reliability of a result. An [`Estimate`] is a geometry with its assessment and, if a search
-//! found it, the trace of the search.
+//! what all random samples share, and `verdict` the reliability of a result. An [`Estimate`] is a
+//! geometry with its assessment and, if a search found it, the trace of the search.
 //!
 //! `docs/estimator.md` has the method in equations; `docs/parameters.md` lists every parameter.
+//! `lab/notes.md`, "Constants at half and at twice", says how results change with each constant.
 
 mod clicks;
 mod driver;
@@ -49,10 +50,9 @@ pub use parameters::{PARAMETERS, ParameterEntry, ParameterValue};
 pub use stage::Stage;
 pub use verdict::assessment::{SMALLEST_SIDE, examine};
 pub use verdict::result::{
-    Apart, Assessment, BarcodeFigures, Determined, Estimate, PlaneHomography, SearchCounts, SearchTrace,
-    StageTiming,
+    Apart, Assessment, Determined, Estimate, PlaneHomography, SearchCounts, SearchTrace, StageTiming,
 };
 pub use verdict::trust::{
-    CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW, GUESS_MARGIN,
-    Reason, Suspect, Trust, Verdict,
+    BarcodeFigures, CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW,
+    GUESS_MARGIN, Reason, Suspect, Trust, Verdict,
 };

@@ -1,14 +1,14 @@
 //! Features of a texture that can be drawn exactly at any rotation and scale: a sum of Gaussian
 //! blobs.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use nalgebra::{Matrix2, Vector2};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::*;
-use crate::geometry::Frame;
+use crate::geometry::{Frame, angle_between};
 
 struct Blob {
     centre: Point,
@@ -79,11 +79,6 @@ impl View {
         }
         GrayPlane::new(frame, values)
     }
-}
-
-fn angle_between(a: f64, b: f64) -> f64 {
-    let off = (a - b).rem_euclid(TAU);
-    off.min(TAU - off)
 }
 
 #[test]

@@ -207,7 +207,6 @@ struct Sampler<'a> {
     x: [f32; PADDED],
     y: [f32; PADDED],
     values: [f32; PADDED],
-    /// Whether each sample counts.
     counts: Vec<bool>,
 }
 

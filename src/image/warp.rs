@@ -158,7 +158,6 @@ impl<Map: PixelMap> WarpJob<'_, Map> {
 struct Cell {
     /// Index of the upper left pixel.
     first: usize,
-    /// Width of the image, px.
     width: usize,
     /// Offset from the upper left pixel, 0 to 1.
     fraction: [f32; 2],

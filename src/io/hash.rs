@@ -26,7 +26,6 @@ pub(super) fn sha256_of_file(path: &Path) -> Result<String, ReadError> {
     }
 }
 
-/// Returns the SHA-256 of `bytes`, hexadecimal.
 pub(super) fn sha256_of_bytes(bytes: &[u8]) -> String {
     hexadecimal(Sha256::new_with_prefix(bytes))
 }

@@ -122,7 +122,6 @@ pub(super) fn rows_as_text(file: &[u8]) -> Option<Result<String, String>> {
     Some(Array::parse(file).and_then(text))
 }
 
-/// Conversion of the bytes of a number.
 type Conversion = fn(&[u8]) -> f64;
 
 /// Returns the width in bytes of a kind of number, and its conversion.

@@ -8,7 +8,6 @@ pub(super) fn finite_numbers(row: &str) -> Result<Vec<f64>, String> {
     cells(row).map(finite_number).collect()
 }
 
-/// Parses a finite number.
 pub(super) fn finite_number(cell: &str) -> Result<f64, String> {
     match cell.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
@@ -16,7 +15,6 @@ pub(super) fn finite_number(cell: &str) -> Result<f64, String> {
     }
 }
 
-/// Returns the cells of a row.
 pub(super) fn cells(row: &str) -> impl Iterator<Item = &str> {
     row.split(|c: char| c.is_whitespace() || c == ',' || c == ';').filter(|cell| !cell.is_empty())
 }

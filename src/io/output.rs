@@ -37,7 +37,7 @@ pub struct OutputFile {
 pub(super) struct StagedFile {
     target: OutputFile,
     /// Temporary file with the whole content.
-    part: PartFile,
+    pub(super) part: PartFile,
 }
 
 impl OutputFile {
@@ -128,18 +128,6 @@ pub(super) fn folder_of(path: &Path) -> &Path {
 }
 
 impl StagedFile {
-    /// Returns the path of the temporary file.
-    #[cfg(feature = "colmap")]
-    pub(super) fn path(&self) -> &Path {
-        self.part.path()
-    }
-
-    /// Writes changes to the disk.
-    #[cfg(feature = "colmap")]
-    pub(super) fn sync(&self) -> std::io::Result<()> {
-        self.part.sync()
-    }
-
     /// Replaces the target.
     pub(super) fn put(self) -> Result<(), WriteError> {
         let Self { target, part } = self;

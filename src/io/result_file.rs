@@ -96,7 +96,6 @@ pub struct ResultFile<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     calibrated: Option<CalibratedFile<'a>>,
     parameters: &'a Parameters,
-    /// Version of the program.
     version: &'static str,
 }
 

@@ -15,30 +15,21 @@ use crate::camera::{RelativePose, ViewPair};
 use crate::geometry::Frame;
 use crate::rectify::StereoRig;
 
-/// Program that a rectified pair is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum StereoProgram {
-    /// OpenCV: `left.png`, `right.png`, `stereo.yml` with the names of `stereoRectify`.
-    OpenCv,
-    /// RAFT-Stereo and other programs for the Middlebury sets: `im0.png`, `im1.png`, `calib.txt`.
-    RaftStereo,
-    /// `FoundationStereo`: `left.png`, `right.png`, `K.txt`.
-    FoundationStereo,
+named! {
+    fn name;
+    /// Program that a rectified pair is for.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum StereoProgram {
+        /// OpenCV: `left.png`, `right.png`, `stereo.yml` with the names of `stereoRectify`.
+        OpenCv = "opencv",
+        /// RAFT-Stereo and other programs for the Middlebury sets: `im0.png`, `im1.png`, `calib.txt`.
+        RaftStereo = "raft-stereo",
+        /// `FoundationStereo`: `left.png`, `right.png`, `K.txt`.
+        FoundationStereo = "foundation-stereo",
+    }
 }
 
 impl StereoProgram {
-    /// All programs.
-    pub const ALL: [Self; 3] = [Self::OpenCv, Self::RaftStereo, Self::FoundationStereo];
-
-    /// Returns the name used on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::OpenCv => "opencv",
-            Self::RaftStereo => "raft-stereo",
-            Self::FoundationStereo => "foundation-stereo",
-        }
-    }
-
     /// Returns the names of the left picture, the right picture and the calibration.
     pub fn files(self) -> [&'static str; 3] {
         match self {

@@ -17,6 +17,7 @@ use super::vgg::VggFolder;
 pub struct TruthFolder {
     path: PathBuf,
     names: Vec<String>,
+    images: Vec<PathBuf>,
     layout: FolderLayout,
 }
 
@@ -39,10 +40,10 @@ impl TruthFolder {
         } else {
             FolderLayout::Pairs(find_pairs(path)?)
         };
-        let images: Vec<&PathBuf> = match &layout {
-            FolderLayout::Views(set) => set.images.iter().collect(),
-            FolderLayout::Pairs(pairs) => pairs.iter().flat_map(|files| &files.images).collect(),
-            FolderLayout::Sequences(rig) => rig.sequences.iter().collect(),
+        let images: Vec<PathBuf> = match &layout {
+            FolderLayout::Views(set) => set.images.clone(),
+            FolderLayout::Pairs(pairs) => pairs.iter().flat_map(|files| files.images.clone()).collect(),
+            FolderLayout::Sequences(rig) => rig.sequences.clone(),
         };
         if images.is_empty() {
             let problem = "no image pairs with ground truth found. Expected is a VGG folder (PREFIX.NNN.P, \
@@ -50,13 +51,13 @@ impl TruthFolder {
                            and NAME.txt) or sequences (folders of frames NAME with NAME.P)";
             return Err(ReadError::content(path, problem));
         }
-        let name = |image: &&PathBuf| image.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let name = |image: &PathBuf| image.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let names = match &layout {
             // The name of a folder has no extension to remove.
             FolderLayout::Sequences(rig) => rig.names.clone(),
             _ => images.iter().map(name).collect(),
         };
-        Ok(Self { path: path.to_owned(), names, layout })
+        Ok(Self { path: path.to_owned(), names, images, layout })
     }
 
     /// Returns the path of the folder.
@@ -103,11 +104,7 @@ impl TruthFolder {
     /// # Panics
     /// When the view does not exist.
     pub fn image(&self, view: usize) -> &Path {
-        match &self.layout {
-            FolderLayout::Views(set) => &set.images[view],
-            FolderLayout::Pairs(pairs) => &pairs[view / 2].images[view % 2],
-            FolderLayout::Sequences(rig) => &rig.sequences[view],
-        }
+        &self.images[view]
     }
 
     /// Reads the ground truth of a pair.

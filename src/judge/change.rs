@@ -23,7 +23,6 @@ impl Affected {
     /// All choices, the most common first.
     pub(super) const ALL: [Self; 3] = [Self::Both, Self::Image1, Self::Image2];
 
-    /// Returns whether an image is affected, 0 or 1.
     fn has(self, image: usize) -> bool {
         match self {
             Self::Both => true,
@@ -58,44 +57,34 @@ impl Mirror {
     }
 }
 
-/// Mistake with the cameras of a geometry.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum CameraChange {
-    /// Poses map the camera to the world, not the world to the camera.
-    CameraToWorld,
-    /// Camera axes of OpenGL (y up, z backwards), not of computer vision (y down, z forwards). A
-    /// mirrored pose has the same effect.
-    OpenGlAxes,
-    /// y of the camera points up.
-    YUp,
-    /// The translation is the position of the camera, not `−R` times it.
-    PositionForTranslation,
-    /// The rotation is inverted, and the translation is not.
-    RotationInverted,
-    /// The real part of the quaternion is last, not first.
-    QuaternionOrder,
-    /// Focal lengths in x and y exchanged.
-    FocalLengthsExchanged,
-    /// Coordinates of the principal point exchanged.
-    PrincipalPointExchanged,
-    /// Calibrations of the two cameras exchanged.
-    CalibrationsExchanged,
+named! {
+    /// Mistake with the cameras of a geometry.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum CameraChange {
+        /// Poses map the camera to the world, not the world to the camera.
+        CameraToWorld,
+        /// Camera axes of OpenGL (y up, z backwards), not of computer vision (y down, z forwards). A
+        /// mirrored pose has the same effect.
+        OpenGlAxes,
+        /// y of the camera points up.
+        YUp,
+        /// The translation is the position of the camera, not `−R` times it.
+        PositionForTranslation,
+        /// The rotation is inverted, and the translation is not.
+        RotationInverted,
+        /// The real part of the quaternion is last, not first.
+        QuaternionOrder,
+        /// Focal lengths in x and y exchanged.
+        FocalLengthsExchanged,
+        /// Coordinates of the principal point exchanged.
+        PrincipalPointExchanged,
+        /// Calibrations of the two cameras exchanged.
+        CalibrationsExchanged,
+    }
 }
 
 impl CameraChange {
-    pub(super) const ALL: [Self; 9] = [
-        Self::CameraToWorld,
-        Self::OpenGlAxes,
-        Self::YUp,
-        Self::PositionForTranslation,
-        Self::RotationInverted,
-        Self::QuaternionOrder,
-        Self::FocalLengthsExchanged,
-        Self::PrincipalPointExchanged,
-        Self::CalibrationsExchanged,
-    ];
-
     /// Returns the cameras after the change.
     pub(super) fn apply(self, cameras: &[DecomposedCamera; 2]) -> [DecomposedCamera; 2] {
         if self == Self::CalibrationsExchanged {

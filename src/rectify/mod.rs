@@ -50,30 +50,19 @@ use crate::image::{PixelMap, warp};
 #[cfg(feature = "pictures")]
 use image::DynamicImage;
 
-/// Method of rectification.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum RectifyMethod {
-    /// Planar if the distortion is small, otherwise polar.
-    #[default]
-    Auto,
-    /// One homography per image (Loop & Zhang 1999).
-    Planar,
-    /// One row per pair of half epipolar lines (Pollefeys et al. 1999).
-    Polar,
-}
-
-impl RectifyMethod {
-    /// All methods, in the order in which they are offered.
-    pub const ALL: [Self; 3] = [Self::Auto, Self::Planar, Self::Polar];
-
-    /// Returns the name used on the command line and in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::Planar => "planar",
-            Self::Polar => "polar",
-        }
+named! {
+    fn name;
+    /// Method of rectification.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum RectifyMethod {
+        /// Planar if the distortion is small, otherwise polar.
+        #[default]
+        Auto = "auto",
+        /// One homography per image (Loop & Zhang 1999).
+        Planar = "planar",
+        /// One row per pair of half epipolar lines (Pollefeys et al. 1999).
+        Polar = "polar",
     }
 }
 

@@ -208,7 +208,6 @@ impl Baseline {
         self.epipole.cross(&self.point(angle))
     }
 
-    /// Returns the angle of a line of the pencil.
     fn angle(&self, line: &Vector3<f64>) -> f64 {
         let point = line.cross(&Vector3::z().cross(&self.across));
         point.dot(&self.across).atan2(point.z).rem_euclid(std::f64::consts::PI)

@@ -55,7 +55,6 @@ pub(super) struct Peak {
 }
 
 impl Region {
-    /// Returns the whole image.
     pub fn whole(frame: Frame) -> Self {
         Self { rows: vec![0..frame.width; frame.height] }
     }

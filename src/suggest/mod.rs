@@ -231,7 +231,6 @@ fn check(prepared: &PreparedPair, point: Point, clicked: ClickedImage) -> Result
     Ok(())
 }
 
-/// Returns the epipolar line in the other image.
 fn epipolar_line(f: &FundamentalMatrix, image: ClickedImage, point: Point) -> Option<Line> {
     match image {
         ClickedImage::First => f.line2_from_point1(point),

@@ -4,26 +4,25 @@ use nalgebra::{Point3, Vector3};
 
 use crate::geometry::{Camera, Frame};
 
-/// The motion from camera 1 to camera 2.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Motion {
-    /// To the right; epipoles at infinity.
-    Sideways,
-    /// Forward and slightly sideways; epipoles inside the image.
-    Forward,
-    /// To the right, both cameras turned about the vertical towards one point; epipoles outside the
-    /// image.
-    Converging,
-    /// To the right and rolled by 20°.
-    Roll,
-    /// To the right, with 1.5 times the focal length.
-    Scale,
+named! {
+    /// The motion from camera 1 to camera 2.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum Motion {
+        /// To the right; epipoles at infinity.
+        Sideways,
+        /// Forward and slightly sideways; epipoles inside the image.
+        Forward,
+        /// To the right, both cameras turned about the vertical towards one point; epipoles outside the
+        /// image.
+        Converging,
+        /// To the right and rolled by 20°.
+        Roll,
+        /// To the right, with 1.5 times the focal length.
+        Scale,
+    }
 }
 
 impl Motion {
-    /// Every motion, in order of declaration.
-    pub const ALL: [Self; 5] = [Self::Sideways, Self::Forward, Self::Converging, Self::Roll, Self::Scale];
-
     /// Returns the two cameras for a picture size, or `None` for a picture without width.
     pub fn cameras(self, frame: Frame) -> Option<[Camera; 2]> {
         let focal = 0.85 * frame.width as f64;

@@ -6,14 +6,17 @@ use serde::{Deserialize, Serialize};
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
 use crate::image::Picture;
 
-/// A built-in image pair.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Sample {
-    /// A sideways motion, with both epipoles far outside the image.
-    #[default]
-    Courtyard,
-    /// A forward motion, with both epipoles inside the image.
-    Alley,
+named! {
+    fn name;
+    /// A built-in image pair.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+    pub enum Sample {
+        /// A sideways motion, with both epipoles far outside the image.
+        #[default]
+        Courtyard = "courtyard",
+        /// A forward motion, with both epipoles inside the image.
+        Alley = "alley",
+    }
 }
 
 /// A built-in pair with its ground truth.
@@ -64,17 +67,6 @@ pub struct SampleFile {
 pub const SAMPLE_FRAME: Frame = Frame { width: 768, height: 576 };
 
 impl Sample {
-    /// Every sample, the default first.
-    pub const ALL: [Self; 2] = [Self::Courtyard, Self::Alley];
-
-    /// Returns the name used on the command line and in file names.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Courtyard => "courtyard",
-            Self::Alley => "alley",
-        }
-    }
-
     /// Returns the sample of the given name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|s| s.name() == name)

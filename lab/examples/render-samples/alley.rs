@@ -6,8 +6,8 @@ use nalgebra::{Point3, Vector3};
 
 use super::build::{Axes, Builder};
 use super::furnish::{
-    Foliage, Palette, barrel, bunting, cloth, foliage, fruit_crate, ivy, poster, potted_plant, shutter, tree,
-    window, wooden_crate,
+    Foliage, Palette, barrel, bunting, cloth, foliage, fruit_crate, ivy, opening, poster, potted_plant, tree,
+    window, windows, wooden_crate,
 };
 use super::light::Light;
 use super::scene::Scene;
@@ -47,10 +47,6 @@ pub fn scene() -> Scene {
     b.finish(light)
 }
 
-fn opening(left: f64, bottom: f64, width: f64, height: f64) -> Opening {
-    Opening { left, bottom, width, height, arched: false }
-}
-
 /// A door in an opening, with a stone frame and a step.
 fn door(b: &mut Builder, p: &Palette, wall: &Axes, o: &Opening) {
     let height = o.height + if o.arched { o.width / 2.0 } else { 0.0 };
@@ -74,10 +70,7 @@ fn left_side(b: &mut Builder, p: &Palette) {
     let wall = side(-1.75, -3.0);
     let o = [opening(6.0, 1.1, 0.8, 1.15), opening(4.2, 1.1, 0.7, 1.1), opening(5.6, 3.6, 0.8, 1.2)];
     b.wall(&wall, [8.0, 6.2], &o, 0.3, brick);
-    let blue = shutter(b, 0x4A_7490);
-    for o in &o {
-        window(b, p, &wall, o, Some(blue));
-    }
+    windows(b, p, &wall, &o, 0x4A_7490);
     finish_house(b, p, &wall, [8.0, 6.2]);
 
     let ochre = b.material(Pattern::Plaster(srgb(0xE0_AE62), 0.5, Masonry::brick()));
@@ -87,10 +80,7 @@ fn left_side(b: &mut Builder, p: &Palette) {
     let o = [opening(2.75, 1.1, 0.8, 1.2), opening(1.1, 3.2, 0.8, 1.25), opening(2.9, 3.2, 0.8, 1.25)];
     b.wall(&wall, [4.6, 5.4], &[entrance, o[0], o[1], o[2]], 0.3, ochre);
     door(b, p, &wall, &entrance);
-    let green = shutter(b, 0x4C_7A52);
-    for o in &o {
-        window(b, p, &wall, o, Some(green));
-    }
+    windows(b, p, &wall, &o, 0x4C_7A52);
     finish_house(b, p, &wall, [4.6, 5.4]);
 
     let ashlar = b.material(Pattern::Masonry(Masonry::ashlar()));
@@ -99,10 +89,7 @@ fn left_side(b: &mut Builder, p: &Palette) {
     let gate = opening(2.7, 0.0, 1.0, 2.1);
     b.wall(&wall, [5.4, 6.0], &[o[0], o[1], gate], 0.3, ashlar);
     door(b, p, &wall, &gate);
-    let rust = shutter(b, 0xA0_5238);
-    for o in &o {
-        window(b, p, &wall, o, Some(rust));
-    }
+    windows(b, p, &wall, &o, 0xA0_5238);
     finish_house(b, p, &wall, [5.4, 6.0]);
 }
 
@@ -115,10 +102,7 @@ fn right_side(b: &mut Builder, p: &Palette) {
     let wall = side(1.66, 4.6);
     let o = [opening(0.5, 1.05, 0.85, 1.2), opening(0.6, 3.2, 0.8, 1.2), opening(2.0, 1.05, 0.8, 1.2)];
     b.wall(&wall, [8.0, 4.6], &o, 0.3, rose);
-    let grey = shutter(b, 0x6E_8688);
-    for o in &o {
-        window(b, p, &wall, o, Some(grey));
-    }
+    windows(b, p, &wall, &o, 0x6E_8688);
     finish_house(b, p, &wall, [8.0, 4.6]);
 
     let ashlar = Masonry { palette: [0xB0_9A78, 0xC8_B48C, 0xA0_8A70].map(srgb), ..Masonry::ashlar() };
@@ -137,10 +121,7 @@ fn right_side(b: &mut Builder, p: &Palette) {
     b.patch(&end(1.58, 9.2), [1.2, 6.4], Outline::Rectangle, brick);
     let o = [opening(3.8, 1.1, 0.8, 1.2), opening(1.6, 1.1, 0.8, 1.2), opening(3.6, 3.4, 0.8, 1.2)];
     b.wall(&wall, [5.8, 6.4], &o, 0.3, brick);
-    let teal = shutter(b, 0x3C_7C78);
-    for o in &o {
-        window(b, p, &wall, o, Some(teal));
-    }
+    windows(b, p, &wall, &o, 0x3C_7C78);
     finish_house(b, p, &wall, [5.8, 6.4]);
 }
 
@@ -151,8 +132,7 @@ fn archway(b: &mut Builder, p: &Palette) {
     let passage = Opening { left: 1.15, bottom: 0.0, width: 2.3, height: 2.0, arched: true };
     let o = opening(1.85, 3.85, 0.85, 1.1);
     b.wall(&front, [4.8, 5.4], &[passage, o], 1.6, cream);
-    let paint = shutter(b, 0x6A_4A3C);
-    window(b, p, &front, &o, Some(paint));
+    windows(b, p, &front, &[o], 0x6A_4A3C);
     let stones = Masonry { size: [0.3, 0.26], ..Masonry::ashlar() };
     let ring = b.material(Pattern::Voussoirs(stones, 1.4));
     b.patch(&front.moved(0.9, 2.0, 0.03), [2.8, 1.4], Outline::Arch(0.82), ring);
@@ -169,10 +149,7 @@ fn square(b: &mut Builder, p: &Palette) {
     let front = Axes::facing(-7.0, 26.0, 0.0, 0.0);
     let o = [opening(5.4, 1.1, 1.0, 1.5), opening(8.2, 1.1, 1.0, 1.5)];
     b.wall(&front, [14.0, 7.5], &o, 0.3, yellow);
-    let paint = shutter(b, 0x3A_6A5C);
-    for o in &o {
-        window(b, p, &front, o, Some(paint));
-    }
+    windows(b, p, &front, &o, 0x3A_6A5C);
     let crown = Foliage { extent: [1.3, 1.3, 1.1], leaves: 1800, leaf: [0.2, 0.1], blossoms: None, seed: 71 };
     tree(b, p, Point3::new(0.9, 22.0, 0.0), 4.0, &crown);
     wooden_crate(b, p, &Axes::facing(-1.1, 20.5, 0.0, 0.3), [0.8, 0.7, 0.7]);
@@ -181,9 +158,7 @@ fn square(b: &mut Builder, p: &Palette) {
 fn things(b: &mut Builder, p: &Palette) {
     let bush =
         |extent: [f64; 3], blossoms, seed| Foliage { extent, leaves: 480, leaf: [0.1, 0.05], blossoms, seed };
-    let red = Some((0.45, p.blossoms[0]));
-    let pink = Some((0.4, p.blossoms[1]));
-    let yellow = Some((0.35, p.blossoms[2]));
+    let [red, pink, yellow] = p.flowers();
     let pots = [
         (-1.35, 4.55, 1.0, [0.28, 0.28, 0.34], red, 81),
         (-1.25, 5.6, 1.1, [0.3, 0.3, 0.45], None, 82),

@@ -7,8 +7,8 @@ use nalgebra::{Point3, Vector3};
 
 use super::build::{Axes, Builder, MaterialId};
 use super::furnish::{
-    Foliage, Palette, barrel, bunting, cloth, column, foliage, fruit_crate, ivy, leaf, poster, pot,
-    potted_plant, shutter, tree, window, wooden_crate,
+    Foliage, Palette, barrel, bunting, cloth, column, foliage, fruit_crate, ivy, leaf, opening, poster, pot,
+    potted_plant, shutter, tree, window, windows, wooden_crate,
 };
 use super::light::Light;
 use super::scene::Scene;
@@ -45,10 +45,6 @@ pub fn scene() -> Scene {
         [0xB8_3A30, 0xE0_C8_90, 0x2E_6A80, 0xD8_9030, 0x5A_7A40].map(|code| cloth(&mut b, [code; 3], 0.09));
     bunting(&mut b, &p, Point3::new(-3.6, 6.3, 3.25), Point3::new(3.4, 7.6, 3.9), &flags);
     b.finish(Light::day(Vector3::new(-0.62, -0.5, 0.72)))
-}
-
-fn opening(left: f64, bottom: f64, width: f64, height: f64) -> Opening {
-    Opening { left, bottom, width, height, arched: false }
 }
 
 /// Three arches on columns, a storey with windows above, the walk behind, and the roof.
@@ -127,10 +123,7 @@ fn house(b: &mut Builder, p: &Palette) {
     let inner = wall.moved(door.left, 0.0, -0.22);
     b.block(&inner, [door.width, door.height, 0.05], p.door);
     b.frame(&wall.moved(door.left, 0.0, 0.0), [door.width, door.height], 0.14, 0.05, p.stone);
-    let paint = shutter(b, 0x5C_7F8E);
-    for o in upper.iter().chain([&low]) {
-        window(b, p, &wall, o, Some(paint));
-    }
+    windows(b, p, &wall, &[upper[0], upper[1], low], 0x5C_7F8E);
     let tiles = b.material(Pattern::Azulejo([srgb(0x24_4A8C), srgb(0xE6_E4DA)]));
     b.block(&wall.moved(2.15, 0.06, 0.0), [2.6, 0.82, 0.02], tiles);
     b.frame(&wall.moved(2.15, 0.06, 0.0), [2.6, 0.82], 0.05, 0.035, p.stone);
@@ -256,9 +249,7 @@ fn plants(b: &mut Builder, p: &Palette) {
         blossoms,
         seed,
     };
-    let red = Some((0.45, p.blossoms[0]));
-    let pink = Some((0.4, p.blossoms[1]));
-    let yellow = Some((0.35, p.blossoms[2]));
+    let [red, pink, yellow] = p.flowers();
     let on_barrel = Point3::new(-2.12, 5.15, 0.84);
     potted_plant(b, p, on_barrel, 0.75, &bush([0.3, 0.3, 0.24], 420, red, 51));
     let rows = [

@@ -60,6 +60,12 @@ impl Palette {
             fruit: [0xE8_8A20, 0xC0_3A28, 0xE8_CC40].map(|c| b.material(Pattern::Fruit(srgb(c)))),
         }
     }
+
+    /// Returns the share of red, pink and yellow blossoms on a bush, with their colours.
+    pub fn flowers(&self) -> [Option<(f64, MaterialId)>; 3] {
+        let [red, pink, yellow] = self.blossoms;
+        [(0.45, red), (0.4, pink), (0.35, yellow)].map(Some)
+    }
 }
 
 /// A unit vector, even over the sphere.
@@ -273,6 +279,19 @@ pub fn window(b: &mut Builder, p: &Palette, wall: &Axes, o: &Opening, shutters: 
             b.block(&surround.moved(x, 0.0, 0.02), [leaf_width, h, 0.035], paint);
         }
     }
+}
+
+/// Fills openings with windows that have shutters of one colour.
+pub fn windows(b: &mut Builder, p: &Palette, wall: &Axes, openings: &[Opening], code: u32) {
+    let paint = shutter(b, code);
+    for o in openings {
+        window(b, p, wall, o, Some(paint));
+    }
+}
+
+/// A rectangular opening of a wall.
+pub fn opening(left: f64, bottom: f64, width: f64, height: f64) -> Opening {
+    Opening { left, bottom, width, height, arched: false }
 }
 
 /// Paint of a colour for slatted shutters.

@@ -1,12 +1,11 @@
 //! Pairs with ground truth, and the error of an estimate on them.
 
-use std::sync::{Arc, LazyLock};
+use std::sync::LazyLock;
 
 use epiline::estimate::{
     Estimate, EstimateError, Method, Monitor, Parameters, PreparedPair, Preset, estimate_prepared,
 };
 use epiline::geometry::{FundamentalMatrix, Point, PointPair, symmetric_epipolar_distance};
-use epiline::io::TruthOrigin;
 use epiline::synthetic::Sample;
 use epiline_lab::{Draws, KnownScene, Protocol, mean};
 use rand::{RngExt, SeedableRng};
@@ -32,22 +31,9 @@ pub fn both() -> [&'static Known; 2] {
 impl Known {
     fn new(sample: Sample) -> Self {
         let pair = sample.load();
-        let [image1, image2] = pair.pictures.map(|p| Arc::new(p.gray));
-        Self {
-            name: sample.name(),
-            prepared: PreparedPair::new(&image1, &image2),
-            scene: KnownScene {
-                silhouettes: None,
-                name: sample.name().to_owned(),
-                images: [image1, image2],
-                matches: pair.matches,
-                truth: pair.fundamental,
-                origin: TruthOrigin::Cameras,
-                printed: None,
-            },
-            show_me: pair.show_me,
-            third: pair.third,
-        }
+        let (show_me, third) = (pair.show_me, pair.third);
+        let scene = KnownScene::of_sample(sample.name(), pair);
+        Self { name: sample.name(), prepared: scene.prepared(), scene, show_me, third }
     }
 
     pub fn estimate(&self, clicks: &[PointPair], parameters: &Parameters) -> Result<Estimate, EstimateError> {

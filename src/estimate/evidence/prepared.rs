@@ -20,7 +20,7 @@ use crate::similarity::{BarcodeSource, LineMeasure, PictureSource, SimilarityPar
 /// costs only the work that depends on the clicks.
 #[derive(Debug)]
 pub struct PreparedPair {
-    pyramids: PyramidPair,
+    pyramids: Arc<PyramidPair>,
     upright: Arc<PatchLevels>,
     features: Lazy<MatchedFeatures>,
     slanted: Lazy<MatchedFeatures>,
@@ -42,7 +42,7 @@ pub(in crate::estimate) struct GivenMatches {
 }
 
 /// Least longer side of a pyramid level, px. Parameters that ask for smaller images get the
-/// smallest level. Half and twice of it: `lab/notes.md`.
+/// smallest level.
 const SMALLEST_LEVEL: f64 = 48.0;
 /// Number of views kept, besides the upright one. Each takes some ten megabytes. No result depends
 /// on it.
@@ -51,9 +51,10 @@ const VIEWS_KEPT: usize = 4;
 impl PreparedPair {
     /// Builds the pyramids in parallel. Everything else is made when it is first needed.
     pub fn new(image1: &GrayPlane, image2: &GrayPlane) -> Self {
+        let pyramids = Arc::new(PyramidPair::new(image1, image2, SMALLEST_LEVEL));
         Self {
-            pyramids: PyramidPair::new(image1, image2, SMALLEST_LEVEL),
-            upright: Arc::new(PatchLevels::new(RelativeView::UPRIGHT)),
+            upright: Arc::new(PatchLevels::new(&pyramids, RelativeView::UPRIGHT)),
+            pyramids,
             features: Lazy::default(),
             slanted: Lazy::default(),
             views: Mutex::default(),
@@ -80,7 +81,6 @@ impl PreparedPair {
         Ok(())
     }
 
-    /// Returns the matches from elsewhere.
     pub(in crate::estimate) fn given(&self) -> Option<&GivenMatches> {
         self.given.as_ref()
     }
@@ -114,19 +114,14 @@ impl PreparedPair {
     /// first click, it shortens the first search. A search that begins meanwhile waits for the part
     /// under way and does not make it again.
     pub fn make_ready(&self, cancel: &CancelFlag) {
-        let is_wanted = || !cancel.is_cancelled();
-        if is_wanted() {
-            self.upright.coarse(&self.pyramids);
-        }
-        if is_wanted() {
-            self.upright.voting(&self.pyramids);
-        }
-        if is_wanted() {
-            self.upright.fine(&self.pyramids);
-        }
-        if is_wanted() {
-            self.upright.prepare_refinement(&self.pyramids);
-        }
+        let upright = &*self.upright;
+        let parts: [fn(&PatchLevels); 4] = [
+            |levels| _ = levels.coarse(),
+            |levels| _ = levels.voting(),
+            |levels| _ = levels.fine(),
+            PatchLevels::prepare_refinement,
+        ];
+        parts.iter().take_while(|_| !cancel.is_cancelled()).for_each(|part| part(upright));
     }
 
     /// Returns the silhouettes of both cameras, if the pair has sequences.
@@ -181,7 +176,7 @@ impl PreparedPair {
         }
         // Corners already compared under this view are used again.
         let corners = if view == RelativeView::UPRIGHT { Some(&self.upright) } else { under_view.next() };
-        let patches = corners.map_or_else(|| Arc::new(PatchLevels::new(view)), Arc::clone);
+        let patches = corners.map_or_else(|| Arc::new(PatchLevels::new(&self.pyramids, view)), Arc::clone);
         let patches = Arc::new(patches.with_features(of, matched.supports()));
         views.truncate(VIEWS_KEPT - 1);
         views.push_front(Arc::clone(&patches));

@@ -2,15 +2,23 @@
 
 use std::sync::Arc;
 
-use super::patches::{KappaVoting, PatchLevels, SupportLevel};
+use super::patches::PatchLevels;
 use super::prepared::PreparedPair;
-use crate::estimate::Parameters;
-use crate::image::PyramidPair;
+use crate::estimate::{Clicks, Parameters};
 use crate::similarity::SimilaritySource;
 
-/// Evidence of a pair under one relative view: its line similarity and its patches.
-pub(in crate::estimate) struct ViewedPair<'a> {
+/// Input of a search.
+#[derive(Clone, Copy)]
+pub(in crate::estimate) struct SearchInput<'a> {
     pub prepared: &'a PreparedPair,
+    pub clicks: &'a Clicks,
+    pub parameters: &'a Parameters,
+}
+
+/// Input of a search with the evidence of the pair under one relative view: its line similarity and
+/// its patches.
+pub(in crate::estimate) struct ViewedPair<'a> {
+    pub input: SearchInput<'a>,
     /// Line similarity under the view of the patches.
     pub source: Box<dyn SimilaritySource + 'a>,
     pub patches: Arc<PatchLevels>,
@@ -18,33 +26,18 @@ pub(in crate::estimate) struct ViewedPair<'a> {
 
 impl<'a> ViewedPair<'a> {
     /// Returns the pair under the view of these patches.
-    pub fn new(prepared: &'a PreparedPair, patches: Arc<PatchLevels>, parameters: &Parameters) -> Self {
-        let source = prepared.similarity_source(patches.view(), parameters);
-        Self { prepared, source, patches }
+    pub fn new(input: SearchInput<'a>, patches: Arc<PatchLevels>) -> Self {
+        let source = input.prepared.similarity_source(patches.view(), input.parameters);
+        Self { input, source, patches }
     }
 
     /// Returns the pair with neither image turned or scaled, and without features.
-    pub fn upright(prepared: &'a PreparedPair, parameters: &Parameters) -> Self {
-        Self::new(prepared, prepared.upright_patches(), parameters)
+    pub fn upright(input: SearchInput<'a>) -> Self {
+        Self::new(input, input.prepared.upright_patches())
     }
 
-    /// Returns the pyramids of both images.
-    pub fn pyramids(&self) -> &'a PyramidPair {
-        self.prepared.pyramids()
-    }
-
-    /// Returns the corners and their correlations at the coarse size.
-    pub fn coarse(&self) -> &SupportLevel {
-        self.patches.coarse(self.pyramids())
-    }
-
-    /// Returns the votes of look-alike corners for κ, at the coarse size.
-    pub fn voting(&self) -> &KappaVoting {
-        self.patches.voting(self.pyramids())
-    }
-
-    /// Returns the corners and their correlations at the fine size.
-    pub fn fine(&self) -> &SupportLevel {
-        self.patches.fine(self.pyramids())
+    /// Returns the pair under the same view with other clicks.
+    pub fn with_clicks<'b>(&'b self, clicks: &'b Clicks) -> ViewedPair<'b> {
+        ViewedPair::new(SearchInput { clicks, ..self.input }, Arc::clone(&self.patches))
     }
 }

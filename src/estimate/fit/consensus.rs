@@ -27,7 +27,6 @@ const SAMPLES: usize = 1000;
 /// Number of samples of one task. The streams of random numbers depend on it.
 const TASK: usize = 50;
 /// Number of samples that are optimised at each scale. Each takes four fits.
-/// Half and twice of it: `lab/notes.md`.
 const OPTIMISED: usize = 4;
 /// Bands of local optimisation, in units of the scale. The first are wide, because a sample is off by
 /// more than the noise far from its matches.
@@ -35,7 +34,6 @@ const LOCAL_BANDS: [f64; 4] = [6.0, 4.0, BAND, BAND];
 /// Gain in log-likelihood below which the rounds end: the likelihood grows by less than a tenth.
 const LEAST_GAIN: f64 = 0.1;
 /// Fewest matches from which samples are drawn: otherwise from the likelier half.
-/// None of six results changed at half and twice of it (`lab/notes.md`).
 const LEAST_DRAWN_FROM: usize = 40;
 /// Two geometries are the same if they move at most one match in this many: about as many are wrong.
 const SAME_SHARE: usize = 10;

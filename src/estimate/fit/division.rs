@@ -47,9 +47,8 @@ const STEPS: [f64; 2] = [0.08, 0.0005];
 const NEAR: f64 = 0.01;
 /// Gain in log-likelihood below which the rounds end.
 const LEAST_GAIN: f64 = 0.05;
-/// Width of the band around the lines of the start in which matches count, as a share of the longer side. A
-/// strong lens moves points by a tenth of the side, but mostly along with their neighbours. Half and twice of
-/// it: `lab/notes.md`.
+/// Width of the band around the lines of the start in which matches count, as a share of the longer
+/// side. A strong lens moves points by a tenth of the side, but mostly along with their neighbours.
 const BAND: f64 = 0.03;
 /// Standard deviations from which a coefficient is clear. By chance, one coefficient in a thousand is as far
 /// from zero: nine regions have 8 degrees of freedom in Student's distribution.
@@ -60,7 +59,6 @@ const CLEAR_GAIN: f64 = 9.0;
 const TOGETHER: &[[f64; 2]] = &[[1.0, 1.0]];
 const EACH: &[[f64; 2]] = &[[1.0, 0.0], [0.0, 1.0]];
 
-/// Returns the undistorted place of a point.
 fn undistorted(point: Point, lambda: f64, frame: Frame) -> Point {
     let from: Vector = point - frame.centre();
     frame.centre() + from / (1.0 + lambda * share(from, frame))

@@ -9,7 +9,7 @@ use nalgebra::Vector2;
 
 use crate::geometry::{Frame, PointPair, median};
 
-/// Number of neighbours that are asked. Half and twice of it were not measured.
+/// Number of neighbours that are asked.
 const NEIGHBOURS: usize = 8;
 /// Largest change of a displacement from one match to its neighbour, as a share of their distance. With
 /// 0.3 and 0.8 nearly the same wrong matches are found (`lab/notes.md`).

@@ -17,9 +17,9 @@ use std::f64::consts::PI;
 use super::Match;
 use crate::geometry::{FundamentalMatrix, median, sampson_distance};
 
-/// Smallest scale, px. Without a limit, a geometry that fits a few matches exactly would outweigh all
-/// others. Matches of usual pictures are several times less precise, but a fit to fewer than some 200
-/// matches of a small picture can reach the floor. Half and twice of it were not measured.
+/// Smallest scale, px. Without a limit, a geometry that fits a few matches exactly would outweigh
+/// all others. Matches of usual pictures are several times less precise, but a fit to fewer than
+/// some 200 matches of a small picture can reach the floor.
 pub(super) const LEAST_SCALE: f64 = 0.005;
 /// Smallest distance of the share of inliers from 0 and 1, where the likelihood is unbounded.
 const LEAST_SHARE: f64 = 0.01;
@@ -93,7 +93,6 @@ impl Noise {
         inlier * cauchy * self.spread + (1.0 - inlier)
     }
 
-    /// Returns the probability that a match is an inlier.
     pub(super) fn inlier_probability(&self, r: &Residual) -> f64 {
         1.0 - (1.0 - self.inliers * r.prior) / self.ratio(r)
     }

@@ -41,7 +41,6 @@ pub(in crate::estimate) struct Witness {
     pub sigmas: [f64; 2],
     /// Weight g above.
     pub gain: f64,
-    /// Whether a person clicked it.
     pub clicked: bool,
 }
 

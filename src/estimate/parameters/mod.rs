@@ -13,57 +13,40 @@ pub use entry::{ParameterEntry, ParameterValue};
 pub use plan::SearchPlan;
 pub use table::PARAMETERS;
 
-/// Preset of all parameters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Preset {
-    /// The published method, with the corrections of `docs/estimator.md`.
-    Paper,
-    /// The values that measured best on real images.
-    #[default]
-    Robust,
-}
-
-impl Preset {
-    /// Both presets.
-    pub const ALL: [Self; 2] = [Self::Paper, Self::Robust];
-
-    /// Returns the name on the command line and in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Paper => "paper",
-            Self::Robust => "robust",
-        }
+named! {
+    fn name;
+    /// Preset of all parameters.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Preset {
+        /// The published method, with the corrections of `docs/estimator.md`.
+        Paper = "paper",
+        /// The values that measured best on real images.
+        #[default]
+        Robust = "robust",
     }
 }
 
-/// Input from which the geometry is found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// Two point pairs; the third line pair is searched.
-    #[default]
-    TwoPoint,
-    /// Three point pairs; the third gives the third line pair.
-    ThreePoint,
-    /// No point pair; all lines of both images are compared (paper, section 4).
-    #[serde(rename = "lines")]
-    LinesAlone,
+impl Preset {}
+
+named! {
+    fn name;
+    /// Input from which the geometry is found.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Method {
+        /// Two point pairs; the third line pair is searched.
+        #[default]
+        TwoPoint = "two-point",
+        /// Three point pairs; the third gives the third line pair.
+        ThreePoint = "three-point",
+        /// No point pair; all lines of both images are compared (paper, section 4).
+        #[serde(rename = "lines")]
+        LinesAlone = "lines",
+    }
 }
 
 impl Method {
-    /// All methods.
-    pub const ALL: [Self; 3] = [Self::TwoPoint, Self::ThreePoint, Self::LinesAlone];
-
-    /// Returns the name on the command line and in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::TwoPoint => "two-point",
-            Self::ThreePoint => "three-point",
-            Self::LinesAlone => "lines",
-        }
-    }
-
     /// Returns the number of point pairs that the method needs.
     pub fn pairs_needed(self) -> usize {
         match self {
@@ -74,19 +57,16 @@ impl Method {
     }
 }
 
-/// Evidence that ranks the combinations of candidate line pairs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Search {
-    /// Lines alone, as published: bisectors, round trips, and validation over both images.
-    Lines,
-    /// Small image patches, which vote for κ and whose support ranks.
-    Patches,
-}
-
-impl Search {
-    /// Both searches.
-    pub const ALL: [Self; 2] = [Self::Lines, Self::Patches];
+named! {
+    /// Evidence that ranks the combinations of candidate line pairs.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Search {
+        /// Lines alone, as published: bisectors, round trips, and validation over both images.
+        Lines,
+        /// Small image patches, which vote for κ and whose support ranks.
+        Patches,
+    }
 }
 
 /// Score of a hypothesis by the lines of its two pencils.
@@ -164,12 +144,12 @@ pub struct PatchParameters {
     /// Whether these rounds also draw epipoles from matches off the largest planes.
     pub parallax: bool,
     /// Number of combinations of candidates whose exact support is computed, most votes first. The
-    /// time is in proportion. Half and twice of it: `lab/notes.md`.
+    /// time is in proportion.
     pub supported: usize,
     /// Number of hypotheses whose matches are pooled for resampling. More add matches of wrong
-    /// hypotheses. Half and twice of it: `lab/notes.md`.
+    /// hypotheses.
     pub pooled: usize,
-    /// Number of samples of each kind in a round of resampling. Half and twice of it: `lab/notes.md`.
+    /// Number of samples of each kind in a round of resampling.
     #[serde(rename = "resampling_draws")]
     pub samples: usize,
 }
@@ -185,18 +165,15 @@ impl Default for PatchParameters {
 #[serde(default)]
 pub struct FeatureParameters {
     /// Number of minimal samples. The time is in proportion.
-    /// None of six results changed at half and twice of it (`lab/notes.md`).
     #[serde(rename = "feature_draws")]
     pub draws: usize,
-    /// Number of hypotheses that are refitted. Half and twice of it: `lab/notes.md`.
+    /// Number of hypotheses that are refitted.
     #[serde(rename = "features_refitted")]
     pub refitted: usize,
     /// Number of refitted hypotheses that are matched again along their lines.
-    /// None of six results changed at half and twice of it (`lab/notes.md`).
     #[serde(rename = "features_rematched")]
     pub rematched: usize,
     /// Largest number of relative views that features suggest. Each takes a search of its own.
-    /// None of six results changed at half and twice of it (`lab/notes.md`).
     #[serde(rename = "feature_views")]
     pub views: usize,
     /// Largest number of searches through two drawn matches, without clicks. If half of the matches
@@ -218,7 +195,7 @@ impl Default for FeatureParameters {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct LineRefinementParameters {
-    /// Number of rounds at each image size. Half and twice of it: `lab/notes.md`.
+    /// Number of rounds at each image size.
     #[serde(rename = "line_refinement_rounds")]
     pub rounds: usize,
     /// First step: the rotation that moves a line by this many pixels at the far side of the image.
@@ -226,7 +203,7 @@ pub struct LineRefinementParameters {
     #[serde(rename = "line_refinement_step")]
     pub first_step: f64,
     /// Number of lines per image. Fewer than in validation, since only similar geometries are
-    /// compared. Half and twice of it: `lab/notes.md`.
+    /// compared.
     #[serde(rename = "line_refinement_lines")]
     pub lines: usize,
 }
@@ -242,11 +219,10 @@ impl Default for LineRefinementParameters {
 #[serde(default)]
 pub struct BarcodeParameters {
     /// Least longer side of the images in which lines are compared, px. Barcodes cost less than
-    /// stereo, so it is larger. Half and twice of it: `lab/notes.md`.
+    /// stereo, so it is larger.
     #[serde(rename = "barcode_side")]
     pub side: f64,
     /// Number of refined proposals of each kind: from the clicks, and from all lines.
-    /// Half and twice of it: `lab/notes.md`.
     #[serde(rename = "barcodes_refined")]
     pub refined: usize,
 }
@@ -266,7 +242,6 @@ pub struct RefinementParameters {
     pub refined: usize,
     /// Number of rivals that are refined if the margin before refinement is too small to decide.
     /// Each takes as long as the result.
-    /// None of six results changed at half and twice of it (`lab/notes.md`).
     #[serde(default = "three")]
     pub rivals: usize,
 }

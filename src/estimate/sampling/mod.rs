@@ -27,7 +27,6 @@ pub(super) struct Draws {
     pub first: u64,
     /// Number of samples, rounded up to whole tasks.
     pub count: usize,
-    /// Samples of one task.
     pub task: usize,
 }
 

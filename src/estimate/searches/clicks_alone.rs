@@ -10,7 +10,7 @@ use crate::geometry::{
 const CLICKS_ALONE: usize = 8;
 /// Median distance of the clicks from the found geometry, in multiples of their median distance
 /// from the geometry of the other clicks, beyond which they contradict it. A smaller number gives
-/// wrong clicks more say. None of six results changed at half and twice of it (`lab/notes.md`).
+/// wrong clicks more say.
 const CONTRADICTED: f64 = 3.0;
 
 /// Returns the geometry of the clicks alone, if they agree with each other and contradict `found`.

@@ -12,9 +12,9 @@ use crate::estimate::evidence::features::{
 };
 use crate::estimate::evidence::patches::{Proposal, rank_fine};
 use crate::estimate::evidence::prepared::GivenMatches;
-use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::selection::{ClickedPairs, select};
-use crate::estimate::{Clicks, Estimate, EstimateError, Parameters, PreparedPair, Stage};
+use crate::estimate::{CancelFlag, Estimate, EstimateError, Stage};
 use crate::features::FeatureViews;
 use crate::geometry::FundamentalMatrix;
 use crate::image::RelativeView;
@@ -31,12 +31,11 @@ pub(in crate::estimate) struct FeatureProposals {
 impl FeatureProposals {
     /// Proposes geometries from features and any number of clicks.
     pub fn new(
-        prepared: &PreparedPair,
+        input: SearchInput,
         of: FeatureViews,
-        clicks: &Clicks,
-        parameters: &Parameters,
         record: &mut SearchRecord,
     ) -> Result<Self, EstimateError> {
+        let SearchInput { prepared, clicks, parameters } = input;
         record.enter(Stage::Features)?;
         let features = prepared.features(of);
         let observed = clicks.observed();
@@ -78,27 +77,24 @@ impl FeatureProposals {
     /// `all`. Ends with the first result that settles the search, and returns whether one does.
     pub fn judge_under_views(
         &self,
-        prepared: &PreparedPair,
-        clicks: &Clicks,
+        input: SearchInput,
         is_settled: impl Fn(&Judged) -> bool,
-        parameters: &Parameters,
         record: &mut SearchRecord,
         all: &mut Vec<Judged>,
     ) -> Result<bool, EstimateError> {
         let proposed = self.fundamentals();
         for view in &self.views {
-            let patches = prepared.patches_with_features(*view, self.of);
-            let viewed = ViewedPair::new(prepared, patches, parameters);
-            if all.is_empty() && !clicks.chosen().is_empty() {
+            let viewed = ViewedPair::new(input, input.prepared.patches_with_features(*view, self.of));
+            if all.is_empty() && !input.clicks.chosen().is_empty() {
                 // Pencils through stand-ins are shown; the geometry does not depend on them.
-                match compare_pencils(&viewed, clicks, parameters, record) {
+                match compare_pencils(&viewed, record) {
                     Ok(_) | Err(EstimateError::NoCandidates(_)) => {}
                     Err(error) => return Err(error),
                 }
             }
             record.enter(Stage::Validation)?;
             let rivals = all.first().map_or(&[][..], |first| &first.hypotheses);
-            if let Some(found) = judge_proposed(&proposed, rivals, &viewed, clicks, parameters, record)? {
+            if let Some(found) = judge_proposed(&proposed, rivals, &viewed, record)? {
                 let settled = is_settled(&found);
                 all.push(found);
                 if settled {
@@ -113,40 +109,34 @@ impl FeatureProposals {
 /// Searches through the clicks with patches and, if the result is not clear, with covariant
 /// features. The geometries that are not selected are rivals of the selected one.
 pub(in crate::estimate) fn search(
-    prepared: &PreparedPair,
-    clicks: &Clicks,
-    parameters: &Parameters,
+    input: SearchInput,
     record: &mut SearchRecord,
 ) -> Result<Judged, EstimateError> {
     let mut all: Vec<Judged> = Vec::new();
     let mut failure = EstimateError::NoGeometry;
-    let upright = ViewedPair::upright(prepared, parameters);
-    match patches::search(&upright, clicks, parameters, record) {
+    match patches::search(&ViewedPair::upright(input), record) {
         Ok(found) if found.is_clear() => return Ok(found),
         Ok(found) => all.push(found),
         Err(error @ (EstimateError::NoCandidates(_) | EstimateError::NoGeometry)) => failure = error,
         Err(error) => return Err(error),
     }
     for of in [FeatureViews::Frontal, FeatureViews::Slanted] {
-        let proposals = FeatureProposals::new(prepared, of, clicks, parameters, record)?;
-        if proposals.judge_under_views(prepared, clicks, Judged::is_clear, parameters, record, &mut all)? {
+        let proposals = FeatureProposals::new(input, of, record)?;
+        if proposals.judge_under_views(input, Judged::is_clear, record, &mut all)? {
             break;
         }
     }
-    let observed = clicks.observed();
-    let clicked = ClickedPairs { pairs: &observed, sigma: parameters.click_sigma };
-    let best = select(&all, &clicked).map(|k| all.swap_remove(k)).ok_or(failure)?;
-    let Some(f) = of_clicks_alone(&observed, &best.fundamental, parameters.click_sigma) else {
-        return Ok(best);
-    };
+    let (observed, click_sigma) = (input.clicks.observed(), input.parameters.click_sigma);
+    let best = select(&all, &ClickedPairs::of(input)).map(|k| all.swap_remove(k)).ok_or(failure)?;
+    let Some(f) = of_clicks_alone(&observed, &best.fundamental, click_sigma) else { return Ok(best) };
     // The geometry of the clicks is judged under the view of the one it replaces, with the same
     // rivals.
-    let viewed = ViewedPair::new(prepared, best.patches, parameters);
-    let support = viewed.patches.measure(viewed.pyramids(), &f);
+    let viewed = ViewedPair::new(SearchInput { clicks: &best.clicks, ..input }, best.patches);
+    let support = viewed.patches.measure(&f);
     let mut hypotheses = vec![Estimate::proposed(f, None, support)];
     hypotheses.extend(best.hypotheses);
     let found = Found { fundamental: f, hypotheses, supporting: observed, refined: None, clicks_alone: true };
-    Ok(Judged::of(found, &viewed, &best.clicks, parameters, record))
+    Ok(Judged::of(found, &viewed, record))
 }
 
 /// Ranks proposed geometries by patches and features under a view, refines and judges them.
@@ -156,20 +146,16 @@ pub(super) fn judge_proposed(
     proposed: &[FundamentalMatrix],
     rivals: &[Estimate],
     viewed: &ViewedPair,
-    clicks: &Clicks,
-    parameters: &Parameters,
     record: &SearchRecord,
 ) -> Result<Option<Judged>, EstimateError> {
     let cancel = record.cancel();
-    let ranked = ranked(proposed, rivals, viewed, clicks, parameters, record)?;
+    let ranked = ranked(proposed, rivals, viewed, cancel)?;
     if ranked.is_empty() {
         return Ok(None);
     }
-    let anchors = clicks.anchors();
-    let (hypotheses, _) =
-        distinct_hypotheses(&ranked, viewed, anchors.first_chunk::<2>(), parameters, cancel)?;
-    let found = refine_ranked(&ranked, hypotheses, viewed, clicks, parameters, cancel)?;
-    Ok(Some(Judged::of(found, viewed, clicks, parameters, record)))
+    let (hypotheses, _) = distinct_hypotheses(&ranked, viewed, cancel)?;
+    let found = refine_ranked(&ranked, hypotheses, viewed, cancel)?;
+    Ok(Some(Judged::of(found, viewed, record)))
 }
 
 /// Ranks proposed geometries by patches and features under a view, together with `rivals`.
@@ -177,19 +163,18 @@ pub(super) fn ranked(
     proposed: &[FundamentalMatrix],
     rivals: &[Estimate],
     viewed: &ViewedPair,
-    clicks: &Clicks,
-    parameters: &Parameters,
-    record: &SearchRecord,
+    cancel: &CancelFlag,
 ) -> Result<Vec<Proposal>, EstimateError> {
+    let SearchInput { clicks, parameters, .. } = viewed.input;
     let anchors = clicks.anchors();
     let anchors = anchors.first_chunk::<2>();
-    let fine = viewed.fine();
+    let fine = viewed.patches.fine();
     let turn = viewed.patches.view().rotation;
     let starts: Vec<Proposal> =
         proposed.iter().filter_map(|f| Proposal::of(f, anchors, turn, fine)).collect();
     // Geometries found under the upright view compete under the same support.
     let rivals = rivals.iter().filter_map(|h| Proposal::of(h.fundamental(), anchors, h.turn(), fine));
-    rank_fine(fine, starts, rivals.collect(), &clicks.observed(), parameters, record.cancel())
+    rank_fine(fine, starts, rivals.collect(), &clicks.observed(), parameters, cancel)
 }
 
 #[cfg(test)]
@@ -198,21 +183,21 @@ mod tests {
 
     use super::*;
     use crate::estimate::exact::ExactScene;
-    use crate::estimate::{Monitor, SearchPlan};
+    use crate::estimate::{Clicks, Monitor, Parameters, SearchPlan};
 
     #[test]
     fn features_are_ranked_without_clicks_and_lines_are_measured_only_with_two() {
         let scene = ExactScene::aside();
         let (prepared, parameters) = (scene.prepared(), Parameters::default());
         let patches = prepared.patches_with_features(RelativeView::UPRIGHT, FeatureViews::Frontal);
-        let viewed = ViewedPair::new(&prepared, patches, &parameters);
         let proposed = [scene.disturbed(2.0), scene.disturbed(-3.0)];
         for pairs in [&[][..], &scene.clicks()] {
             let clicks = Clicks::for_plan(pairs, SearchPlan::Patches { clicks: 2 });
+            let input = SearchInput { prepared: &prepared, clicks: &clicks, parameters: &parameters };
+            let viewed = ViewedPair::new(input, std::sync::Arc::clone(&patches));
             let monitor = Monitor::silent();
             let record = SearchRecord::new(Instant::now(), &monitor);
-            let found =
-                judge_proposed(&proposed, &[], &viewed, &clicks, &parameters, &record).unwrap().unwrap();
+            let found = judge_proposed(&proposed, &[], &viewed, &record).unwrap().unwrap();
             let error = scene.error(&found.fundamental);
             assert!(error < 0.3, "{error} px with {} clicks", pairs.len());
             let best = &found.hypotheses[0].assessment;

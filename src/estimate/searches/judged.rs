@@ -11,7 +11,7 @@ use crate::estimate::verdict::assessment::Judge;
 use crate::estimate::verdict::result::{Assessment, REPORTED};
 use crate::estimate::verdict::selection::Weighed;
 use crate::estimate::verdict::trust::{Reason, Verdict};
-use crate::estimate::{Clicks, Estimate, EstimateError, Parameters, PatchSupport};
+use crate::estimate::{Clicks, Estimate, EstimateError, PatchSupport};
 use crate::geometry::{FundamentalMatrix, PointPair};
 
 /// Result of a search before its assessment.
@@ -52,21 +52,15 @@ impl From<&Judged> for Weighed {
 
 impl Judged {
     /// Judges a geometry found under a view with these clicks.
-    pub fn of(
-        found: Found,
-        viewed: &ViewedPair,
-        clicks: &Clicks,
-        parameters: &Parameters,
-        record: &SearchRecord,
-    ) -> Self {
+    pub fn of(found: Found, viewed: &ViewedPair, record: &SearchRecord) -> Self {
         let Found { fundamental, hypotheses, supporting, refined, clicks_alone } = found;
         let (weight, weight_deviation) =
             refined.as_ref().map_or((0.0, 0.0), |refined| (refined.weight, refined.weight_deviation));
         let fundamental = refined.as_ref().map_or(fundamental, |refined| refined.fundamental);
-        let judge = Judge { clicks_alone, ..judge(viewed, clicks, parameters, &hypotheses, record) };
+        let judge = Judge { clicks_alone, ..judge(viewed, &hypotheses, record) };
         let assessment = judge.result(&fundamental, &supporting, refined);
         Self {
-            clicks: clicks.clone(),
+            clicks: viewed.input.clicks.clone(),
             fundamental,
             hypotheses,
             assessment,
@@ -108,24 +102,15 @@ pub(super) fn report_preliminary(
     hypotheses: &[Estimate],
     support: Option<PatchSupport>,
     viewed: &ViewedPair,
-    clicks: &Clicks,
-    parameters: &Parameters,
     record: &mut SearchRecord,
 ) {
-    let assessment = judge(viewed, clicks, parameters, hypotheses, record).preliminary(&f, support);
-    let found = Estimate { geometry: f.into(), assessment, trace: None };
-    record.preliminary(found, &viewed.patches, hypotheses, clicks, parameters);
+    let assessment = judge(viewed, hypotheses, record).preliminary(&f, support);
+    record.preliminary(Estimate { geometry: f.into(), assessment, trace: None }, hypotheses, viewed);
 }
 
-fn judge<'a>(
-    viewed: &'a ViewedPair,
-    clicks: &'a Clicks,
-    parameters: &'a Parameters,
-    hypotheses: &'a [Estimate],
-    record: &'a SearchRecord,
-) -> Judge<'a> {
+fn judge<'a>(viewed: &'a ViewedPair, hypotheses: &'a [Estimate], record: &'a SearchRecord) -> Judge<'a> {
     let (pencils, cancel) = (record.present_pencils(), record.cancel());
-    Judge { viewed, clicks, parameters, hypotheses, pencils, clicks_alone: false, cancel }
+    Judge { viewed, hypotheses, pencils, clicks_alone: false, cancel }
 }
 
 /// Returns the ranked proposals that differ, with their line figures if there are two anchors, and
@@ -133,14 +118,15 @@ fn judge<'a>(
 pub(super) fn distinct_hypotheses<'p>(
     ranked: &'p [Proposal],
     viewed: &ViewedPair,
-    anchors: Option<&[PointPair; 2]>,
-    parameters: &Parameters,
     cancel: &CancelFlag,
 ) -> Result<(Vec<Estimate>, &'p Proposal), EstimateError> {
-    let fine = viewed.fine();
+    let anchors = viewed.input.clicks.anchors();
+    let fine = viewed.patches.fine();
     let different = patches::different(&fine.support, ranked, REPORTED);
     cancel.check()?;
-    let examiner = anchors.map(|anchors| LineExaminer::new(&*viewed.source, *anchors, parameters, cancel));
+    let examiner = anchors
+        .first_chunk()
+        .map(|anchors| LineExaminer::new(&*viewed.source, *anchors, viewed.input.parameters, cancel));
     let hypotheses = patches::hypotheses(examiner.as_ref(), &different, fine);
     let hypotheses: Vec<Estimate> = hypotheses.into_iter().map(Estimate::from).collect();
     cancel.check()?;

@@ -6,47 +6,46 @@ use super::record::SearchRecord;
 use super::refinement::refine_best;
 use super::stand_ins::farthest_apart;
 use crate::estimate::evidence::lines::{LineCandidate, LineConsensus, compare_lines, geometries_from_lines};
-use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::result::REPORTED;
-use crate::estimate::{Clicks, Estimate, EstimateError, Parameters, PreparedPair, Search, Stage};
+use crate::estimate::{Estimate, EstimateError, Parameters, Search, Stage};
 use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::similarity::{ScaledSimilarity, SimilarityParameters, SimilaritySource};
 
 /// Smallest reach of disparities without a click to fix their zero, as a share of the longer side:
-/// a quarter of the image. The time grows with it. Never varied.
+/// a quarter of the image. The time grows with it.
 const UNANCHORED_REACH: f64 = 0.25;
 
 /// Finds candidate pairs among all lines and draws three of them at a time: two give the epipoles,
 /// a third gives the map. Counts the candidates that agree.
 pub(in crate::estimate) fn search(
-    prepared: &PreparedPair,
-    clicks: &Clicks,
+    input: SearchInput,
     ranked_by: Search,
-    parameters: &Parameters,
     record: &mut SearchRecord,
 ) -> Result<Judged, EstimateError> {
-    let viewed = ViewedPair::upright(prepared, parameters);
+    let viewed = ViewedPair::upright(input);
+    let parameters = input.parameters;
     let reach = parameters.similarity.disparity_reach.max(UNANCHORED_REACH);
     let similarity = SimilarityParameters { disparity_reach: reach, ..parameters.similarity };
     let unanchored = Parameters { similarity, ..parameters.clone() };
-    let source = prepared.similarity_source(viewed.patches.view(), &unanchored);
+    let source = input.prepared.similarity_source(viewed.patches.view(), &unanchored);
     let mut geometries = from_all_lines(&*source, parameters, record, |_, pairs| Ok(pairs))?;
     geometries.truncate(REPORTED);
     let hypotheses: Vec<Estimate> = geometries.iter().map(|f| Estimate::from(*f)).collect();
     let fundamental = *geometries.first().ok_or(EstimateError::NothingWithoutClicks)?;
-    report_preliminary(fundamental, &hypotheses, None, &viewed, clicks, parameters, record);
+    report_preliminary(fundamental, &hypotheses, None, &viewed, record);
 
     if ranked_by == Search::Patches
-        && let Some(found) = by_their_patches(&geometries, &viewed, clicks, parameters, record)?
+        && let Some(found) = by_their_patches(&geometries, &viewed, record)?
     {
         return Ok(found);
     }
     record.enter(Stage::Refinement)?;
-    let refined = refine_best(geometries.into_iter(), &viewed, clicks, parameters, record.cancel())?;
+    let refined = refine_best(geometries.into_iter(), &viewed, record.cancel())?;
     let matches = refined.iter().flat_map(|refined| &refined.refinement.matches);
     let supporting = matches.map(|m| m.pair).collect();
     let found = Found { fundamental, hypotheses, supporting, refined, clicks_alone: false };
-    Ok(Judged::of(found, &viewed, clicks, parameters, record))
+    Ok(Judged::of(found, &viewed, record))
 }
 
 /// Returns geometries from the consensus of all lines, best first, full-size pixels. `sharpened` may move
@@ -77,18 +76,15 @@ pub(super) fn from_all_lines(
 fn by_their_patches(
     geometries: &[FundamentalMatrix],
     viewed: &ViewedPair,
-    clicks: &Clicks,
-    parameters: &Parameters,
     record: &mut SearchRecord,
 ) -> Result<Option<Judged>, EstimateError> {
+    let SearchInput { prepared, clicks, .. } = viewed.input;
     record.enter(Stage::Validation)?;
-    let fine = viewed.fine();
+    let fine = viewed.patches.fine();
     let full_size = fine.scales.map(f64::recip);
     let putative: Vec<PointPair> =
         fine.support.distinctive().into_iter().map(|m| m.rescaled(full_size)).collect();
-    let Some(chosen) = geometries.iter().find_map(|f| farthest_apart(viewed.prepared, f, &[], &putative))
-    else {
-        return Ok(None);
-    };
-    judge_proposed(geometries, &[], viewed, &clicks.with_chosen(chosen), parameters, record)
+    let chosen = geometries.iter().find_map(|f| farthest_apart(prepared, f, &[], &putative));
+    let Some(chosen) = chosen else { return Ok(None) };
+    judge_proposed(geometries, &[], &viewed.with_clicks(&clicks.with_chosen(chosen)), record)
 }

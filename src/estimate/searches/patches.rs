@@ -7,20 +7,16 @@ use super::record::SearchRecord;
 use super::refinement::refine_ranked;
 use crate::estimate::evidence::lines::draw_pairs;
 use crate::estimate::evidence::patches;
-use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::result::REPORTED;
-use crate::estimate::{Clicks, Estimate, EstimateError, Parameters, Stage};
+use crate::estimate::{Estimate, EstimateError, Stage};
 
 /// Searches through two clicks, or two matches in their place, under one view.
-pub(super) fn search(
-    viewed: &ViewedPair,
-    clicks: &Clicks,
-    parameters: &Parameters,
-    record: &mut SearchRecord,
-) -> Result<Judged, EstimateError> {
+pub(super) fn search(viewed: &ViewedPair, record: &mut SearchRecord) -> Result<Judged, EstimateError> {
+    let SearchInput { clicks, parameters, .. } = viewed.input;
     let cancel = record.cancel();
-    let (coarse, voting) = (viewed.coarse(), viewed.voting());
-    let (anchors, pencils) = compare_pencils(viewed, clicks, parameters, record)?;
+    let (coarse, voting) = (viewed.patches.coarse(), viewed.patches.voting());
+    let (anchors, pencils) = compare_pencils(viewed, record)?;
 
     record.enter(Stage::Hypotheses)?;
     let candidates = pencils.each_ref().map(|compared| compared.candidates.as_slice());
@@ -33,19 +29,19 @@ pub(super) fn search(
         let hypotheses: Vec<Estimate> =
             to_draw.filter_map(|p| Some(p.unvalidated(coarse.scales, anchors)?.into())).collect();
         let support = Some(first.support);
-        report_preliminary(fundamental, &hypotheses, support, viewed, clicks, parameters, record);
+        report_preliminary(fundamental, &hypotheses, support, viewed, record);
     }
     record.counts.hypotheses = drawn.len();
     record.counts.validated = proposals.len();
 
     record.enter(Stage::Validation)?;
-    let fine = viewed.fine();
+    let fine = viewed.patches.fine();
     let ranked = patches::rank(coarse, fine, &proposals, &clicks.observed(), parameters, cancel)?;
-    let (hypotheses, leader) = distinct_hypotheses(&ranked, viewed, Some(&anchors), parameters, cancel)?;
+    let (hypotheses, leader) = distinct_hypotheses(&ranked, viewed, cancel)?;
     let (best, support) = (*hypotheses[0].fundamental(), Some(leader.support));
-    report_preliminary(best, &hypotheses, support, viewed, clicks, parameters, record);
+    report_preliminary(best, &hypotheses, support, viewed, record);
 
     record.enter(Stage::Refinement)?;
-    let found = refine_ranked(&ranked, hypotheses, viewed, clicks, parameters, cancel)?;
-    Ok(Judged::of(found, viewed, clicks, parameters, record))
+    let found = refine_ranked(&ranked, hypotheses, viewed, cancel)?;
+    Ok(Judged::of(found, viewed, record))
 }

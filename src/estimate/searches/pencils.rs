@@ -6,22 +6,21 @@ use rayon::prelude::*;
 
 use super::record::SearchRecord;
 use crate::estimate::evidence::lines::ComparedPencils;
-use crate::estimate::evidence::viewed::ViewedPair;
-use crate::estimate::{Clicks, EstimateError, Parameters, Stage};
+use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
+use crate::estimate::{EstimateError, Stage};
 use crate::geometry::PointPair;
 
 /// Compares the pencils through the anchors. Returns the first two anchors and their pencils.
 pub(super) fn compare_pencils(
     viewed: &ViewedPair,
-    clicks: &Clicks,
-    parameters: &Parameters,
     record: &mut SearchRecord,
 ) -> Result<([PointPair; 2], [Arc<ComparedPencils>; 2]), EstimateError> {
+    let SearchInput { prepared, clicks, parameters } = viewed.input;
     let (source, cancel) = (&*viewed.source, record.cancel());
     record.enter(Stage::Pencils)?;
     let compare = |click: &PointPair| {
         let compare = || ComparedPencils::new(source, click, &parameters.pencils, cancel);
-        viewed.prepared.pencils(click, viewed.patches.view(), parameters, compare)
+        prepared.pencils(click, viewed.patches.view(), parameters, compare)
     };
     let anchors = clicks.anchors();
     let all: Vec<Arc<ComparedPencils>> =

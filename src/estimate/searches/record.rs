@@ -7,6 +7,7 @@ use std::time::Instant;
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::PatchLevels;
+use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::{
     Clicks, Estimate, EstimateError, Monitor, Parameters, Progress, SearchCounts, SearchTrace, Stage,
     StageTiming,
@@ -92,16 +93,10 @@ impl<'a> SearchRecord<'a> {
     }
 
     /// Reports a geometry good enough to draw.
-    pub fn preliminary(
-        &mut self,
-        found: Estimate,
-        patches: &PatchLevels,
-        hypotheses: &[Estimate],
-        clicks: &Clicks,
-        parameters: &Parameters,
-    ) {
+    pub fn preliminary(&mut self, found: Estimate, hypotheses: &[Estimate], viewed: &ViewedPair) {
+        let SearchInput { clicks, parameters, .. } = viewed.input;
         self.first_seconds.get_or_insert(self.begun.elapsed().as_secs_f64());
-        let trace = self.trace(clicks, &self.pencils, patches, hypotheses.to_vec(), parameters);
+        let trace = self.trace(clicks, &self.pencils, &viewed.patches, hypotheses.to_vec(), parameters);
         let trace = Some(Arc::new(trace));
         self.monitor.report(Progress::Preliminary(Box::new(Estimate { trace, ..found })));
     }

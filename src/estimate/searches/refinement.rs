@@ -5,33 +5,30 @@ use rayon::prelude::*;
 use super::judged::Found;
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::patches::{self, Proposal, Refined, Settling};
-use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::selection::{ClickedPairs, select};
 use crate::estimate::verdict::trust::FAR_TOO_FEW;
-use crate::estimate::{Clicks, Estimate, EstimateError, Parameters};
-use crate::geometry::{FundamentalMatrix, Observation};
+use crate::estimate::{Estimate, EstimateError};
+use crate::geometry::FundamentalMatrix;
 
 /// Refines the ranked proposals. The result reports `hypotheses`.
 pub(super) fn refine_ranked(
     ranked: &[Proposal],
     hypotheses: Vec<Estimate>,
     viewed: &ViewedPair,
-    clicks: &Clicks,
-    parameters: &Parameters,
     cancel: &CancelFlag,
 ) -> Result<Found, EstimateError> {
-    let fine = viewed.fine();
+    let fine = viewed.patches.fine();
     let full_size = fine.scales.map(f64::recip);
     let matches = ranked.first().map(|leader| fine.support.matches(&leader.fundamental, patches::BAND));
     let supporting = matches.iter().flatten().map(|m| m.pair.rescaled(full_size)).collect();
     // Without refinement, the result is the best hypothesis that most of the clicks do not refuse.
-    let observed = clicks.observed();
-    let clicked = ClickedPairs { pairs: &observed, sigma: parameters.click_sigma };
+    let clicked = ClickedPairs::of(viewed.input);
     let first = hypotheses.iter().find(|h| !clicked.refuse(h.fundamental())).or(hypotheses.first());
     let fundamental = *first.ok_or(EstimateError::NoGeometry)?.fundamental();
     // Near-copies of the leader are refined, too. One of them may become better.
     let starts = ranked.iter().filter_map(|proposal| proposal.full_size(fine.scales));
-    let refined = refine_best(starts, viewed, clicks, parameters, cancel)?;
+    let refined = refine_best(starts, viewed, cancel)?;
     Ok(Found { fundamental, hypotheses, supporting, refined, clicks_alone: false })
 }
 
@@ -40,18 +37,13 @@ pub(super) fn refine_ranked(
 pub(super) fn refine_best(
     starts: impl Iterator<Item = FundamentalMatrix>,
     viewed: &ViewedPair,
-    clicks: &Clicks,
-    parameters: &Parameters,
     cancel: &CancelFlag,
 ) -> Result<Option<Refined>, EstimateError> {
+    let SearchInput { prepared, parameters, .. } = viewed.input;
     let (patches, refinement) = (&viewed.patches, &parameters.refinement);
-    let observed = clicks.observed();
-    let clicked = ClickedPairs { pairs: &observed, sigma: parameters.click_sigma };
+    let clicked = ClickedPairs::of(viewed.input);
     let refine = |f: &FundamentalMatrix| {
-        if cancel.is_cancelled() {
-            return None;
-        }
-        patches.refine(viewed.pyramids(), f, &observed, parameters.click_sigma, cancel)
+        if cancel.is_cancelled() { None } else { patches.refine(f, &clicked.0, cancel) }
     };
     // Few matches do not overrule the clicks.
     let is_of_this_scene = |refined: &Refined| {
@@ -68,14 +60,14 @@ pub(super) fn refine_best(
     // If the first start fails early, corners of the larger sizes are missing. A thread that made
     // them inside the parallel loop could take up another start while it waits, and that start
     // would wait for the same corners for ever.
-    patches.prepare_refinement(viewed.pyramids());
+    patches.prepare_refinement();
     let others: Vec<Option<Refined>> = others.par_iter().map(refine).collect();
     cancel.check()?;
     let mut all: Vec<Refined> =
         std::iter::once(first).chain(others).flatten().filter(is_of_this_scene).collect();
     let best = select(&all, &clicked).map(|k| all[k].fundamental);
     // If clicks speak against the best geometry, starts that the clicks prefer are refined, too.
-    if !observed.is_empty() && best.is_none_or(|best| clicked.speak_against(&best)) {
+    if !clicked.0.is_empty() && best.is_none_or(|best| clicked.speak_against(&best)) {
         let mut preferred = clicked.preferred(rest, best.as_ref());
         preferred.truncate(count);
         let more: Vec<Option<Refined>> = preferred.par_iter().map(refine).collect();
@@ -84,15 +76,12 @@ pub(super) fn refine_best(
     }
     let Some(best) = select(&all, &clicked).map(|k| all.swap_remove(k)) else { return Ok(None) };
     let settling = Settling {
-        clicks: &observed
-            .iter()
-            .map(|pair| Observation { pair: *pair, sigma: parameters.click_sigma })
-            .collect::<Vec<_>>(),
-        given: viewed.prepared.given().map_or(&[][..], |given| &given.all),
+        clicks: &clicked.0,
+        given: prepared.given().map_or(&[][..], |given| &given.all),
         allows: &|f| !clicked.prefer(&best.fundamental, f),
         seed: parameters.seed,
     };
-    let settled = patches.settle(viewed.pyramids(), &best.fundamental, &settling, cancel);
+    let settled = patches.settle(&best.fundamental, &settling, cancel);
     cancel.check()?;
     Ok(Some(settled.unwrap_or(best)))
 }
@@ -101,7 +90,7 @@ pub(super) fn refine_best(
 mod tests {
     use super::*;
     use crate::estimate::exact::ExactScene;
-    use crate::estimate::{PreparedPair, SearchPlan};
+    use crate::estimate::{Clicks, Parameters, PreparedPair, SearchPlan};
     use crate::features::FeatureViews;
     use crate::geometry::PointPair;
     use crate::image::RelativeView;
@@ -115,12 +104,13 @@ mod tests {
     ) -> Option<FundamentalMatrix> {
         let parameters = Parameters::default();
         let patches = prepared.patches_with_features(RelativeView::UPRIGHT, FeatureViews::Frontal);
-        let viewed = ViewedPair::new(prepared, patches, &parameters);
         let clicks = Clicks::for_plan(pairs, SearchPlan::Patches { clicks: 2 });
+        let input = SearchInput { prepared, clicks: &clicks, parameters: &parameters };
+        let viewed = ViewedPair::new(input, patches);
         let starts = starts.iter().copied();
         let cancel = CancelFlag::default();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let found = pool.install(|| refine_best(starts, &viewed, &clicks, &parameters, &cancel)).unwrap();
+        let found = pool.install(|| refine_best(starts, &viewed, &cancel)).unwrap();
         found.map(|refined| refined.fundamental)
     }
 

@@ -30,7 +30,7 @@ pub(super) fn putative_matches(
     patches: &PatchLevels,
 ) -> Vec<PointPair> {
     let features = features.matches.iter().filter(|m| m.ratio < DISTINCTIVE).map(|m| m.pair);
-    let fine = patches.fine(prepared.pyramids());
+    let fine = patches.fine();
     let full_size = fine.scales.map(f64::recip);
     let corners = fine.support.distinctive().into_iter().map(|m| m.rescaled(full_size));
     let frames = prepared.frames();

@@ -13,35 +13,34 @@ use super::patches;
 use super::record::SearchRecord;
 use super::stand_ins::{drawn_stand_ins, farthest_apart, putative_matches};
 use crate::estimate::evidence::prepared::GivenMatches;
-use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::selection::{ClickedPairs, select};
-use crate::estimate::{Clicks, EstimateError, Parameters, PreparedPair};
+use crate::estimate::{Clicks, EstimateError, PreparedPair};
 use crate::features::FeatureViews;
 use crate::image::RelativeView;
 
 /// Searches with features and, if the result leaves doubts, with lines through drawn matches.
 pub(in crate::estimate) fn search(
-    prepared: &PreparedPair,
-    clicks: &Clicks,
-    parameters: &Parameters,
+    input: SearchInput,
     record: &mut SearchRecord,
 ) -> Result<Judged, EstimateError> {
+    let SearchInput { prepared, clicks, parameters } = input;
     let mut all: Vec<Judged> = Vec::new();
     for of in [FeatureViews::Frontal, FeatureViews::Slanted] {
-        let proposals = FeatureProposals::new(prepared, of, clicks, parameters, record)?;
+        let proposals = FeatureProposals::new(input, of, record)?;
         let held = with_stand_ins(prepared, clicks, &proposals);
-        let is_settled = |found: &Judged| !found.is_open();
-        if proposals.judge_under_views(prepared, &held, is_settled, parameters, record, &mut all)? {
+        let held = SearchInput { clicks: &held, ..input };
+        if proposals.judge_under_views(held, |found| !found.is_open(), record, &mut all)? {
             return all.pop().ok_or(EstimateError::NothingWithoutClicks);
         }
     }
     let features = prepared.features(FeatureViews::Slanted);
     let view = all.first().map_or(RelativeView::UPRIGHT, |found| found.patches.view());
     let patches = prepared.patches_with_features(view, FeatureViews::Slanted);
-    let viewed = ViewedPair::new(prepared, patches, parameters);
+    let viewed = ViewedPair::new(input, patches);
     let putative = putative_matches(prepared, features, &viewed.patches);
     for pair in drawn_stand_ins(prepared, &putative, parameters.features.stand_ins, parameters.seed) {
-        let found = match patches::search(&viewed, &clicks.with_chosen(pair), parameters, record) {
+        let found = match patches::search(&viewed.with_clicks(&clicks.with_chosen(pair)), record) {
             Ok(found) => found,
             Err(EstimateError::NoCandidates(_) | EstimateError::NoGeometry) => continue,
             Err(error) => return Err(error),
@@ -52,8 +51,7 @@ pub(in crate::estimate) fn search(
             break;
         }
     }
-    let clicked = ClickedPairs { pairs: &clicks.observed(), sigma: parameters.click_sigma };
-    let best = select(&all, &clicked).map(|k| all.swap_remove(k));
+    let best = select(&all, &ClickedPairs::of(input)).map(|k| all.swap_remove(k));
     let of_given = || {
         // The images alone show nothing, so the matches from elsewhere decide.
         let GivenMatches { fundamental, inliers, .. } = prepared.given()?;
@@ -64,7 +62,7 @@ pub(in crate::estimate) fn search(
             refined: None,
             clicks_alone: false,
         };
-        Some(Judged::of(found, &viewed, clicks, parameters, record))
+        Some(Judged::of(found, &viewed, record))
     };
     best.or_else(of_given).ok_or(EstimateError::NothingWithoutClicks)
 }
@@ -91,8 +89,8 @@ mod tests {
     use crate::estimate::exact::{ExactScene, FRAME};
     use crate::estimate::sampling::{Purpose, stream};
     use crate::estimate::{
-        ClickRole, Estimate, Match, Method, Monitor, Preset, Uncertainty, Verdict, estimate_fundamental,
-        estimate_prepared,
+        ClickRole, Estimate, Match, Method, Monitor, Parameters, Preset, Uncertainty, Verdict,
+        estimate_fundamental, estimate_prepared,
     };
     use crate::geometry::PointPair;
     use crate::image::GrayPlane;

@@ -9,7 +9,6 @@ use crate::estimate::{Assessment, Reason, Trust, Verdict};
 /// What speaks against a result, from the least to the most severe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Doubt {
-    /// Nothing.
     Nothing,
     /// A click off its line, which the images outvote.
     Click,
@@ -17,7 +16,6 @@ enum Doubt {
     Epipole,
     /// Tests of the support: few matches, a rival, contradicting or imprecise matches.
     Support,
-    /// The verdict is unreliable.
     Unreliable,
 }
 

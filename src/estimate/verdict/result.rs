@@ -10,12 +10,12 @@ use serde::Serialize;
 
 use crate::estimate::evidence::patches::{Hypothesis, PatchLevels};
 use crate::estimate::{
-    Clicks, ComparedPencils, ENOUGH_MATCHES, EpipoleBearing, EpipoleCertainty, LineFigures, Method,
-    PatchSupport, PreparedPair, Preset, RefinedMatch, Refinement, Stage, Trust, Uncertainty, Verdict,
+    BarcodeFigures, Clicks, ComparedPencils, ENOUGH_MATCHES, EpipoleBearing, EpipoleCertainty, LineFigures,
+    Method, PatchSupport, PreparedPair, Preset, RefinedMatch, Refinement, Stage, Trust, Uncertainty, Verdict,
     Warning,
 };
 use crate::features::FeatureViews;
-use crate::geometry::{EpipolarGeometry, Frame, FundamentalMatrix};
+use crate::geometry::{EpipolarGeometry, Frame, FundamentalMatrix, PointPair};
 use crate::image::RelativeView;
 
 /// Largest number of hypotheses reported with all their figures, rivals included. It bounds the
@@ -116,23 +116,6 @@ pub struct PlaneHomography {
     pub residual: f64,
 }
 
-/// Figures of a geometry from the barcodes of corresponding lines.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct BarcodeFigures {
-    /// Agreement of the barcodes of corresponding epipolar lines over both images: 1 for equal
-    /// barcodes, 0 for unrelated ones.
-    pub correlation: f64,
-    /// Best agreement with the second sequence shifted in time, which only chance explains.
-    pub by_chance: f64,
-    /// Number of independent epipolar lines. The same objects cross neighbouring lines.
-    pub lines: f64,
-    /// Standard deviation of the epipolar lines at moving objects, px, from a jackknife over the
-    /// frames. `None` with too few frames.
-    pub deviation: Option<f64>,
-    /// Number of frames compared.
-    pub frames: usize,
-}
-
 /// Record of the search that found a geometry.
 #[derive(Debug, Clone, Default)]
 pub struct SearchTrace {
@@ -224,6 +207,11 @@ impl Estimate {
     /// Returns the refined matches. Empty without refinement.
     pub fn matches(&self) -> &[RefinedMatch] {
         self.assessment.refinement.as_ref().map_or(&[], |refinement| &refinement.matches)
+    }
+
+    /// Returns the points of the refined matches.
+    pub fn matched_pairs(&self) -> Vec<PointPair> {
+        self.matches().iter().map(|found| found.pair).collect()
     }
 
     /// Returns whether all seven degrees of freedom were refined at full resolution.

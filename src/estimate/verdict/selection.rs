@@ -8,10 +8,11 @@
 //! support it by chance.
 
 use crate::estimate::evidence::patches::Refined;
+use crate::estimate::evidence::viewed::SearchInput;
 use crate::estimate::verdict::trust::{
     CHANCE_DEVIATIONS, CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG,
 };
-use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
+use crate::geometry::{FundamentalMatrix, Observation, PointPair, sampson_distance};
 
 /// Geometry with the weight of its refined matches, and the standard deviation of the weight by chance.
 #[derive(Debug, Clone, Copy)]
@@ -28,18 +29,21 @@ impl From<&Refined> for Weighed {
     }
 }
 
-/// Clicked pairs, as evidence for or against geometries.
-pub(in crate::estimate) struct ClickedPairs<'a> {
-    /// Pairs in full-size pixels.
-    pub pairs: &'a [PointPair],
-    /// Standard deviation of a click, px.
-    pub sigma: f64,
-}
+/// Clicked pairs that take part in fits, as evidence for or against geometries. Full-size pixels.
+pub(in crate::estimate) struct ClickedPairs(pub Vec<Observation>);
 
-impl ClickedPairs<'_> {
+impl ClickedPairs {
+    pub fn new(pairs: &[PointPair], sigma: f64) -> Self {
+        Self(pairs.iter().map(|pair| Observation { pair: *pair, sigma }).collect())
+    }
+
+    pub fn of(input: SearchInput) -> Self {
+        Self::new(&input.clicks.observed(), input.parameters.click_sigma)
+    }
+
     /// Returns the number of pairs farther than `deviations` standard deviations from their lines.
     fn contradicting(&self, f: &FundamentalMatrix, deviations: f64) -> usize {
-        self.pairs.iter().filter(|pair| sampson_distance(f, pair) > deviations * self.sigma).count()
+        self.0.iter().filter(|click| sampson_distance(f, &click.pair) > deviations * click.sigma).count()
     }
 
     /// Returns whether at least two pairs contradict a refined geometry.
@@ -73,7 +77,7 @@ impl ClickedPairs<'_> {
 
     /// Returns whether most of the pairs are far from their lines.
     pub fn refuse(&self, f: &FundamentalMatrix) -> bool {
-        2 * self.contradicting(f, CLICK_DEVIATIONS_WRONG) > self.pairs.len()
+        2 * self.contradicting(f, CLICK_DEVIATIONS_WRONG) > self.0.len()
     }
 }
 
@@ -112,7 +116,7 @@ mod tests {
     fn among(all: &[(f64, f64)], deviation: f64, pairs: &[PointPair]) -> Option<f64> {
         let rival =
             |(weight, shift): &(f64, f64)| Weighed { weight: *weight, deviation, fundamental: rows(*shift) };
-        select(all.iter().map(rival), &ClickedPairs { pairs, sigma: 1.0 }).map(|k| all[k].1)
+        select(all.iter().map(rival), &ClickedPairs::new(pairs, 1.0)).map(|k| all[k].1)
     }
 
     /// Returns the selected shift for clicks that fit the shift 0, and weights of small deviation.
@@ -151,10 +155,10 @@ mod tests {
     #[test]
     fn geometries_preferred_by_clicks_are_found_at_any_rank() {
         let pairs = [10.0, 60.0, 90.0, 200.0].map(|y| PointPair::new(20.0, y, 30.0, y));
-        let clicks = ClickedPairs { pairs: &pairs, sigma: 1.0 };
+        let clicks = ClickedPairs::new(&pairs, 1.0);
         assert!(clicks.speak_against(&rows(9.0)) && !clicks.speak_against(&rows(3.0)));
         let one_off = [pairs[0], PointPair::new(20.0, 50.0, 30.0, 70.0)];
-        let doubtful = ClickedPairs { pairs: &one_off, sigma: 1.0 };
+        let doubtful = ClickedPairs::new(&one_off, 1.0);
         assert!(!doubtful.speak_against(&rows(0.0)), "one may be a mistake");
         // Before refinement a geometry may be off by more than after it.
         let ranked = [40.0, 10.0, 30.0, 0.0].map(rows);
@@ -163,7 +167,7 @@ mod tests {
         assert_eq!(clicks.preferred(&ranked, None), [rows(10.0), rows(0.0)]);
         // Geometries with the fewest far clicks come first.
         let mixed = [0.0, 0.0, 0.0, 30.0].map(|off| PointPair::new(20.0, 50.0, 30.0, 50.0 + off));
-        let mixed = ClickedPairs { pairs: &mixed, sigma: 1.0 };
+        let mixed = ClickedPairs::new(&mixed, 1.0);
         assert_eq!(mixed.preferred(&[rows(30.0), rows(0.0)], Some(&rows(60.0))), [rows(0.0)]);
     }
 
@@ -182,9 +186,9 @@ mod tests {
     #[test]
     fn a_geometry_far_from_most_clicks_is_refused() {
         let pairs = [0.0, 0.0, 30.0, 30.0].map(|off| PointPair::new(20.0, 50.0, 30.0, 50.0 + off));
-        let refuse = |few: &[PointPair]| ClickedPairs { pairs: few, sigma: 1.0 }.refuse(&rows(0.0));
+        let refuse = |few: &[PointPair]| ClickedPairs::new(few, 1.0).refuse(&rows(0.0));
         assert!(!refuse(&pairs), "half of them");
         assert!(refuse(&pairs[1..]) && !refuse(&[]));
-        assert!(!ClickedPairs { pairs: &pairs[1..], sigma: 3.0 }.refuse(&rows(0.0)));
+        assert!(!ClickedPairs::new(&pairs[1..], 3.0).refuse(&rows(0.0)));
     }
 }

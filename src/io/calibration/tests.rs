@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::*;
 use crate::camera::{Lens, ViewPair};
 use crate::geometry::{Point, PointPair};
+use crate::skipping;
 
 fn read(text: &str) -> Vec<CalibratedCamera> {
     Calibration::parse(text).unwrap_or_else(|e| panic!("{e}\n{text}")).cameras
@@ -170,11 +171,7 @@ fn what_is_no_calibration_is_told_in_words() {
 
 #[test]
 fn calibrations_of_other_programs_are_read() {
-    let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    if !data.is_dir() {
-        eprintln!("skipped: {} is missing", data.display());
-        return;
-    }
+    let Some(data) = skipping::shared("data") else { return };
     for (name, cameras, has_pose) in [
         ("projects/calibrations/kalibr-euroc_mav.yaml", 2, true),
         ("projects/calibrations/kalibr-rs_t265.yaml", 2, true),
@@ -194,11 +191,7 @@ fn calibrations_of_other_programs_are_read() {
 
 #[test]
 fn corners_of_a_board_lie_on_their_epipolar_curves() {
-    let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/video-charuco");
-    if !data.is_dir() {
-        eprintln!("skipped: {} is missing", data.display());
-        return;
-    }
+    let Some(data) = skipping::shared("data/video-charuco") else { return };
     let calibration = Calibration::read(&data.join("camera_array.toml")).unwrap();
     // Corners by time, camera and number.
     let text = std::fs::read_to_string(data.join("xy.csv")).unwrap();

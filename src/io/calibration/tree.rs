@@ -29,7 +29,6 @@ const COEFFICIENTS: [&str; 9] = [
 const ROTATION: [&str; 2] = ["R", "rotation"];
 const TRANSLATION: [&str; 3] = ["T", "translation", "t"];
 
-/// Reads all cameras.
 pub(super) fn cameras(root: &Value) -> Result<Vec<CalibratedCamera>, String> {
     let root = root.as_object().ok_or("there are no named values in it")?;
     // The section of caliscope holds the cameras by number.

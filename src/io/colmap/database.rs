@@ -73,14 +73,14 @@ impl Database {
         // Without its log the database is complete; the copy needs none.
         header[JOURNAL].fill(NO_WRITE_AHEAD_LOG);
         let file = output.stage_from(&mut header.chain(input))?;
-        let connection = open(file.path()).map_err(|e| refused(&in_words(&e)))?;
+        let connection = open(file.part.path()).map_err(|e| refused(&in_words(&e)))?;
         Ok(Self { connection, file })
     }
 
     /// Closes the database and returns its file.
     pub(super) fn finish(self) -> Result<StagedFile, String> {
         self.connection.close().map_err(|(_, e)| in_words(&e))?;
-        self.file.sync().map_err(|e| reason(&e))?;
+        self.file.part.sync().map_err(|e| reason(&e))?;
         Ok(self.file)
     }
 
@@ -141,7 +141,6 @@ impl Database {
         Ok(numbers.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect())
     }
 
-    /// Returns the verified matches of a pair.
     pub(super) fn verified(&self, pair: i64) -> Result<Vec<[u32; 2]>, String> {
         self.matches(self.geometries()?.0, pair)
     }

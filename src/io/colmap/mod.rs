@@ -297,7 +297,6 @@ fn numbered(
     Ok((keypoints, found))
 }
 
-/// Adds a pair.
 fn add(
     database: &Database,
     images: &[Image; 2],

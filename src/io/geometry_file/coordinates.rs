@@ -4,7 +4,7 @@
 //! `o`. Then `F' = T⁻ᵀ F T⁻¹` and `P' = T P`. A homography from pixels to pixels becomes
 //! `H' = T H T⁻¹`.
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, SMatrix};
 
 use super::quantity::Quantity;
 use super::{Format, GeometryFile, ImageNote, PairLabel, TrustNote};
@@ -15,13 +15,8 @@ pub(in crate::io) fn shift(origin: f64) -> Matrix3<f64> {
     Matrix3::new(1.0, 0.0, origin, 0.0, 1.0, origin, 0.0, 0.0, 1.0)
 }
 
-/// Named matrix, row by row.
-pub(super) struct NamedRows {
-    pub(super) quantity: Quantity,
-    pub(super) rows: Vec<Vec<f64>>,
-}
-
-/// Named matrix as one list.
+/// Named matrix.
+#[derive(Clone)]
 pub(super) struct NamedTable {
     pub(super) quantity: Quantity,
     pub(super) columns: usize,
@@ -32,7 +27,6 @@ pub(super) struct NamedTable {
 /// Fit of the point pairs to F, computed from the numbers in the file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SelfCheck {
-    /// Number of pairs.
     pub(super) pairs: usize,
     /// Mean symmetric epipolar distance, px.
     pub(super) mean: f64,
@@ -43,7 +37,8 @@ pub(super) struct SelfCheck {
 /// Content converted and rounded as in the file.
 pub(super) struct WrittenGeometry<'a> {
     pub(super) format: Format,
-    pub(super) matrices: Vec<NamedRows>,
+    /// Matrices, and vectors as one row.
+    pub(super) matrices: Vec<NamedTable>,
     pub(super) pairs: Vec<PointPair>,
     pub(super) images: Option<&'a [ImageNote; 2]>,
     pub(super) check: Option<SelfCheck>,
@@ -60,22 +55,22 @@ impl<'a> WrittenGeometry<'a> {
         let (there, back) = (shift(origin), shift(-origin));
         let fundamental = file.geometry().and_then(|f| moved_fundamental(&f, origin));
         let mut matrices = Vec::new();
-        let mut add = |quantity, rows| matrices.push(NamedRows { quantity, rows });
+        let mut add = |quantity, (columns, values)| matrices.push(NamedTable { quantity, columns, values });
         if let Some(f) = &fundamental {
-            add(Quantity::Fundamental, rows(f.matrix()));
-            add(Quantity::Epipole1, vec![f.epipole1().iter().copied().collect()]);
-            add(Quantity::Epipole2, vec![f.epipole2().iter().copied().collect()]);
+            add(Quantity::Fundamental, by_rows(f.matrix()));
+            add(Quantity::Epipole1, by_rows(&f.epipole1().transpose()));
+            add(Quantity::Epipole2, by_rows(&f.epipole2().transpose()));
         }
         if let Some([camera1, camera2]) = &file.cameras {
-            add(Quantity::Camera1, rows(&(there * camera1.matrix())));
-            add(Quantity::Camera2, rows(&(there * camera2.matrix())));
+            add(Quantity::Camera1, by_rows(&(there * camera1.matrix())));
+            add(Quantity::Camera2, by_rows(&(there * camera2.matrix())));
         }
         if let Some([h1, h2]) = &file.homographies {
-            add(Quantity::Homography1, rows(&(there * h1 * back)));
-            add(Quantity::Homography2, rows(&(there * h2 * back)));
+            add(Quantity::Homography1, by_rows(&(there * h1 * back)));
+            add(Quantity::Homography2, by_rows(&(there * h2 * back)));
         }
         if let Some(h) = &file.homography21 {
-            add(Quantity::PlaneHomography, rows(&(there * h * back)));
+            add(Quantity::PlaneHomography, by_rows(&(there * h * back)));
         }
         let pairs: Vec<_> = file.pairs.iter().map(|p| moved_pair(p, origin)).collect();
         let check = fundamental.and_then(|f| SelfCheck::new(&f, &pairs));
@@ -87,15 +82,12 @@ impl<'a> WrittenGeometry<'a> {
 
     /// Returns all matrices, vectors as columns, and the points of each image as a separate table.
     pub(super) fn tables(&self) -> Vec<NamedTable> {
-        let mut tables: Vec<_> = self
-            .matrices
-            .iter()
-            .map(|m| NamedTable {
-                quantity: m.quantity,
-                columns: if m.rows.len() == 1 { 1 } else { m.rows.first().map_or(1, Vec::len) },
-                values: m.rows.concat(),
-            })
-            .collect();
+        let mut tables = self.matrices.clone();
+        for table in &mut tables {
+            if table.values.len() == table.columns {
+                table.columns = 1;
+            }
+        }
         if !self.pairs.is_empty() {
             for (quantity, side) in [(Quantity::Points1, 0), (Quantity::Points2, 2)] {
                 let values = self.pairs.iter().flat_map(|p| [p.numbers()[side], p.numbers()[side + 1]]);
@@ -167,9 +159,9 @@ pub(in crate::io) fn moved_pair(pair: &PointPair, origin: f64) -> PointPair {
     PointPair { point1: moved(pair.point1), point2: moved(pair.point2) }
 }
 
-/// Returns the rows of a matrix.
-fn rows<const C: usize>(matrix: &nalgebra::SMatrix<f64, 3, C>) -> Vec<Vec<f64>> {
-    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
+/// Returns the number of columns of a matrix, and its entries row by row.
+fn by_rows<const R: usize, const C: usize>(matrix: &SMatrix<f64, R, C>) -> (usize, Vec<f64>) {
+    (C, matrix.transpose().iter().copied().collect())
 }
 
 /// Formats numbers with the fewest digits that read back exactly, always with a point or an

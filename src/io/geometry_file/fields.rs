@@ -68,7 +68,7 @@ impl NumberTable {
 #[derive(Debug, Default)]
 pub(super) struct Fields {
     tables: Vec<(Quantity, NumberTable)>,
-    images: [Option<ImageNote>; 2],
+    pub(super) images: [Option<ImageNote>; 2],
     is_undistorted: bool,
     /// Matches of a result.
     found: Vec<PointPair>,
@@ -89,13 +89,6 @@ impl Fields {
             None => self.tables.push((quantity, table)),
         }
         Ok(())
-    }
-
-    /// Adds image 1 (`index` 0) or image 2 (`index` 1).
-    pub(super) fn add_image(&mut self, index: usize, image: ImageNote) {
-        if let Some(place) = self.images.get_mut(index) {
-            *place = Some(image);
-        }
     }
 
     /// Adds numbers without a name: nine are `F`, rows of four are point pairs.

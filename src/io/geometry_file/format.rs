@@ -6,18 +6,21 @@ use serde::{Deserialize, Serialize};
 
 use super::quantity::Quantity;
 
-/// Format of a geometry file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Format {
-    /// JSON with the field names of a result of `epiline estimate`.
-    Json,
-    /// Plain text with comments.
-    Text,
-    /// OpenCV `FileStorage`, YAML.
-    OpencvYaml,
-    /// Script for MATLAB and Octave, written only.
-    Matlab,
+named! {
+    fn name;
+    /// Format of a geometry file.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Format {
+        /// JSON with the field names of a result of `epiline estimate`.
+        Json = "json",
+        /// Plain text with comments.
+        Text = "text",
+        /// OpenCV `FileStorage`, YAML.
+        OpencvYaml = "opencv-yaml",
+        /// Script for MATLAB and Octave, written only.
+        Matlab = "matlab",
+    }
 }
 
 /// Variables assigned by a script besides the quantities.
@@ -35,19 +38,6 @@ const MATLAB_ALSO_ASSIGNED: [&str; 10] = [
 ];
 
 impl Format {
-    /// All formats.
-    pub const ALL: [Self; 4] = [Self::Json, Self::Text, Self::OpencvYaml, Self::Matlab];
-
-    /// Returns the name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Json => "json",
-            Self::Text => "text",
-            Self::OpencvYaml => "opencv-yaml",
-            Self::Matlab => "matlab",
-        }
-    }
-
     /// Returns the name for display.
     pub fn label(self) -> &'static str {
         match self {

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::content::CalibratedNote;
-use super::coordinates::WrittenGeometry;
+use super::coordinates::{NamedTable, WrittenGeometry};
 use super::fields::{Fields, insert, table};
 use super::quantity::Quantity;
 use super::{ImageNote, Problem};
@@ -37,17 +37,13 @@ struct File<'a> {
 }
 
 pub(super) fn write(written: &WrittenGeometry) -> String {
-    let value = |quantity, rows: &[Vec<f64>]| match quantity {
-        Quantity::Epipole1 | Quantity::Epipole2 => json!(rows.concat()),
-        _ => json!(rows),
+    let value = |NamedTable { quantity, columns, values }: &NamedTable| match quantity {
+        Quantity::Epipole1 | Quantity::Epipole2 => json!(values),
+        _ => values.chunks(*columns).collect(),
     };
     let file = File {
         convention: written.preamble(),
-        matrices: written
-            .matrices
-            .iter()
-            .map(|m| (m.quantity.word().to_owned(), value(m.quantity, &m.rows)))
-            .collect(),
+        matrices: written.matrices.iter().map(|m| (m.quantity.word().to_owned(), value(m))).collect(),
         pairs: written.pairs.iter().map(PointPair::numbers).collect(),
         images: written.images,
         undistorted: written.is_undistorted,

@@ -5,42 +5,29 @@ use serde::{Deserialize, Serialize};
 use crate::estimate::Trust;
 use crate::presentation::reason_in_words;
 
-/// Origin of the points of a pair.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PairOrigin {
-    /// A person clicked both points.
-    #[default]
-    Clicked,
-    /// A person clicked one point and accepted the suggested match.
-    Suggested,
-    /// A person clicked both points, and one was refined to subpixel accuracy.
-    Refined,
-    /// One point was moved to the best match on its epipolar line.
-    MovedToMatch,
-    /// Both points were read from a file.
-    Imported,
-    /// Both points were pasted from a table.
-    Pasted,
-    /// A true match supplied with the images.
-    TrueMatch,
-    /// The program found both points.
-    Automatic,
-}
-
-impl PairOrigin {
-    /// Returns the name in files and for display.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Clicked => "clicked",
-            Self::Suggested => "suggested",
-            Self::Refined => "refined",
-            Self::MovedToMatch => "moved-to-match",
-            Self::Imported => "imported",
-            Self::Pasted => "pasted",
-            Self::TrueMatch => "true-match",
-            Self::Automatic => "automatic",
-        }
+named! {
+    fn name;
+    /// Origin of the points of a pair.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum PairOrigin {
+        /// A person clicked both points.
+        #[default]
+        Clicked = "clicked",
+        /// A person clicked one point and accepted the suggested match.
+        Suggested = "suggested",
+        /// A person clicked both points, and one was refined to subpixel accuracy.
+        Refined = "refined",
+        /// One point was moved to the best match on its epipolar line.
+        MovedToMatch = "moved-to-match",
+        /// Both points were read from a file.
+        Imported = "imported",
+        /// Both points were pasted from a table.
+        Pasted = "pasted",
+        /// A true match supplied with the images.
+        TrueMatch = "true-match",
+        /// The program found both points.
+        Automatic = "automatic",
     }
 }
 

@@ -9,36 +9,25 @@ use super::quantity::Quantity;
 use super::{Format, TrustNote};
 use crate::geometry::FundamentalMatrix;
 
-/// Notation of a matrix in another language.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Notation {
-    /// Python with `import numpy as np`.
-    NumPy,
-    /// C++ with OpenCV's `cv::Matx`.
-    Cpp,
-    /// MATLAB and Octave, which count pixels from 1.
-    Matlab,
-    /// LaTeX with `amsmath`, rounded to six digits.
-    Latex,
-    /// JSON with the field names of this program.
-    Json,
+named! {
+    fn name;
+    /// Notation of a matrix in another language.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Notation {
+        /// Python with `import numpy as np`.
+        NumPy = "NumPy",
+        /// C++ with OpenCV's `cv::Matx`.
+        Cpp = "C++ (OpenCV)",
+        /// MATLAB and Octave, which count pixels from 1.
+        Matlab = "MATLAB",
+        /// LaTeX with `amsmath`, rounded to six digits.
+        Latex = "LaTeX",
+        /// JSON with the field names of this program.
+        Json = "JSON",
+    }
 }
 
 impl Notation {
-    /// All notations.
-    pub const ALL: [Self; 5] = [Self::NumPy, Self::Cpp, Self::Matlab, Self::Latex, Self::Json];
-
-    /// Returns the name for display.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::NumPy => "NumPy",
-            Self::Cpp => "C++ (OpenCV)",
-            Self::Matlab => "MATLAB",
-            Self::Latex => "LaTeX",
-            Self::Json => "JSON",
-        }
-    }
-
     /// Returns `F` in this notation. A comment states the convention and the verdict, if given. JSON
     /// has a field for the verdict instead.
     pub fn text(self, fundamental: &FundamentalMatrix, trust: Option<&TrustNote>) -> String {

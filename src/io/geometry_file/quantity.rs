@@ -16,76 +16,61 @@ pub(super) enum Quantity {
     Pairs,
 }
 
+/// Each quantity with its accepted names (the symbol, the JSON name, then names used by other
+/// programs) and its description for a comment in the file, in the order of the variants.
+const QUANTITIES: [(Quantity, &[&str], &str); 11] = [
+    (
+        Quantity::Fundamental,
+        &[
+            "F",
+            "fundamental",
+            "fundamental_matrix",
+            "fundamentalMatrix",
+            "FundamentalMatrix",
+            "Fundamental_Matrix",
+            "fundamental_matrices",
+        ],
+        "fundamental matrix, x2' F x1 = 0",
+    ),
+    (Quantity::Epipole1, &["e1", "epipole1"], "epipole in image 1, homogeneous, F e1 = 0"),
+    (Quantity::Epipole2, &["e2", "epipole2"], "epipole in image 2, homogeneous, F' e2 = 0"),
+    (Quantity::Camera1, &["P1", "camera1"], "camera of image 1, x1 ~ P1 X"),
+    (Quantity::Camera2, &["P2", "camera2"], "camera of image 2, x2 ~ P2 X"),
+    (Quantity::Homography1, &["H1", "homography1"], "rectifying homography of image 1, rectified ~ H1 x1"),
+    (Quantity::Homography2, &["H2", "homography2"], "rectifying homography of image 2, rectified ~ H2 x2"),
+    (
+        Quantity::PlaneHomography,
+        &["H21", "homography21"],
+        "homography of the plane, or of the rotation of the camera, x2 ~ H21 x1",
+    ),
+    (Quantity::Points1, &["points1", "pts1", "matchedPoints1"], "points in image 1, one per row: x y"),
+    (
+        Quantity::Points2,
+        &["points2", "pts2", "matchedPoints2"],
+        "points in image 2, one per row: x y, in the order of points1",
+    ),
+    (Quantity::Pairs, &["pairs", "matches"], "point pairs, one per row: x1 y1 x2 y2"),
+];
+
 impl Quantity {
-    const ALL: [Self; 11] = [
-        Self::Fundamental,
-        Self::Epipole1,
-        Self::Epipole2,
-        Self::Camera1,
-        Self::Camera2,
-        Self::Homography1,
-        Self::Homography2,
-        Self::PlaneHomography,
-        Self::Points1,
-        Self::Points2,
-        Self::Pairs,
-    ];
-
-    /// Returns the accepted names: the symbol, the JSON name, then names used by other programs.
-    fn names(self) -> &'static [&'static str] {
-        match self {
-            Self::Fundamental => &[
-                "F",
-                "fundamental",
-                "fundamental_matrix",
-                "fundamentalMatrix",
-                "FundamentalMatrix",
-                "Fundamental_Matrix",
-                "fundamental_matrices",
-            ],
-            Self::Epipole1 => &["e1", "epipole1"],
-            Self::Epipole2 => &["e2", "epipole2"],
-            Self::Camera1 => &["P1", "camera1"],
-            Self::Camera2 => &["P2", "camera2"],
-            Self::Homography1 => &["H1", "homography1"],
-            Self::Homography2 => &["H2", "homography2"],
-            Self::PlaneHomography => &["H21", "homography21"],
-            Self::Points1 => &["points1", "pts1", "matchedPoints1"],
-            Self::Points2 => &["points2", "pts2", "matchedPoints2"],
-            Self::Pairs => &["pairs", "matches"],
-        }
-    }
-
     /// Returns the symbol, for example `F`.
     pub(super) fn symbol(self) -> &'static str {
-        self.names()[0]
+        QUANTITIES[self as usize].1[0]
     }
 
     /// Returns the JSON name, for example `fundamental`.
     pub(super) fn word(self) -> &'static str {
-        self.names().get(1).copied().unwrap_or(self.symbol())
+        let names = QUANTITIES[self as usize].1;
+        names.get(1).unwrap_or(&names[0])
     }
 
-    /// Returns the quantity of a name.
     pub(super) fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|q| q.names().contains(&name))
+        QUANTITIES.iter().find(|(_, names, _)| names.contains(&name)).map(|(quantity, ..)| *quantity)
     }
 
     /// Returns the description for a comment in the file.
     pub(super) fn meaning(self) -> &'static str {
-        match self {
-            Self::Fundamental => "fundamental matrix, x2' F x1 = 0",
-            Self::Epipole1 => "epipole in image 1, homogeneous, F e1 = 0",
-            Self::Epipole2 => "epipole in image 2, homogeneous, F' e2 = 0",
-            Self::Camera1 => "camera of image 1, x1 ~ P1 X",
-            Self::Camera2 => "camera of image 2, x2 ~ P2 X",
-            Self::Homography1 => "rectifying homography of image 1, rectified ~ H1 x1",
-            Self::Homography2 => "rectifying homography of image 2, rectified ~ H2 x2",
-            Self::PlaneHomography => "homography of the plane, or of the rotation of the camera, x2 ~ H21 x1",
-            Self::Points1 => "points in image 1, one per row: x y",
-            Self::Points2 => "points in image 2, one per row: x y, in the order of points1",
-            Self::Pairs => "point pairs, one per row: x1 y1 x2 y2",
-        }
+        QUANTITIES[self as usize].2
     }
 }
 
@@ -95,10 +80,9 @@ mod tests {
 
     #[test]
     fn no_name_means_two_things() {
-        for quantity in Quantity::ALL {
-            for name in quantity.names() {
-                assert_eq!(Quantity::named(name), Some(quantity));
-            }
+        for (k, (quantity, names, _)) in QUANTITIES.iter().enumerate() {
+            assert_eq!(*quantity as usize, k);
+            assert!(names.iter().all(|name| Quantity::named(name) == Some(*quantity)));
         }
         assert_eq!(Quantity::named("f"), None);
     }

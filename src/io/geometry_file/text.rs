@@ -40,7 +40,7 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
     }
     for matrix in &written.matrices {
         let _ = writeln!(text, "# {}\n{}", matrix.quantity.meaning(), matrix.quantity.symbol());
-        for row in &matrix.rows {
+        for row in matrix.values.chunks(matrix.columns) {
             let _ = writeln!(text, "{}", numbers(row, " "));
         }
     }
@@ -65,29 +65,33 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
 }
 
 pub(super) fn read(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
-    let is_named = |row: &str| heading(row).is_some() || image_number(row).is_some();
+    let is_named = |row: &str| Quantity::named(row).is_some() || image_number(row).is_some();
     if !rows(text).next().is_some_and(|(_, row)| is_named(row)) {
         return bare(text, wanted);
     }
     let mut fields = Fields::default();
-    let mut current: Option<(Quantity, NumberRows)> = None;
-    let close = |section: Option<(Quantity, NumberRows)>, fields: &mut Fields| {
+    let mut current: Option<Section> = None;
+    let close = |section: Option<Section>, fields: &mut Fields| {
         let Some((quantity, rows)) = section else { return Ok(()) };
-        let table = rows.table().map_err(|e| Problem::whole(format!("{}: {e}", quantity.symbol())))?;
-        fields.add(quantity, table)
+        let table = NumberTable::from_rows(&rows);
+        fields.add(quantity, table.map_err(|e| Problem::whole(format!("{}: {e}", quantity.symbol())))?)
     };
     for (line, row) in rows(text) {
-        if let Some(quantity) = heading(row) {
-            close(current.replace((quantity, NumberRows::default())), &mut fields)?;
+        if let Some(quantity) = Quantity::named(row) {
+            close(current.replace((quantity, Vec::new())), &mut fields)?;
         } else if let Some(number) = image_number(row) {
-            fields.add_image(number - 1, image(row).map_err(|e| Problem::at(line, e))?);
+            fields.images[number - 1] = Some(image(row).map_err(|e| Problem::at(line, e))?);
         } else {
             let numbers = finite_numbers(row).map_err(|e| Problem::at(line, e))?;
-            match &mut current {
-                Some((quantity, rows)) => rows
-                    .push(&numbers)
-                    .map_err(|e| Problem::at(line, format!("{}: {e}", quantity.symbol())))?,
-                None => return Err(Problem::at(line, "there is no name above these numbers")),
+            let Some((quantity, rows)) = &mut current else {
+                return Err(Problem::at(line, "there is no name above these numbers"));
+            };
+            let (found, expected) = (numbers.len(), rows.first().map_or(numbers.len(), Vec::len));
+            rows.push(numbers);
+            if found != expected {
+                let (symbol, row) = (quantity.symbol(), rows.len());
+                let problem = format!("{symbol}: row {row} has {found} numbers, row 1 has {expected}");
+                return Err(Problem::at(line, problem));
             }
         }
     }
@@ -95,35 +99,8 @@ pub(super) fn read(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
     Ok(fields)
 }
 
-/// Numbers under a name, in rows of equal length.
-#[derive(Default)]
-struct NumberRows {
-    count: usize,
-    columns: usize,
-    numbers: Vec<f64>,
-}
-
-impl NumberRows {
-    fn push(&mut self, row: &[f64]) -> Result<(), String> {
-        self.count += 1;
-        if self.count == 1 {
-            self.columns = row.len();
-        } else if row.len() != self.columns {
-            return Err(format!("row {} has {} numbers, row 1 has {}", self.count, row.len(), self.columns));
-        }
-        self.numbers.extend_from_slice(row);
-        Ok(())
-    }
-
-    fn table(self) -> Result<NumberTable, String> {
-        NumberTable::new(self.count, self.columns, self.numbers)
-    }
-}
-
-/// Returns the quantity named alone on a line.
-fn heading(row: &str) -> Option<Quantity> {
-    Quantity::named(row)
-}
+/// Quantity and the rows of numbers below its name.
+type Section = (Quantity, Vec<Vec<f64>>);
 
 /// Returns 1 or 2 for a line that describes this image.
 fn image_number(row: &str) -> Option<usize> {

@@ -104,7 +104,6 @@ impl HalfPencil {
     }
 }
 
-/// Returns the unit vector of an angle.
 pub(super) fn direction(angle: f64) -> Vector {
     Vector::new(angle.cos(), angle.sin())
 }

@@ -59,17 +59,14 @@ pub struct FeatureHypothesis {
 }
 
 /// Least standard deviation of a feature position, px. It holds for scales up to 1.6 px, whose own
-/// share [`SIGMA_PER_SCALE`] is smaller. Half and twice of it change no verdict, and typical lines
-/// by less than 0.01 px.
+/// share [`SIGMA_PER_SCALE`] is smaller.
 const LEAST_SIGMA: f64 = 0.4;
 /// Deviation from a pinhole camera, px per px of the longer side: 0.5 px in 1,000. In images of
-/// more than 800 px it exceeds [`LEAST_SIGMA`]. Half and twice of it change no verdict, and typical
-/// lines by less than 0.01 px.
+/// more than 800 px it exceeds [`LEAST_SIGMA`].
 const CAMERA_SIGMA: f64 = 0.5e-3;
 /// Log-likelihood ratio of a click on its epipolar line, against one by accident. A person saw the
 /// point, so it is about the ratio of two likely matches. With twice the number a mistaken click
-/// would outweigh four. Half and twice of it change no verdict, and typical lines by less than 0.01
-/// px.
+/// would outweigh four.
 const CLICK_GAIN: f64 = 15.0;
 /// Share of the samples that use the local frames of features in place of further points.
 const FRAMED: f64 = 0.7;
@@ -80,11 +77,9 @@ const TASK: usize = 32;
 const CLICKS_A_SAMPLE: usize = 4;
 /// Bands in which a hypothesis is refitted, in multiples of the final band. Far from its points, a
 /// minimal sample is off by several deviations, so the first band is wide.
-/// Half and twice of it: `lab/notes.md`.
 const BANDS: [f64; 4] = [4.0, 2.0, 1.3, 1.0];
 /// Drawn matrices examined for each one that is refitted. Many are copies of one geometry, so fewer
-/// matrices may leave places empty. More matter only if places are empty. Half and twice of it
-/// change no verdict, and typical lines by less than 0.01 px.
+/// matrices may leave places empty. More matter only if places are empty.
 const LEADERS: usize = 20;
 /// Largest number of rounds of local optimisation. Rounds end earlier when nothing improves. The
 /// streams of random numbers depend on it.
@@ -93,7 +88,7 @@ const LOCAL_ROUNDS: usize = 4;
 /// about 40 samples contain right matches only.
 const LOCAL_DRAWS: usize = 200;
 /// Number of samples in one round of local optimisation that are refitted, best first. Each takes
-/// four fits. Half and twice of it change no verdict, and typical lines by less than 0.01 px.
+/// four fits.
 const LOCAL_REFITTED: usize = 3;
 /// Largest number of matches in a refit, evenly chosen. It bounds the time. The error falls with
 /// its square root.
@@ -102,12 +97,10 @@ const FITTED: usize = 300;
 /// as in a refit halve the error.
 const FITTED_LAST: usize = 1500;
 /// Distance from its line beyond which a witness loses influence on a fit, in standard deviations
-/// and bands. At the edge of the band, twice as far, a fifth of the weight is left. Half and twice
-/// of it change 1 of 41 verdicts at most, and typical lines by less than 0.01 px.
+/// and bands. At the edge of the band, twice as far, a fifth of the weight is left.
 const ROBUST: f64 = 1.5;
 /// Share of commonly explained matches beyond which two drawn matrices are one geometry. A larger
-/// share keeps more copies, a smaller one merges neighbours. Half and twice of it change no
-/// verdict, and typical lines by less than 0.01 px.
+/// share keeps more copies, a smaller one merges neighbours.
 const SAME_DRAWN: f64 = 0.8;
 /// Share of commonly explained matches beyond which two refitted matrices are one geometry. Refits
 /// of one geometry differ less than its samples, so the share is larger than [`SAME_DRAWN`].
@@ -119,8 +112,7 @@ const DRAWN_A_SAMPLE: usize = 40;
 /// the far side of the image their errors are a hundred times as large.
 const TOO_CLOSE: f64 = 0.01;
 /// Band of likely matches in local optimisation, in multiples of the final band. The geometry still
-/// moves, so right matches may lie beyond its final band. Half and twice of it change no verdict,
-/// and typical lines by less than 0.01 px.
+/// moves, so right matches may lie beyond its final band.
 const LOCAL_BAND: f64 = 2.0;
 /// Number of rounds of guided matching. The second uses the geometry of the first.
 const REMATCHED: usize = 2;
@@ -205,7 +197,6 @@ type Scored = (f64, FundamentalMatrix);
 struct FeatureSearch<'a> {
     evidence: &'a FeatureEvidence<'a>,
     parameters: &'a FeatureParameters,
-    /// Seed of all draws.
     seed: u64,
     units: Units,
     /// Witnesses: first the matches, then the clicks.

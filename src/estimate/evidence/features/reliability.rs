@@ -15,18 +15,15 @@ use crate::features::{Feature, FeatureMatch, FeatureSet};
 use crate::geometry::{Frame, PointPair, angle_between};
 
 /// Radius of the neighbourhood of a match, as a share of the longer side of either image. A larger
-/// one reaches other surfaces, a smaller one leaves matches without neighbours. Half and twice of
-/// it change 1 of 41 verdicts at most, and typical lines by less than 0.01 px.
+/// one reaches other surfaces, a smaller one leaves matches without neighbours.
 const REACH: f64 = 0.1;
 /// Largest deviation from the predicted position, as a share of the neighbour's distance: a
-/// rotation by 20°. It allows for perspective and for the errors of one orientation and scale. Half
-/// and twice of it change no verdict, and typical lines by less than 0.01 px.
+/// rotation by 20°. It allows for perspective and for the errors of one orientation and scale.
 const STRAY: f64 = 0.35;
 /// Largest difference between the rotations of neighbours, radians. Of wrong matches, whose
 /// rotations are arbitrary, 19 % pass; with half of it, 10 %.
 const TURN: f64 = 0.6;
-/// Largest difference between the logarithms of scale of neighbours: a factor of 1.6. Half and
-/// twice of it change no verdict, and typical lines by less than 0.01 px.
+/// Largest difference between the logarithms of scale of neighbours: a factor of 1.6.
 const ZOOM: f64 = 0.5;
 /// Number of matches that a nearby click counts as. Support counts by its logarithm, so half or
 /// twice of it changes the log-odds by about half of `by_support`.

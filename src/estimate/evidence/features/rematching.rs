@@ -11,8 +11,7 @@ use crate::geometry::FundamentalMatrix;
 use crate::lanes::{LANES, SetLanes};
 
 /// Largest ratio of best to second-best distance along the line. It is looser than the usual 0.8,
-/// since only features near one line compete. Half and twice of it change 1 of 41 verdicts at most,
-/// and typical lines by less than 0.01 px.
+/// since only features near one line compete.
 const LARGEST_RATIO: f64 = 0.85;
 
 /// Sixteen features of image 2, or sixteen groups of them. Lines have unit normals, so single
@@ -54,7 +53,6 @@ impl FeatureBlock {
 
 /// Features of image 2 in blocks of neighbours. Most blocks are far from a line and skipped.
 struct FeatureMap {
-    /// Groups of sixteen blocks.
     groups: Vec<FeatureBlock>,
     blocks: Vec<FeatureBlock>,
     /// Indices of the features, block by block.

@@ -7,8 +7,7 @@ use crate::geometry::{Frame, FundamentalMatrix, PointPair, median, sampson_dista
 use crate::image::RelativeView;
 
 /// Distance from its line within which a feature is explained, as a share of the longer side: 4 px
-/// in 800. The geometry need not be refined yet. Half and twice of it change no verdict, and
-/// typical lines by less than 0.01 px.
+/// in 800. The geometry need not be refined yet.
 const EXPLAINED: f64 = 0.005;
 /// Fewest explained features that determine a view: one more than the seven that any geometry
 /// explains.
@@ -79,8 +78,7 @@ fn view_shared(relations: &[(f64, f64)], agreeing: f64, frames: [Frame; 2]) -> O
 }
 
 /// Ratio of best to second-best distance below which a feature votes for a view when no geometry is
-/// known. It is looser than the usual 0.8, since only the most frequent view counts. Half and twice
-/// of it change no verdict, and typical lines by less than 0.01 px.
+/// known. It is looser than the usual 0.8, since only the most frequent view counts.
 const DISTINCTIVE: f64 = 0.85;
 /// Smallest share of the voting features that must agree on a view: more than twice the 11 % that
 /// one view would get of arbitrary rotations.

@@ -17,7 +17,7 @@ const STEP: f64 = 2.0;
 /// the time. Clicks more than 192 px apart get wider spaces.
 const STEPS: [f64; 2] = [4.0, 96.0];
 /// Number of lines of image 1 whose round trip is measured. Their mean area only decides which
-/// hypotheses are validated. Half and twice of it change lines no more than another seed does.
+/// hypotheses are validated.
 const ROUND_TRIPS: usize = 12;
 /// Number of hypotheses whose lines are compared in one call. A stop is noticed between calls. No
 /// result depends on it.

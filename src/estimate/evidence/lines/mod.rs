@@ -27,6 +27,5 @@ pub(in crate::estimate) use unanchored::{
 };
 
 /// Shortest line compared, as a share of the shorter side of the image. Shorter lines have too few
-/// samples to be told apart: about 20 in an image of 192×144 px. Half and twice of it change no
-/// verdict, and typical lines by less than 0.01 px.
+/// samples to be told apart: about 20 in an image of 192×144 px.
 const SHORTEST_LINE: f64 = 0.15;

@@ -39,15 +39,13 @@ const SHORTEST: f64 = 2.0 * SHORTEST_LINE;
 /// it.
 const BATCH: usize = 64;
 /// Number of candidates through both epipoles that are tried as the third of a draw. The best one
-/// counts. Each costs as much as a hypothesis. Half and twice of it change lines no more than
-/// another seed does.
+/// counts. Each costs as much as a hypothesis.
 const THIRD: usize = 3;
 /// Largest number of candidates examined for a third pair. If few pass through both epipoles, the
-/// draw was bad. Half and twice of it change lines no more than another seed does.
+/// draw was bad.
 const LOOKED_THROUGH: usize = 400;
 /// Largest number of candidates examined for a third pair, in multiples of all candidates. It ends
-/// the search earlier if there are fewer than 100. Half and twice of it change lines no more than
-/// another seed does.
+/// the search earlier if there are fewer than 100.
 const TIMES_OVER: usize = 4;
 /// Draws of one task. The streams of random numbers depend on it.
 const TASK: usize = 64;
@@ -55,15 +53,13 @@ const TASK: usize = 64;
 /// determines a share with a standard deviation of at most 2 %.
 const COUNTED: usize = 700;
 /// Number of hypotheses that are counted on all candidates and refitted. The first counts err by 2
-/// % of the candidates, so the best hypothesis need not lead. Half and twice of it change lines no
-/// more than another seed does.
+/// % of the candidates, so the best hypothesis need not lead.
 const REFITTED: usize = 60;
 /// Largest number of rounds of refitting. Rounds end earlier when the agreeing candidates stay the
 /// same or become fewer.
 const ROUNDS: usize = 6;
 /// Distance at which a candidate loses influence on a fit, in units of the permitted area: the
-/// candidates that agree keep most of their weight. Half and twice of it change lines no more than
-/// another seed does.
+/// candidates that agree keep most of their weight.
 const ROBUST: f64 = 1.5;
 
 /// Two lines that may be corresponding epipolar lines, directed alike.
@@ -159,11 +155,9 @@ impl Measured {
 /// Settings of the consensus.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::estimate) struct LineConsensus {
-    /// Number of draws.
     pub draws: usize,
     /// Largest area between a line and its mapped partner, in px times the width of the image.
     pub area: f64,
-    /// Seed of the draws.
     pub seed: u64,
 }
 

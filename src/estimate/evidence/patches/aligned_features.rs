@@ -22,8 +22,7 @@ pub(super) struct AlignedFeatures {
     aligned: Vec<OnceLock<LevelMatch>>,
 }
 
-/// Least correlation of an aligned patch: above that of chance matches after alignment. Half of it
-/// changes no verdict, and typical lines by 0.01 px; twice of it lets nothing pass.
+/// Least correlation of an aligned patch: above that of chance matches after alignment.
 const LEAST_CORRELATION: f32 = 0.8;
 
 impl AlignedFeatures {

@@ -7,8 +7,7 @@ use super::near_lines::{NearLines, is_within};
 use crate::geometry::{FundamentalMatrix, PointPair};
 
 /// Correlation below which a patch gives no support. Support is the excess over it. A lower floor
-/// adds matches by chance, a higher one drops slanted surfaces. Half of it changes no verdict, and
-/// typical lines by less than 0.01 px; twice of it lets nothing pass.
+/// adds matches by chance, a higher one drops slanted surfaces.
 pub(super) const FLOOR: f32 = 0.6;
 
 /// Exponent of the odds between the nearest descriptor and the next: their ratio of distances to

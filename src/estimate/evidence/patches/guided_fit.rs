@@ -17,15 +17,14 @@ use std::collections::HashSet;
 
 use rayon::prelude::*;
 
-use super::aligned_features::AlignedFeatures;
 use super::dense::densified;
 use super::matches::{LEAST_MATCHES, LevelMatch, MATCH_SIGMA, at_level};
 use super::near_lines::is_within;
-use super::refinement::{Refined, RefinementLevel};
+use super::refinement::{LevelMatcher, Refined};
 use crate::cancel::CancelFlag;
 use crate::estimate::fit::{Evidence, Fitted, Match, Noise};
 use crate::geometry::{FundamentalMatrix, Observation, sampson_distance};
-use crate::image::{GrayPlane, PairLevel, RelativeView};
+use crate::image::GrayPlane;
 
 /// Widest band in which matches are sought, px of the level: that of the first refinement.
 const WIDEST: f64 = 4.0;
@@ -33,14 +32,6 @@ const WIDEST: f64 = 4.0;
 const ROUNDS: u64 = 3;
 /// Least gain in log-likelihood for another round: a likelihood 2.7 times as large.
 const LEAST_GAIN: f64 = 1.0;
-
-/// Finds matches along epipolar lines at one level.
-pub(super) struct GuidedMatcher<'a> {
-    pub stage: &'a RefinementLevel,
-    pub level: &'a PairLevel<'a>,
-    pub view: RelativeView,
-    pub features: &'a AlignedFeatures,
-}
 
 /// Input of the final fit besides its matches.
 pub(in crate::estimate) struct Settling<'a> {
@@ -66,7 +57,7 @@ struct Followed {
     fitted: Fitted,
 }
 
-impl GuidedMatcher<'_> {
+impl LevelMatcher<'_> {
     /// Fits `start` (full size) and its rivals. Returns the likeliest.
     pub fn settled(
         &self,
@@ -75,7 +66,7 @@ impl GuidedMatcher<'_> {
         cancel: &CancelFlag,
     ) -> Option<Refined> {
         let [s1, s2] = self.level.scales;
-        let clicks = settling.clicks.iter().map(|click| at_level(click, self.level)).collect();
+        let clicks = settling.clicks.iter().map(|click| at_level(click, &self.level)).collect();
         let start = start.rescaled(s1, s2)?;
         let given = settling.given.iter().map(|m| Match { pair: self.level.resized(&m.pair), ..*m });
         // Matches of another geometry lie anywhere, so few of them are near these lines.
@@ -115,7 +106,7 @@ impl GuidedMatcher<'_> {
             }
         }
         let f = best.fitted.fundamental;
-        let matches = densified(self.level, best.matches, &f, band);
+        let matches = densified(&self.level, best.matches, &f, band);
         let many = observed(&matches);
         let evidence = self.evidence(&many, &fixed, band);
         let fitted = evidence.fitted(&f)?;
@@ -144,11 +135,11 @@ impl GuidedMatcher<'_> {
         let fixed = Fixed { clicks: Vec::new(), given: Vec::new() };
         let noise = self.evidence(&observed(&matches), &fixed, WIDEST).explained(&f).noise;
         keep_right(&mut matches, &f, noise);
-        Refined::new(self.level, &f, &matches, Some(noise.scale), None)
+        Refined::new(&self.level, &f, &matches, Some(noise.scale), None)
     }
 
     fn matches(&self, f: &FundamentalMatrix, band: f64) -> Vec<LevelMatch> {
-        let mut found = self.stage.matches_along_lines(self.level, self.view, self.features, f, band);
+        let mut found = self.matches_along_lines(f, band);
         found.retain(|m| is_within(f, &m.found.pair, band));
         found
     }
@@ -186,7 +177,7 @@ impl GuidedMatcher<'_> {
         if matches.len() < LEAST_MATCHES {
             return None;
         }
-        Refined::new(self.level, &f, &matches, Some(noise.scale), covariance.as_ref())
+        Refined::new(&self.level, &f, &matches, Some(noise.scale), covariance.as_ref())
     }
 }
 

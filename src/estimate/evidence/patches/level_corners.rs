@@ -11,8 +11,7 @@ use crate::geometry::Point;
 use crate::image::HALF;
 
 /// Least correlation of matched patches at full size. It is lower than that of aligned patches,
-/// since these stand at whole pixels. Half of it changes 1 of 41 verdicts, and typical lines by
-/// 0.16 px; twice of it lets nothing pass.
+/// since these stand at whole pixels.
 pub(super) const LEAST_CORRELATION: f32 = 0.75;
 
 /// Indices of two corners, and the warp under which they look alike.

@@ -7,9 +7,9 @@ use nalgebra::{Matrix2, Matrix3, Vector2};
 use super::aligned_features::AlignedFeatures;
 use super::corner_patches::CornerPatches;
 use super::feature_support::{FeatureSupport, SupportingMatch};
-use super::guided_fit::{GuidedMatcher, Settling};
+use super::guided_fit::Settling;
 use super::plane::largest_plane;
-use super::refinement::{Refined, RefinementLevel, SharedPatches};
+use super::refinement::{LevelMatcher, Refined, RefinementLevel, SharedPatches};
 use super::support::{PatchSupport, Support, SupportLevel};
 use super::unguided::{UnguidedMatch, matched_corners, unguided_matches};
 use super::voting::KappaVoting;
@@ -17,22 +17,19 @@ use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lazy::Lazy;
 use crate::features::FeatureViews;
 use crate::geometry::{FundamentalMatrix, Observation, PointPair, rescaling};
-use crate::image::{PairLevel, PyramidPair, RelativeView, warps_around};
+use crate::image::{PyramidPair, RelativeView, warps_around};
 
 /// Longer side of the images at which patches first rank hypotheses, px. In a smaller image a patch
-/// covers more of the scene, but errors of a pixel are larger. Half and twice of it change up to 2
-/// of 41 verdicts, and typical lines by 0.03 px.
+/// covers more of the scene, but errors of a pixel are larger.
 const COARSE_SIDE: f64 = 384.0;
 /// Number of corners of each image at the coarse size. Each corner is compared with all corners of
-/// the other image, so twice as many take four times as long. Half and twice of it change up to 1
-/// of 41 verdicts, and typical lines by less than 0.01 px.
+/// the other image, so twice as many take four times as long.
 const COARSE_CORNERS: usize = 600;
 /// Longer side of the images at which hypotheses are ranked again, px: an octave above the coarse
 /// size.
 const FINE_SIDE: f64 = 2.0 * COARSE_SIDE;
 /// Number of look-alikes of a corner that vote for κ, best first. The right one is not always the
-/// first; each more adds wrong votes. Half and twice of it change 1 of 41 verdicts at most, and
-/// typical lines by less than 0.01 px.
+/// first; each more adds wrong votes.
 const VOTES_PER_CORNER: usize = 3;
 /// Largest distance of a match from the homography of a mirror image, px of the coarse level: twice
 /// the precision of corners.
@@ -59,6 +56,7 @@ pub(in crate::estimate) struct PatchLevels {
 /// Corners under a view, shared by levels with and without features.
 #[derive(Debug)]
 struct CornerLevels {
+    pyramids: Arc<PyramidPair>,
     view: RelativeView,
     coarse: Lazy<SupportLevel>,
     voting: Lazy<KappaVoting>,
@@ -73,9 +71,10 @@ struct CornerLevels {
 
 impl PatchLevels {
     /// Returns levels that are not yet made.
-    pub fn new(view: RelativeView) -> Self {
+    pub fn new(pyramids: &Arc<PyramidPair>, view: RelativeView) -> Self {
         let patches = SharedPatches::default();
         let corners = CornerLevels {
+            pyramids: Arc::clone(pyramids),
             view,
             coarse: Lazy::default(),
             voting: Lazy::default(),
@@ -107,7 +106,6 @@ impl PatchLevels {
         }
     }
 
-    /// Returns the relative view of the images.
     pub fn view(&self) -> RelativeView {
         self.corners.view
     }
@@ -118,34 +116,34 @@ impl PatchLevels {
     }
 
     /// Returns the support at the coarse size, where proposals are made: of corners alone.
-    pub fn coarse(&self, pyramids: &PyramidPair) -> &SupportLevel {
+    pub fn coarse(&self) -> &SupportLevel {
         let corners = &self.corners;
-        corners.coarse.get_or_make(|| corners.coarse(pyramids))
+        corners.coarse.get_or_make(|| corners.coarse())
     }
 
     /// Returns the number of distinctive matches of image 1 with the mirror image of image 2, at the
     /// coarse size, that one homography explains, and the number of corners of image 1.
-    pub fn mirrored(&self, pyramids: &PyramidPair) -> [usize; 2] {
-        *self.corners.mirrored.get_or_make(|| self.corners.mirrored(pyramids))
+    pub fn mirrored(&self) -> [usize; 2] {
+        *self.corners.mirrored.get_or_make(|| self.corners.mirrored())
     }
 
     /// Returns the corner pairs of the coarse level that vote for κ.
-    pub fn voting(&self, pyramids: &PyramidPair) -> &KappaVoting {
-        let vote = || KappaVoting::new(&self.coarse(pyramids).support, VOTES_PER_CORNER);
+    pub fn voting(&self) -> &KappaVoting {
+        let vote = || KappaVoting::new(&self.coarse().support, VOTES_PER_CORNER);
         self.corners.voting.get_or_make(vote)
     }
 
     /// Returns the support of a geometry (full-size pixels) at the fine size.
-    pub fn measure(&self, pyramids: &PyramidPair, f: &FundamentalMatrix) -> Option<PatchSupport> {
-        let fine = self.fine(pyramids);
+    pub fn measure(&self, f: &FundamentalMatrix) -> Option<PatchSupport> {
+        let fine = self.fine();
         Some(fine.support.measure(&f.rescaled(fine.scales[0], fine.scales[1])?))
     }
 
     /// Returns the support at the fine size, where proposals are ranked: of corners, and of
     /// features if there are any.
-    pub fn fine(&self, pyramids: &PyramidPair) -> &SupportLevel {
+    pub fn fine(&self) -> &SupportLevel {
         let corners = &self.corners;
-        let fine = corners.fine.get_or_make(|| corners.fine(pyramids));
+        let fine = corners.fine.get_or_make(|| corners.fine());
         if self.features.is_empty() {
             return fine;
         }
@@ -160,17 +158,23 @@ impl PatchLevels {
     }
 
     /// Returns the levels at which `F` is refined, coarsest first, each once.
-    fn refinement<'a>(&'a self, pyramids: &'a PyramidPair) -> Vec<(PairLevel<'a>, &'a RefinementLevel)> {
-        let level = |side: &f64| pyramids.level_seen(*side, self.view());
-        let mut levels: Vec<_> = REFINEMENT_SIDES.iter().map(level).zip(&self.corners.refinement).collect();
-        levels.dedup_by_key(|(level, _)| level.scales);
+    fn refinement(&self) -> Vec<LevelMatcher<'_>> {
+        let CornerLevels { pyramids, view, refinement, .. } = &*self.corners;
+        let parts = REFINEMENT_SIDES.iter().zip(refinement).zip(&self.aligned);
+        let mut levels: Vec<_> = parts
+            .map(|((side, stage), features)| {
+                let level = pyramids.level_seen(*side, *view);
+                LevelMatcher { stage, level, view: *view, features }
+            })
+            .collect();
+        levels.dedup_by_key(|matcher| matcher.level.scales);
         levels
     }
 
     /// Finds the corners that refinement needs.
-    pub fn prepare_refinement(&self, pyramids: &PyramidPair) {
-        for (level, stage) in self.refinement(pyramids) {
-            stage.prepare(&level, self.view());
+    pub fn prepare_refinement(&self) {
+        for matcher in self.refinement() {
+            matcher.corners();
         }
     }
 
@@ -178,18 +182,14 @@ impl PatchLevels {
     /// matches, or when stopped.
     pub fn refine(
         &self,
-        pyramids: &PyramidPair,
         f: &FundamentalMatrix,
-        clicks: &[PointPair],
-        click_sigma: f64,
+        clicks: &[Observation],
         cancel: &CancelFlag,
     ) -> Option<Refined> {
-        let clicks: Vec<Observation> =
-            clicks.iter().map(|pair| Observation { pair: *pair, sigma: click_sigma }).collect();
         let mut refined: Option<Refined> = None;
-        for ((level, stage), aligned) in self.refinement(pyramids).into_iter().zip(&self.aligned) {
+        for matcher in self.refinement() {
             let start = refined.as_ref().map_or(*f, |r| r.fundamental);
-            match stage.refine(&level, self.view(), aligned, &start, &clicks, cancel) {
+            match matcher.refine(&start, clicks, cancel) {
                 Some(result) => refined = Some(result),
                 None => break,
             }
@@ -202,48 +202,30 @@ impl PatchLevels {
     /// when too few matches determine it.
     pub fn settle(
         &self,
-        pyramids: &PyramidPair,
         start: &FundamentalMatrix,
         settling: &Settling,
         cancel: &CancelFlag,
     ) -> Option<Refined> {
-        self.at_full_size(pyramids, |matcher| matcher.settled(start, settling, cancel))
+        self.refinement().pop()?.settled(start, settling, cancel)
     }
 
     /// Returns a geometry as it is, with the matches along its lines at full size.
-    pub fn matched(&self, pyramids: &PyramidPair, f: &FundamentalMatrix) -> Option<Refined> {
-        self.at_full_size(pyramids, |matcher| matcher.unchanged(f))
-    }
-
-    fn at_full_size(
-        &self,
-        pyramids: &PyramidPair,
-        fit: impl FnOnce(&GuidedMatcher) -> Option<Refined>,
-    ) -> Option<Refined> {
-        let mut levels = self.refinement(pyramids);
-        let features = &self.aligned[levels.len() - 1];
-        let (level, stage) = levels.pop()?;
-        fit(&GuidedMatcher { stage, level: &level, view: self.view(), features })
+    pub fn matched(&self, f: &FundamentalMatrix) -> Option<Refined> {
+        self.refinement().pop()?.unchanged(f)
     }
 
     /// Returns the mutual best matches of corners among the pairs that are `possible`, aligned.
     /// All are in full-size pixels.
-    pub fn unguided_corners(
-        &self,
-        pyramids: &PyramidPair,
-        possible: impl Fn(&PointPair) -> bool,
-    ) -> Vec<UnguidedMatch> {
-        let Some((level, _)) = self.refinement(pyramids).pop() else { return Vec::new() };
-        matched_corners(self.fine(pyramids), &level, self.view(), possible)
+    pub fn unguided_corners(&self, possible: impl Fn(&PointPair) -> bool) -> Vec<UnguidedMatch> {
+        let full_size = self.refinement().pop();
+        full_size.map_or_else(Vec::new, |matcher| matched_corners(self.fine(), &matcher, possible))
     }
 
     /// Returns the matches found in the whole of image 2, without any geometry.
-    pub fn unguided(&self, pyramids: &PyramidPair) -> &[UnguidedMatch] {
+    pub fn unguided(&self) -> &[UnguidedMatch] {
         self.unguided.get_or_make(|| {
-            let mut levels = self.refinement(pyramids);
-            let features = &self.aligned[levels.len() - 1];
-            let Some((level, _)) = levels.pop() else { return Vec::new() };
-            unguided_matches(self.fine(pyramids), &level, self.view(), features)
+            let full_size = self.refinement().pop();
+            full_size.map_or_else(Vec::new, |matcher| unguided_matches(self.fine(), &matcher))
         })
     }
 }
@@ -255,15 +237,15 @@ pub(in crate::estimate) fn resized(h: &Matrix3<f64>, scales: [f64; 2]) -> Option
 }
 
 impl CornerLevels {
-    fn coarse(&self, pyramids: &PyramidPair) -> SupportLevel {
-        let level = pyramids.level_seen(COARSE_SIDE, self.view);
+    fn coarse(&self) -> SupportLevel {
+        let level = self.pyramids.level_seen(COARSE_SIDE, self.view);
         let warps = warps_around(&level.warp(self.view));
         let patches = CornerPatches::new(&level, COARSE_CORNERS, warps);
         SupportLevel { scales: level.scales, support: Support::new(&patches) }
     }
 
-    fn mirrored(&self, pyramids: &PyramidPair) -> [usize; 2] {
-        let level = pyramids.level_seen(COARSE_SIDE, self.view);
+    fn mirrored(&self) -> [usize; 2] {
+        let level = self.pyramids.level_seen(COARSE_SIDE, self.view);
         // Left and right exchanged, or top and bottom.
         let flips = [Vector2::new(-1.0, 1.0), Vector2::new(1.0, -1.0)];
         let warps = flips.map(|flip| level.warp(self.view) * Matrix2::from_diagonal(&flip));
@@ -274,8 +256,8 @@ impl CornerLevels {
         [most, patches.points1.len()]
     }
 
-    fn fine(&self, pyramids: &PyramidPair) -> SupportLevel {
-        let level = pyramids.level_seen(FINE_SIDE, self.view);
+    fn fine(&self) -> SupportLevel {
+        let level = self.pyramids.level_seen(FINE_SIDE, self.view);
         let patches = self.patches.get(&level, self.view);
         SupportLevel { scales: level.scales, support: Support::new(&patches) }
     }

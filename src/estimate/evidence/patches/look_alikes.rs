@@ -29,7 +29,6 @@ pub(super) struct LookAlikes {
     places: Vec<RankPlaces>,
     /// Excess of the correlations over the floor.
     excesses: Vec<Lanes>,
-    /// Indices of the pairs.
     pairs: Vec<[u32; LANES]>,
 }
 
@@ -38,7 +37,6 @@ pub(super) struct LookAlikes {
 struct CornerGroup {
     x1: Lanes,
     y1: Lanes,
-    /// Number of ranks.
     ranks: usize,
 }
 

@@ -28,8 +28,7 @@ pub(super) struct LevelMatch {
 }
 
 /// Standard deviation of an aligned match, px of the level. It weighs matches against clicks; the
-/// final fit estimates the noise of the matches itself. Half and twice of it change up to 2 of 41
-/// verdicts, and typical lines by 0.06 px.
+/// final fit estimates the noise of the matches itself.
 pub(super) const MATCH_SIGMA: f64 = 0.3;
 /// Returns a click in pixels of a level. It is never more precise than the level.
 pub(super) fn at_level(click: &Observation, level: &PairLevel) -> Observation {

@@ -37,6 +37,5 @@ pub(in crate::estimate) use polish::LEAST_CLICK_SIGMA;
 pub(in crate::estimate) use proposals::{Hypothesis, Proposal, propose};
 pub(in crate::estimate) use rank::{different, hypotheses, rank, rank_fine};
 pub(in crate::estimate) use refinement::Refined;
-pub(in crate::estimate) use support::{BAND, SupportLevel};
+pub(in crate::estimate) use support::BAND;
 pub(in crate::estimate) use unguided::UnguidedMatch;
-pub(in crate::estimate) use voting::KappaVoting;

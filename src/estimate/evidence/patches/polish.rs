@@ -17,10 +17,10 @@ pub(super) struct Polishing {
 }
 
 /// Settings at the coarse level. The first band is three bands of support, since proposals are some
-/// pixels off. The last is the error of a corner. Half and twice of it: `lab/notes.md`.
+/// pixels off. The last is the error of a corner.
 pub(super) const COARSE: Polishing = Polishing { count: 40, bands: &[6.0, 4.0, 2.5, 1.5, 1.5] };
 /// Settings at the fine level. Fewer proposals and fits than at the coarse level, since each takes
-/// longer and starts nearer. Half and twice of it: `lab/notes.md`.
+/// longer and starts nearer.
 pub(super) const FINE: Polishing = Polishing { count: 24, bands: &[6.0, 3.0, 1.5] };
 
 /// Width of a band over the distance at which a match loses influence on the fit. At the edge of

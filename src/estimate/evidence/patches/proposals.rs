@@ -33,7 +33,6 @@ pub(in crate::estimate) struct Proposal {
 /// A proposal in full-size pixels.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct Hypothesis {
-    /// Fundamental matrix.
     pub fundamental: FundamentalMatrix,
     /// Figures of the lines through two clicks, if there are two.
     pub lines: Option<LineFigures>,
@@ -70,15 +69,13 @@ impl Proposal {
         Some(Hypothesis { fundamental: self.full_size(scales)?, lines, support: self.support })
     }
 
-    /// Returns the matrix in full-size pixels.
     pub fn full_size(&self, scales: [f64; 2]) -> Option<FundamentalMatrix> {
         self.fundamental.rescaled(1.0 / scales[0], 1.0 / scales[1])
     }
 }
 
 /// Number of combinations kept before thinning, for each one whose exact support is computed. Many
-/// are copies, so fewer may leave places empty. Half and twice of it change no verdict, and typical
-/// lines by less than 0.01 px.
+/// are copies, so fewer may leave places empty.
 const THINNING: usize = 12;
 /// Difference of directions, radians, and of ln κ, below which combinations are copies of each
 /// other. A rotation by this angle moves a line by 2 px, the band of support, at some 70 px from

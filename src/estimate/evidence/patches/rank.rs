@@ -12,8 +12,7 @@ use crate::estimate::{EstimateError, Parameters};
 use crate::geometry::{PointPair, symmetric_epipolar_distance};
 
 /// Growth of the best support below which resampling ends. Each further round takes as long as the
-/// one before. Half and twice of it change 2 of 41 verdicts at most, and typical lines by less than
-/// 0.01 px.
+/// one before.
 const SETTLED: f64 = 1.01;
 
 /// Polishes proposals at the coarse and the fine level and resamples their matches. Returns all,

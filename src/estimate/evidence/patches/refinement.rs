@@ -51,7 +51,7 @@ pub(in crate::estimate) struct RefinementLevel {
 /// (`lab/notes.md`).
 const CORNERS: usize = 1500;
 /// Widths of the band, px of the level, one for each round: the error of a ranked geometry, then
-/// that of a refined one. Half and twice of it: `lab/notes.md`.
+/// that of a refined one.
 const BANDS: [f64; 3] = [4.0, 2.0, 1.2];
 /// Width of a band in standard deviations of a match: 99.7 % of Gaussian errors are within it.
 const BAND_DEVIATIONS: f64 = 3.0;
@@ -137,27 +137,36 @@ impl RefinementLevel {
         Self { patches: patches.clone(), ..Self::default() }
     }
 
-    /// Finds the corners.
-    pub fn prepare(&self, level: &PairLevel, view: RelativeView) {
-        self.corners(level, view);
+    fn known(&self) -> MutexGuard<'_, HashMap<Alike, Option<Placement>>> {
+        // Entries are whole whatever happened to a thread that held the lock.
+        self.aligned.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A level of the refinement with everything that matches along its lines are found by.
+#[derive(Clone, Copy)]
+pub(super) struct LevelMatcher<'a> {
+    pub stage: &'a RefinementLevel,
+    pub level: PairLevel<'a>,
+    pub view: RelativeView,
+    pub features: &'a AlignedFeatures,
+}
+
+impl LevelMatcher<'_> {
+    /// Returns the corners, found when first needed.
+    pub fn corners(&self) -> &LevelCorners {
+        self.stage.corners.get_or_make(|| LevelCorners::new(self.stage.patches.get(&self.level, self.view)))
     }
 
-    fn corners(&self, level: &PairLevel, view: RelativeView) -> &LevelCorners {
-        self.corners.get_or_make(|| LevelCorners::new(self.patches.get(level, view)))
-    }
-
-    /// Refines `f` (full size) at this level. `None` if too few matches support it. Clicks and features
-    /// are in full-size pixels.
+    /// Refines `f` at this level. `None` if too few matches support it. `f`, clicks and features are in
+    /// full-size pixels.
     pub fn refine(
         &self,
-        level: &PairLevel,
-        view: RelativeView,
-        features: &AlignedFeatures,
         f: &FundamentalMatrix,
         clicks: &[Observation],
         cancel: &CancelFlag,
     ) -> Option<Refined> {
-        let [s1, s2] = level.scales;
+        let [s1, s2] = self.level.scales;
         let mut current = f.rescaled(s1, s2)?;
         let mut matches: Vec<LevelMatch> = Vec::new();
         let mut covariance = None;
@@ -165,72 +174,44 @@ impl RefinementLevel {
             if cancel.is_cancelled() {
                 return None;
             }
-            matches = self.matches_along_lines(level, view, features, &current, band);
+            matches = self.matches_along_lines(&current, band);
             if matches.len() < LEAST_MATCHES {
                 return None;
             }
             let observations: Vec<Observation> = matches
                 .iter()
                 .map(|m| Observation { pair: m.found.pair, sigma: m.sigma })
-                .chain(clicks.iter().map(|click| at_level(click, level)))
+                .chain(clicks.iter().map(|click| at_level(click, &self.level)))
                 .collect();
             let scale = (band / BAND_DEVIATIONS / MATCH_SIGMA).max(LEAST_SCALE);
             let fitted = fit_fundamental(&current, &observations, scale)?;
             (current, covariance) = (fitted.fundamental, fitted.covariance);
         }
         matches.retain(|m| sampson_distance(&current, &m.found.pair) < BANDS[BANDS.len() - 1]);
-        Refined::new(level, &current, &matches, None, covariance.as_ref())
+        Refined::new(&self.level, &current, &matches, None, covariance.as_ref())
     }
 
-    /// Returns matches of corners and features within `band` px of the epipolar lines of `f`, all in
-    /// pixels of the level.
-    pub fn matches_along_lines(
-        &self,
-        level: &PairLevel,
-        view: RelativeView,
-        features: &AlignedFeatures,
-        f: &FundamentalMatrix,
-        band: f64,
-    ) -> Vec<LevelMatch> {
-        let mut matches = self.guided_matches(level, self.corners(level, view), f, band);
-        matches.extend(features.near(level, f, band));
-        matches
-    }
-
-    /// Returns mutual best matches of corners within `band` px of each other's epipolar lines, with
-    /// sub-pixel positions in image 2. All are in pixels of the level.
-    fn guided_matches(
-        &self,
-        level: &PairLevel,
-        corners: &LevelCorners,
-        f: &FundamentalMatrix,
-        band: f64,
-    ) -> Vec<LevelMatch> {
+    /// Returns the matches of features and the mutual best matches of corners within `band` px of each
+    /// other's epipolar lines, with sub-pixel positions in image 2. All are in pixels of the level.
+    pub fn matches_along_lines(&self, f: &FundamentalMatrix, band: f64) -> Vec<LevelMatch> {
+        let corners = self.corners();
         let mutual = corners.mutual(corners.places2.mutually_near(f, band));
-        let placements = self.placements(level, corners, &mutual);
-        mutual
-            .iter()
-            .zip(placements)
-            .filter_map(|(mutual, placement)| {
+        let of_corners =
+            mutual.iter().zip(self.placements(corners, &mutual)).filter_map(|(mutual, placement)| {
                 let point1 = corners.patches.points1[mutual.alike.corner1 as usize];
                 let Placement { at, affine } = placement?;
                 let pair = PointPair { point1, point2: at };
                 let found = RefinedMatch { pair, correlation: mutual.correlation };
                 Some(LevelMatch { found, affine, sigma: MATCH_SIGMA, prior: mutual.prior })
-            })
-            .collect()
+            });
+        of_corners.chain(self.features.near(&self.level, f, band)).collect()
     }
 
     /// Returns sub-pixel positions in image 2, and computes unknown ones in parallel. `None` where the
     /// surroundings do not fit after all.
-    fn placements(
-        &self,
-        level: &PairLevel,
-        corners: &LevelCorners,
-        mutual: &[MutualMatch],
-    ) -> Vec<Option<Placement>> {
+    fn placements(&self, corners: &LevelCorners, mutual: &[MutualMatch]) -> Vec<Option<Placement>> {
         let fresh: Vec<Alike> = {
-            let known = self.known();
+            let known = self.stage.known();
             mutual.iter().map(|m| m.alike).filter(|alike| !known.contains_key(alike)).collect()
         };
         let found: Vec<(Alike, Option<Placement>)> = fresh
@@ -239,17 +220,12 @@ impl RefinementLevel {
                 let point1 = corners.patches.points1[alike.corner1 as usize];
                 let at = corners.places2.points[alike.corner2 as usize];
                 let start = Placement { at, affine: corners.patches.warps[alike.warp as usize] };
-                (alike, align(level.planes, point1, start, &Alignment::STRICT))
+                (alike, align(self.level.planes, point1, start, &Alignment::STRICT))
             })
             .collect();
-        let mut known = self.known();
+        let mut known = self.stage.known();
         known.extend(found);
         mutual.iter().map(|m| known.get(&m.alike).copied().flatten()).collect()
-    }
-
-    fn known(&self) -> MutexGuard<'_, HashMap<Alike, Option<Placement>>> {
-        // Entries are whole whatever happened to a thread that held the lock.
-        self.aligned.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -262,6 +238,12 @@ mod tests {
     use crate::estimate::exact::{ExactScene, FRAME};
     use crate::image::{GrayPlane, PyramidPair};
 
+    /// Calls `work` with the level of a side without features.
+    fn at<T>(pyramids: &PyramidPair, side: f64, work: impl FnOnce(LevelMatcher) -> T) -> T {
+        let (stage, features) = (&RefinementLevel::default(), &AlignedFeatures::default());
+        work(LevelMatcher { stage, level: pyramids.level(side), view: RelativeView::UPRIGHT, features })
+    }
+
     fn refined(
         pyramids: &PyramidPair,
         side: f64,
@@ -269,15 +251,7 @@ mod tests {
         clicks: &[PointPair],
     ) -> Option<Refined> {
         let clicks: Vec<_> = clicks.iter().map(|pair| Observation { pair: *pair, sigma: 1.0 }).collect();
-        let (level, view) = (pyramids.level(side), RelativeView::UPRIGHT);
-        RefinementLevel::default().refine(
-            &level,
-            view,
-            &AlignedFeatures::default(),
-            f,
-            &clicks,
-            &CancelFlag::default(),
-        )
+        at(pyramids, side, |matcher| matcher.refine(f, &clicks, &CancelFlag::default()))
     }
 
     #[test]
@@ -335,16 +309,10 @@ mod tests {
         let scene = ExactScene::aside();
         let [plane1, plane2] = scene.planes();
         let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
-        let level = pyramids.level(f64::INFINITY);
-        let shared = RefinementLevel::default();
-        let view = RelativeView::UPRIGHT;
-        let run = |f: &FundamentalMatrix| {
-            shared.refine(&level, view, &AlignedFeatures::default(), f, &[], &CancelFlag::default()).unwrap()
-        };
-        let start = scene.disturbed(0.5);
-        let first = run(&start);
-        run(&scene.disturbed(-1.0));
-        let again = run(&start);
+        let [first, _, again] = at(&pyramids, f64::INFINITY, |matcher| {
+            let starts = [0.5, -1.0, 0.5].map(|by| scene.disturbed(by));
+            starts.map(|f| matcher.refine(&f, &[], &CancelFlag::default()).unwrap())
+        });
         assert_eq!(first.fundamental, again.fundamental);
         assert_eq!(first.refinement.matches, again.refinement.matches);
     }
@@ -357,15 +325,9 @@ mod tests {
         assert!(refined(&nothing, f64::INFINITY, &scene.fundamental(), &scene.clicks()).is_none());
         let [plane1, plane2] = scene.planes();
         let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
-        let flag = CancelFlag::default();
-        flag.cancel();
-        let stopped = flag;
-        let level = pyramids.level(f64::INFINITY);
-        let (f, view) = (scene.fundamental(), RelativeView::UPRIGHT);
-        assert!(
-            RefinementLevel::default()
-                .refine(&level, view, &AlignedFeatures::default(), &f, &[], &stopped)
-                .is_none()
-        );
+        let stopped = CancelFlag::default();
+        stopped.cancel();
+        let refined = |matcher: LevelMatcher| matcher.refine(&scene.fundamental(), &[], &stopped);
+        assert!(at(&pyramids, f64::INFINITY, refined).is_none());
     }
 }

@@ -26,23 +26,20 @@ use crate::estimate::{EstimateError, PatchParameters};
 use crate::geometry::{FundamentalMatrix, PointPair, eight_point, transfer_error};
 
 /// Width of the band of the pool, px: four times the band of support, to include matches slightly
-/// off. Half and twice of it change no verdict, and typical lines by less than 0.01 px.
+/// off.
 const POOL_BAND: f64 = 4.0 * BAND;
 /// Number of matches drawn into a sample: with two clicks, the eight of the eight-point algorithm.
 const DRAWN: usize = 6;
 /// Number of best hypotheses whose largest plane is examined. Each takes another set of samples.
-/// Half and twice of it change 2 of 41 verdicts at most, and typical lines by less than 0.01 px.
 const PLANES: usize = 3;
 /// Distance within which a match lies on a plane, px of the level. Corners are found to a pixel in
 /// each image.
 const ON_PLANE: f64 = 2.0;
 /// Distance beyond which a match lies off a plane, px of the level. Twice and more of [`ON_PLANE`],
-/// so that errors of corners do not count as parallax. Half and twice of it change up to 2 of 41
-/// verdicts, and typical lines by less than 0.01 px.
+/// so that errors of corners do not count as parallax.
 const OFF_PLANE: f64 = 5.0;
 /// Share of the leader's support from which a sample is kept, since polishing adds support. A
-/// smaller share measures more samples, a larger one drops some that polishing would raise. Half
-/// and twice of it change no verdict, and typical lines by less than 0.01 px.
+/// smaller share measures more samples, a larger one drops some that polishing would raise.
 const PROMISING: f64 = 0.4;
 
 /// Settings of one round of samples.
@@ -101,8 +98,7 @@ struct Sampled {
 }
 
 /// Number of samples measured at once, for each one wanted. The search ends when a batch brings
-/// nothing better, so small batches may end it too early. Half and twice of it change up to 1 of 41
-/// verdicts, and typical lines by less than 0.01 px.
+/// nothing better, so small batches may end it too early.
 const AT_ONCE: usize = 4;
 
 /// Returns the `count` best of the promising samples, best first. Of equals, the first drawn wins.

@@ -51,14 +51,13 @@ pub(in crate::estimate) struct Support {
 }
 
 /// Least correlation of a distinctive match: half-way between the floor of support and equal
-/// patches. Half of it changes no verdict, and typical lines by less than 0.01 px; twice of it lets
-/// nothing pass.
+/// patches.
 pub(super) const DISTINCTIVE: f32 = 0.8;
 /// Least lead of a distinctive match over the next look-alike: twice the noise of the correlation
 /// of a right match.
 const DISTINCTIVE_BY: f32 = 2.0 * CORRELATION_NOISE;
 /// Number of look-alikes kept for a corner, best first. In repeated structure there are more; they
-/// would take memory and time without telling geometries apart. Half and twice of it: `lab/notes.md`.
+/// would take memory and time without telling geometries apart.
 const PER_CORNER: usize = 16;
 
 impl Support {
@@ -121,7 +120,6 @@ impl Support {
             .collect()
     }
 
-    /// Returns the points of a putative match.
     pub fn pair(&self, m: &Putative) -> PointPair {
         PointPair { point1: self.corners[0][m.corner1 as usize], point2: self.corners[1][m.corner2 as usize] }
     }

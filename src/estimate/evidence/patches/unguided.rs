@@ -3,12 +3,13 @@
 
 use rayon::prelude::*;
 
-use super::aligned_features::AlignedFeatures;
 use super::level_corners::{CORRELATION_NOISE, ELSEWHERE};
 use super::look_alikes::Putative;
+use super::matches::LevelMatch;
+use super::refinement::LevelMatcher;
 use super::support::{Support, SupportLevel};
 use crate::geometry::PointPair;
-use crate::image::{Alignment, PairLevel, Placement, RelativeView, align};
+use crate::image::{Alignment, Placement, align};
 
 /// A match found without a geometry and aligned at full size.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,35 +30,27 @@ impl UnguidedMatch {
     }
 }
 
-/// Returns the mutual best matches of corners and of features, aligned at `level`, the full size.
-pub(super) fn unguided_matches(
-    fine: &SupportLevel,
-    level: &PairLevel,
-    view: RelativeView,
-    features: &AlignedFeatures,
-) -> Vec<UnguidedMatch> {
-    let full_size = level.scales.map(f64::recip);
-    let mut found = matched_corners(fine, level, view, |_| true);
-    found.extend(
-        features
-            .all(level)
-            .into_iter()
-            .map(|m| UnguidedMatch { pair: m.found.pair.rescaled(full_size), prior: m.prior }),
-    );
+/// Returns the mutual best matches of corners and of features, aligned at full size.
+pub(super) fn unguided_matches(fine: &SupportLevel, matcher: &LevelMatcher) -> Vec<UnguidedMatch> {
+    let full_size = matcher.level.scales.map(f64::recip);
+    let at_full_size =
+        |m: LevelMatch| UnguidedMatch { pair: m.found.pair.rescaled(full_size), prior: m.prior };
+    let mut found = matched_corners(fine, matcher, |_| true);
+    found.extend(matcher.features.all(&matcher.level).into_iter().map(at_full_size));
     found
 }
 
 /// Returns the mutual best matches of corners among the pairs that are `possible` (full-size
-/// pixels), aligned at `level`, the full size.
+/// pixels), aligned at full size.
 pub(super) fn matched_corners(
     fine: &SupportLevel,
-    level: &PairLevel,
-    view: RelativeView,
+    matcher: &LevelMatcher,
     possible: impl Fn(&PointPair) -> bool,
 ) -> Vec<UnguidedMatch> {
+    let LevelMatcher { level, view, .. } = matcher;
     let from_fine = fine.scales.map(f64::recip);
     let full_size = level.scales.map(f64::recip);
-    let affine = level.warp(view);
+    let affine = level.warp(*view);
     let best = fine.support.mutual_best(|pair| possible(&pair.rescaled(from_fine)));
     let aligned = |group: Vec<Putative>| {
         let prior = prior_of_best(&fine.support, &group);
@@ -86,15 +79,19 @@ mod tests {
     use super::*;
     use crate::estimate::exact::ExactScene;
     use crate::geometry::Vector;
-    use crate::image::{GrayPlane, PyramidPair};
+    use crate::image::{GrayPlane, PyramidPair, RelativeView};
+
+    fn levels(plane1: &GrayPlane, plane2: &GrayPlane) -> PatchLevels {
+        let pyramids = PyramidPair::new(plane1, plane2, 48.0);
+        PatchLevels::new(&std::sync::Arc::new(pyramids), RelativeView::UPRIGHT)
+    }
 
     #[test]
     fn matches_are_found_and_aligned_without_a_geometry() {
         let scene = ExactScene::aside();
         let [plane1, plane2] = scene.planes();
-        let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
-        let levels = PatchLevels::new(RelativeView::UPRIGHT);
-        let found = levels.unguided(&pyramids);
+        let levels = levels(&plane1, &plane2);
+        let found = levels.unguided();
         let off = |m: &UnguidedMatch| -> Vector { scene.partner(m.pair.point1) - m.pair.point2 };
         let likely: Vec<&UnguidedMatch> = found.iter().filter(|m| m.is_likely()).collect();
         let right = likely.iter().filter(|m| off(m).norm() < 0.3).count();
@@ -105,10 +102,9 @@ mod tests {
     fn corners_have_fewer_look_alikes_where_their_match_is_possible() {
         let scene = ExactScene::aside();
         let [plane1, plane2] = scene.planes();
-        let pyramids = PyramidPair::new(&plane1, &plane2, 48.0);
-        let levels = PatchLevels::new(RelativeView::UPRIGHT);
+        let levels = levels(&plane1, &plane2);
         let right = |possible: &dyn Fn(&PointPair) -> bool| {
-            let found = levels.unguided_corners(&pyramids, possible);
+            let found = levels.unguided_corners(possible);
             assert!(found.iter().all(|m| m.prior > 0.0 && m.prior <= 1.0));
             let is_right = |m: &&UnguidedMatch| {
                 m.is_likely() && (scene.partner(m.pair.point1) - m.pair.point2).norm() < 0.3
@@ -126,11 +122,8 @@ mod tests {
         let [plane, other] = ExactScene::aside().planes();
         let frame = plane.frame();
         let flipped = GrayPlane::from_fn(frame, |x, y| plane.values()[y * frame.width + frame.width - 1 - x]);
-        let count = |second: &GrayPlane| {
-            let pyramids = PyramidPair::new(&plane, second, 48.0);
-            PatchLevels::new(RelativeView::UPRIGHT).mirrored(&pyramids)
-        };
-        let [[mirrored, corners], [upright, _]] = [count(&flipped), count(&other)];
+        let [[mirrored, corners], [upright, _]] =
+            [&flipped, &other].map(|second| levels(&plane, second).mirrored());
         assert!(5 * mirrored > corners, "{mirrored} of {corners}");
         assert!(50 * upright < corners, "{upright} of {corners}");
     }

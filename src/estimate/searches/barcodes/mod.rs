@@ -14,16 +14,16 @@ mod refinement;
 mod sharpening;
 
 use crate::estimate::evidence::lines::LineCandidate;
-use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::searches::judged::{Judged, report_preliminary};
 use crate::estimate::searches::lines::from_all_lines;
 use crate::estimate::searches::published;
 use crate::estimate::searches::record::SearchRecord;
 use crate::estimate::verdict::assessment::little_texture;
-use crate::estimate::verdict::result::{BarcodeFigures, REPORTED};
-use crate::estimate::verdict::trust::{BarcodeEvidence, Evidence};
+use crate::estimate::verdict::result::REPORTED;
+use crate::estimate::verdict::trust::Evidence;
 use crate::estimate::{
-    Assessment, Clicks, Estimate, EstimateError, Parameters, PreparedPair, Preset, Search, Stage, Trust,
+    Assessment, BarcodeFigures, Estimate, EstimateError, Parameters, Preset, Search, Stage, Trust,
 };
 use crate::geometry::{FundamentalMatrix, PointPair, epipolar_difference, line_spacing, sampson_distance};
 use crate::motion::Silhouettes;
@@ -35,8 +35,7 @@ use refinement::{Objective, RefinedByBarcodes, refine};
 use sharpening::sharpen;
 
 /// Mean distance between the lines of two geometries, as a share of the longer side, up to which
-/// the geometries are the same. Twice that of pictures, since barcodes are less precise. Never
-/// varied.
+/// the geometries are the same. Twice that of pictures, since barcodes are less precise.
 const SAME: f64 = 0.02;
 
 /// Adapts parameters to barcodes. All rotations are allowed, since a barcode does not depend on the
@@ -64,20 +63,19 @@ fn as_published(parameters: &Parameters) -> Parameters {
 /// Proposes geometries from the pencils of two clicks, if given, and from all lines. Refines and
 /// judges the best one.
 pub(in crate::estimate) fn search(
-    prepared: &PreparedPair,
-    clicks: &Clicks,
-    parameters: &Parameters,
+    input: SearchInput,
     record: &mut SearchRecord,
 ) -> Result<Judged, EstimateError> {
-    let silhouettes = prepared.silhouettes().ok_or(EstimateError::NoSequences)?;
-    let parameters = &adapted(parameters);
-    let viewed = &ViewedPair::upright(prepared, parameters);
+    let silhouettes = input.prepared.silhouettes().ok_or(EstimateError::NoSequences)?;
+    let parameters = &adapted(input.parameters);
+    let input = SearchInput { parameters, ..input };
+    let (viewed, clicks) = (&ViewedPair::upright(input), input.clicks);
     let cancel = record.cancel();
     let mut proposed: Vec<FundamentalMatrix> = Vec::new();
     let mut hypotheses: Vec<Estimate> = Vec::new();
     if clicks.anchors().len() >= 2 {
         let few = as_published(parameters);
-        match published::find(viewed, clicks, &few, record) {
+        match published::find(&ViewedPair::upright(SearchInput { parameters: &few, ..input }), record) {
             Ok(found) => {
                 proposed.push(found.fundamental);
                 proposed.extend(
@@ -85,7 +83,7 @@ pub(in crate::estimate) fn search(
                 );
                 hypotheses = found.hypotheses;
                 // This is drawn while all lines are compared.
-                report_preliminary(proposed[0], &hypotheses, None, viewed, clicks, parameters, record);
+                report_preliminary(proposed[0], &hypotheses, None, viewed, record);
             }
             // If nothing crosses the lines through the clicks, all lines still propose.
             Err(EstimateError::NoCandidates(_) | EstimateError::NoGeometry) => {}
@@ -101,7 +99,7 @@ pub(in crate::estimate) fn search(
     hypotheses.extend(alone.into_iter().map(Estimate::from));
     hypotheses.truncate(REPORTED);
     if let Some(first) = proposed.first() {
-        report_preliminary(*first, &hypotheses, None, viewed, clicks, parameters, record);
+        report_preliminary(*first, &hypotheses, None, viewed, record);
     }
 
     record.enter(Stage::Refinement)?;
@@ -137,7 +135,7 @@ pub(in crate::estimate) fn search(
         deviation: deviation(&coarse, &best.fundamental, parameters.seed, cancel)?,
         frames: silhouettes[0].len(),
     };
-    let assessment = assessed(&best.fundamental, figures, margin, prepared, clicks, parameters, record);
+    let assessment = assessed(&best.fundamental, figures, margin, input, record);
     Ok(Judged {
         clicks: clicks.clone(),
         fundamental: best.fundamental,
@@ -162,19 +160,14 @@ fn assessed(
     f: &FundamentalMatrix,
     figures: BarcodeFigures,
     margin: Option<f64>,
-    prepared: &PreparedPair,
-    clicks: &Clicks,
-    parameters: &Parameters,
+    input: SearchInput,
     record: &SearchRecord,
 ) -> Assessment {
+    let SearchInput { prepared, clicks, parameters } = input;
     let distances: Vec<f64> =
         clicks.observed().iter().map(|pair: &PointPair| sampson_distance(f, pair)).collect();
     let trust = Trust::judge(&Evidence {
-        barcodes: Some(BarcodeEvidence {
-            correlation: figures.correlation,
-            by_chance: figures.by_chance,
-            lines: figures.lines,
-        }),
+        barcodes: Some(figures),
         clicks: &distances,
         click_sigma: parameters.click_sigma,
         margin,
@@ -195,7 +188,7 @@ fn assessed(
 #[cfg(feature = "pictures")]
 mod tests {
     use super::*;
-    use crate::estimate::{CancelFlag, Monitor, Reason, Verdict, estimate_prepared};
+    use crate::estimate::{CancelFlag, Monitor, PreparedPair, Reason, Verdict, estimate_prepared};
     use crate::geometry::{Frame, symmetric_epipolar_distance};
     use crate::image::GrayPlane;
     use crate::similarity::LineMeasure;

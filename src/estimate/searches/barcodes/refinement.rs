@@ -20,23 +20,20 @@ use crate::motion::Silhouettes;
 pub(super) struct Steps {
     /// Standard deviation of the first steps, as a share of half a diagonal.
     pub first: f64,
-    /// Number of rounds.
     pub rounds: usize,
 }
 
-/// Steps from a proposal of lines: a few per cent of the side. Half and twice of it: `lab/notes.md`.
+/// Steps from a proposal of lines: a few per cent of the side.
 pub(super) const FROM_AFAR: Steps = Steps { first: 0.015, rounds: 8 };
-/// Steps from a refined geometry: a fifth of those from a proposal. Half and twice of it: `lab/notes.md`.
+/// Steps from a refined geometry: a fifth of those from a proposal.
 pub(super) const NEARBY: Steps = Steps { first: 0.003, rounds: 10 };
 
 /// Number of samples in a round: about six for each of seven unknowns.
-/// Half and twice of it: `lab/notes.md`.
 const POPULATION: usize = 40;
 /// Number of best samples of a round that give the next one: a fifth of the samples, and one more
-/// than the unknowns. Half and twice of it: `lab/notes.md`.
+/// than the unknowns.
 const ELITE: usize = 8;
 /// Share of the previous deviation that is kept, so that the search does not settle too early.
-/// Half and twice of it: `lab/notes.md`.
 const INERTIA: f64 = 0.3;
 
 /// Objective of the refinement: the disagreement of barcodes, and the distances of clicks.

@@ -15,12 +15,10 @@ use crate::geometry::{AnchoredLine, Frame, Point, Vector};
 use crate::similarity::ScaledSimilarity;
 
 /// Number of best candidates that are moved: enough for a consensus. The time is in proportion.
-/// Half and twice of it: `lab/notes.md`.
 const MOVED: usize = 400;
 /// Number of rounds of moves. The last moves are a thirteenth of the first.
 const ROUNDS: usize = 6;
 /// Number of moves of a candidate tried in a round. The best one counts.
-/// Half and twice of it: `lab/notes.md`.
 const TRIALS: usize = 16;
 /// Factor of the length of moves from round to round. With 0.5 and 0.7, the last moves would be a
 /// thirtieth and a sixth of the first.

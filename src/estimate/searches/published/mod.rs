@@ -9,33 +9,26 @@ use super::pencils::compare_pencils;
 use super::record::SearchRecord;
 use super::refinement::refine_best;
 use crate::estimate::evidence::lines::LineFigures;
-use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::result::REPORTED;
-use crate::estimate::{Clicks, Estimate, EstimateError, Parameters, PreparedPair, Stage};
+use crate::estimate::{Estimate, EstimateError, Stage};
 use crate::geometry::FundamentalMatrix;
 
 /// Searches through two or three clicks by lines.
 pub(in crate::estimate) fn search(
-    prepared: &PreparedPair,
-    clicks: &Clicks,
-    parameters: &Parameters,
+    input: SearchInput,
     record: &mut SearchRecord,
 ) -> Result<Judged, EstimateError> {
-    let viewed = ViewedPair::upright(prepared, parameters);
-    let found = find(&viewed, clicks, parameters, record)?;
-    Ok(Judged::of(found, &viewed, clicks, parameters, record))
+    let viewed = ViewedPair::upright(input);
+    Ok(Judged::of(find(&viewed, record)?, &viewed, record))
 }
 
 /// Proposes, ranks and refines geometries, without an assessment.
-pub(super) fn find(
-    viewed: &ViewedPair,
-    clicks: &Clicks,
-    parameters: &Parameters,
-    record: &mut SearchRecord,
-) -> Result<Found, EstimateError> {
+pub(super) fn find(viewed: &ViewedPair, record: &mut SearchRecord) -> Result<Found, EstimateError> {
+    let SearchInput { clicks, parameters, .. } = viewed.input;
     let (source, cancel) = (&*viewed.source, record.cancel());
     let similarity = source.at(parameters.pencils.coarse_side);
-    let (anchors, pencils) = compare_pencils(viewed, clicks, parameters, record)?;
+    let (anchors, pencils) = compare_pencils(viewed, record)?;
 
     record.enter(Stage::Hypotheses)?;
     let third = clicks.third();
@@ -51,12 +44,12 @@ pub(super) fn find(
         |(f, lines): &(FundamentalMatrix, LineFigures)| Estimate::proposed(*f, Some(lines.clone()), None);
     let hypotheses: Vec<Estimate> = ranked.hypotheses.iter().map(proposed).collect();
     let best = ranked.hypotheses[0].0;
-    report_preliminary(best, &hypotheses, None, viewed, clicks, parameters, record);
+    report_preliminary(best, &hypotheses, None, viewed, record);
 
     record.enter(Stage::Refinement)?;
     let fundamental = hypotheses::refine(source, &ranked, anchors, parameters, cancel)?;
     let starts = std::iter::once(fundamental).chain(ranked.hypotheses.iter().map(|(f, _)| *f));
-    let refined = refine_best(starts, viewed, clicks, parameters, cancel)?;
+    let refined = refine_best(starts, viewed, cancel)?;
     let matches = refined.iter().flat_map(|refined| &refined.refinement.matches);
     let supporting = matches.map(|m| m.pair).collect();
     Ok(Found { fundamental, hypotheses, supporting, refined, clicks_alone: false })

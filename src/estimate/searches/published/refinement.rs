@@ -16,13 +16,12 @@ use crate::geometry::PointPair;
 use crate::similarity::{ScaledSimilarity, SimilaritySource};
 
 /// Number of steps tried at a time, enough to occupy vector units and threads.
-/// Half and twice of it: `lab/notes.md`.
 const POPULATION: usize = 8;
 /// Factor of the step length after a round without success. After eight such rounds, steps are a
 /// sixtieth of the first.
 const SHRINKING: f64 = 0.6;
 /// Longer side of the largest images in refinement on lines, px. Lines of larger images are
-/// smoother than a step. Half and twice of it: `lab/notes.md`.
+/// smoother than a step.
 const FINEST: f64 = 800.0;
 
 /// Improves the line score of the five numbers at each level, from the coarsest to the finest.
@@ -97,7 +96,7 @@ fn refine_at(
 const MEAN_OF_THREE: f64 = 1.5;
 /// Factor that brings the standard deviation of this sum, ½, to 1.
 const TO_UNIT: f64 = 2.0;
-/// Size of a step of ln κ, relative to a step of an angle. Half and twice of it: `lab/notes.md`.
+/// Size of a step of ln κ, relative to a step of an angle.
 const KAPPA_STEP: f64 = 2.0;
 
 /// Returns the numbers after a random step of all five, on the scale of `step` radians.

@@ -14,7 +14,6 @@ pub const SMALLEST_SIDE: usize = 32;
 const CLOSEST: f64 = 4.0;
 /// Mean absolute difference below which two images are the same picture, grey levels. Compression
 /// leaves less at this size, a camera that moved leaves more at edges.
-/// None of six results changed at half and twice of it (`lab/notes.md`).
 const IDENTICAL: f64 = 0.8;
 /// Standard deviation below which an image is flat, grey levels: about the rounding of its pixels.
 const FLAT: f64 = 1.0;

@@ -3,47 +3,39 @@
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::{LineExaminer, LineFigures, PencilAngles};
 use crate::estimate::evidence::patches::BAND;
-use crate::estimate::evidence::viewed::ViewedPair;
-use crate::estimate::{Assessment, Estimate, Parameters, PatchSupport, PreparedPair, Search};
+use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
+use crate::estimate::{Assessment, Clicks, Estimate, Parameters, PatchSupport, PreparedPair, Search};
 use crate::geometry::{FundamentalMatrix, PointPair};
 
-/// Evidence from which figures are computed.
-pub(super) struct Examiner<'a> {
-    pub viewed: &'a ViewedPair<'a>,
-    pub parameters: &'a Parameters,
+/// Returns the patch support of `f` (full size). `None` if the search uses lines alone.
+pub(super) fn patch_support(viewed: &ViewedPair, f: &FundamentalMatrix) -> Option<PatchSupport> {
+    match viewed.input.parameters.search {
+        Search::Patches => viewed.patches.measure(f),
+        Search::Lines => None,
+    }
 }
 
-impl Examiner<'_> {
-    /// Returns the patch support of `f` (full size). `None` if the search uses lines alone.
-    pub fn patch_support(&self, f: &FundamentalMatrix) -> Option<PatchSupport> {
-        match self.parameters.search {
-            Search::Patches => self.viewed.patches.measure(self.viewed.pyramids(), f),
-            Search::Lines => None,
-        }
+/// Returns the figures of `f` (full size) by lines through two clicks. `None` if the lines
+/// degenerate. `turn` is the approximate rotation of image 2 against image 1, radians.
+pub(super) fn line_figures(
+    viewed: &ViewedPair,
+    clicks: [PointPair; 2],
+    f: &FundamentalMatrix,
+    turn: f64,
+) -> Option<LineFigures> {
+    let parameters = viewed.input.parameters;
+    let mut angles = PencilAngles::of(f, &clicks, turn)?;
+    if parameters.search == Search::Patches {
+        let fine = viewed.patches.fine();
+        let at_fine = f.rescaled(fine.scales[0], fine.scales[1])?;
+        let matches = fine.support.matches(&at_fine, BAND);
+        let own = clicks.map(|click| click.rescaled(fine.scales));
+        // κ is fitted at the matches, as for all other hypotheses.
+        let pairs = matches.iter().map(|m| m.pair);
+        angles = PencilAngles::nearest(&at_fine, &own, &angles, pairs).unwrap_or(angles);
     }
-
-    /// Returns the figures of `f` (full size) by lines through two clicks. `None` if the lines
-    /// degenerate. `turn` is the approximate rotation of image 2 against image 1, radians.
-    pub fn line_figures(
-        &self,
-        clicks: [PointPair; 2],
-        f: &FundamentalMatrix,
-        turn: f64,
-    ) -> Option<LineFigures> {
-        let mut angles = PencilAngles::of(f, &clicks, turn)?;
-        if self.parameters.search == Search::Patches {
-            let fine = self.viewed.fine();
-            let at_fine = f.rescaled(fine.scales[0], fine.scales[1])?;
-            let matches = fine.support.matches(&at_fine, BAND);
-            let own = clicks.map(|click| click.rescaled(fine.scales));
-            // κ is fitted at the matches, as for all other hypotheses.
-            let pairs = matches.iter().map(|m| m.pair);
-            angles = PencilAngles::nearest(&at_fine, &own, &angles, pairs).unwrap_or(angles);
-        }
-        let cancel = CancelFlag::default();
-        let examiner = LineExaminer::new(&*self.viewed.source, clicks, self.parameters, &cancel);
-        examiner.figures(&[angles]).pop().flatten()
-    }
+    let cancel = CancelFlag::default();
+    LineExaminer::new(&*viewed.source, clicks, parameters, &cancel).figures(&[angles]).pop().flatten()
 }
 
 /// Returns the figures of `f` (full size) as a hypothesis of the search that found `beside`, with
@@ -57,12 +49,12 @@ pub fn examine(
     beside: &Estimate,
     parameters: &Parameters,
 ) -> Option<Estimate> {
-    let viewed = ViewedPair::new(prepared, prepared.patches_of(beside), parameters);
-    let examiner = Examiner { viewed: &viewed, parameters };
+    let input = SearchInput { prepared, clicks: &Clicks::default(), parameters };
+    let viewed = ViewedPair::new(input, prepared.patches_of(beside));
     let turn = beside.hypotheses().first().map_or(beside.view().rotation, Estimate::turn);
     let assessment = Assessment {
-        lines: Some(examiner.line_figures(clicks, f, turn)?),
-        support: examiner.patch_support(f),
+        lines: Some(line_figures(&viewed, clicks, f, turn)?),
+        support: patch_support(&viewed, f),
         ..Assessment::default()
     };
     Some(Estimate { geometry: (*f).into(), assessment, trace: None })
@@ -79,20 +71,18 @@ mod tests {
     fn figures_of_the_truth_are_better_than_those_of_a_geometry_near_it() {
         let scene = ExactScene::aside();
         let prepared = scene.prepared();
-        let viewed = ViewedPair {
-            prepared: &prepared,
-            source: Box::new(ExactSource(scene.fundamental())),
-            patches: prepared.upright_patches(),
-        };
         let (truth, wrong) = (scene.fundamental(), scene.disturbed(12.0));
         for (preset, by_patches) in [(Preset::Paper, false), (Preset::Robust, true)] {
             let parameters = Parameters::from(preset);
-            let examiner = Examiner { viewed: &viewed, parameters: &parameters };
+            let clicks = Clicks::default();
+            let input = SearchInput { prepared: &prepared, clicks: &clicks, parameters: &parameters };
+            let source = Box::new(ExactSource(scene.fundamental()));
+            let viewed = ViewedPair { source, ..ViewedPair::upright(input) };
             let score = |f: &FundamentalMatrix| {
-                examiner.line_figures(scene.clicks(), f, 0.0).and_then(|figures| figures.score).unwrap()
+                line_figures(&viewed, scene.clicks(), f, 0.0).and_then(|figures| figures.score).unwrap()
             };
             assert!(score(&truth) < 0.5 * score(&wrong), "{} {}", score(&truth), score(&wrong));
-            let [of_truth, of_wrong] = [truth, wrong].map(|f| examiner.patch_support(&f));
+            let [of_truth, of_wrong] = [truth, wrong].map(|f| patch_support(&viewed, &f));
             assert_eq!(of_truth.is_some(), by_patches, "published figures know no patches");
             if let (Some(right), Some(wrong)) = (of_truth, of_wrong) {
                 assert!(right.score > 1.5 * wrong.score, "{right:?} {wrong:?}");

@@ -13,7 +13,6 @@ use crate::geometry::{
 const DIFFERENT: f64 = 0.01;
 /// Distance of a match from its line, in units of the largest distance of equal geometries, beyond
 /// which it contradicts a geometry. Matches have no errors of this size: 4 px in images of 800 px.
-/// Half and twice of it: `lab/notes.md`.
 const CONTRADICTING: f64 = 0.5;
 /// Largest difference measured, in units of the largest distance of equal geometries. Beyond it,
 /// all geometries are equally wrong.

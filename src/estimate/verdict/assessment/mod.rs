@@ -20,18 +20,18 @@ use nalgebra::Matrix3;
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::{Refined, UnguidedMatch, largest_plane, resized};
-use crate::estimate::evidence::viewed::ViewedPair;
+use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
+use crate::estimate::verdict::selection::ClickedPairs;
 use crate::estimate::verdict::trust::{
-    Evidence, HALF_PLANE, Mirror, PlaneEvidence, RefinedOn, Relief, Together, USUAL_SIDE,
+    Evidence, HALF_PLANE, Mirror, OffPlane, PlaneEvidence, RefinedOn, Relief, Together, USUAL_SIDE,
 };
 use crate::estimate::{
-    Assessment, Clicks, Estimate, Parameters, PatchSupport, PlaneHomography, Refinement, Search, Trust,
-    Warning,
+    Assessment, Estimate, PatchSupport, PlaneHomography, Refinement, Search, Trust, Warning,
 };
 use crate::geometry::{FundamentalMatrix, PointPair, finite_point, median, sampson_distance, transfer_error};
-use examination::Examiner;
+use examination::{line_figures, patch_support};
 use margin::{all_apart, differs, least_clear, margin};
-use parallax::{CORNER_SIGMA, OffPlane, precision};
+use parallax::{CORNER_SIGMA, precision};
 
 /// Largest distance of a match from a homography that explains it, px: three deviations of a
 /// refined match. It grows in proportion for images larger than [`USUAL_SIDE`], where corners are
@@ -45,11 +45,9 @@ const NEAR_PLANE: f64 = 0.05;
 /// Evidence by which a geometry is judged.
 pub(in crate::estimate) struct Judge<'a> {
     pub viewed: &'a ViewedPair<'a>,
-    pub clicks: &'a Clicks,
-    pub parameters: &'a Parameters,
     /// Geometries found by the search, best first.
     pub hypotheses: &'a [Estimate],
-    /// Pencils through the anchors of `clicks`.
+    /// Pencils through the anchors.
     pub pencils: &'a [Arc<ComparedPencils>],
     /// Whether the geometry follows from the clicks alone.
     pub clicks_alone: bool,
@@ -68,12 +66,13 @@ struct FoundPlane {
 impl Judge<'_> {
     /// Returns the assessment of a preliminary geometry, without a verdict.
     pub fn preliminary(&self, f: &FundamentalMatrix, support: Option<PatchSupport>) -> Assessment {
-        let frames = self.viewed.prepared.frames();
+        let SearchInput { prepared, parameters, .. } = self.viewed.input;
+        let frames = prepared.frames();
         let rival = self.hypotheses.iter().position(|other| differs(f, other.fundamental(), &[], frames));
         Assessment {
             lines: self.hypotheses.first().and_then(|best| best.assessment.lines.clone()),
             support,
-            margin: margin(self.hypotheses, rival, self.parameters.search),
+            margin: margin(self.hypotheses, rival, parameters.search),
             warnings: self.warnings(f),
             ..Assessment::default()
         }
@@ -87,14 +86,14 @@ impl Judge<'_> {
         supporting: &[PointPair],
         refined: Option<Refined>,
     ) -> Assessment {
-        let Self { viewed, parameters, .. } = *self;
-        let examiner = Examiner { viewed, parameters };
+        let viewed = self.viewed;
+        let SearchInput { prepared, clicks, parameters } = viewed.input;
         // These are figures of the result, not of the hypothesis from which it was refined.
         let turn = self.hypotheses.first().map_or(0.0, Estimate::turn);
-        let anchors = self.clicks.anchors();
-        let lines = anchors.first_chunk::<2>().and_then(|anchors| examiner.line_figures(*anchors, f, turn));
-        let support = examiner.patch_support(f);
-        let apart = all_apart(f, self.hypotheses, supporting, viewed.prepared.frames());
+        let anchors = clicks.anchors();
+        let lines = anchors.first_chunk().and_then(|anchors| line_figures(viewed, *anchors, f, turn));
+        let support = patch_support(viewed, f);
+        let apart = all_apart(f, self.hypotheses, supporting, prepared.frames());
         let margin = margin(self.hypotheses, apart.rival(), parameters.search);
         let least = |refined: &Refined| least_clear(refined.weight, refined.weight_deviation);
         let has_rival = apart.rival().is_some();
@@ -122,24 +121,17 @@ impl Judge<'_> {
     /// Returns the advantage of a refined geometry, whose matches weigh `weight`, over its refined
     /// rivals. A rival counts if refinement leaves it clearly different.
     fn refined_margin(&self, f: &FundamentalMatrix, weight: f64, supporting: &[PointPair]) -> f64 {
-        let Self { viewed, parameters, .. } = *self;
-        let observed = self.clicks.observed();
-        let is_rival = |other: &FundamentalMatrix| differs(f, other, supporting, viewed.prepared.frames());
+        let viewed = self.viewed;
+        let SearchInput { prepared, parameters, .. } = viewed.input;
+        let clicked = ClickedPairs::of(viewed.input);
+        let is_rival = |other: &FundamentalMatrix| differs(f, other, supporting, prepared.frames());
         let heaviest = self
             .hypotheses
             .iter()
             .map(Estimate::fundamental)
             .filter(|other| is_rival(other))
             .take(parameters.refinement.rivals)
-            .filter_map(|rival| {
-                viewed.patches.refine(
-                    viewed.pyramids(),
-                    rival,
-                    &observed,
-                    parameters.click_sigma,
-                    self.cancel,
-                )
-            })
+            .filter_map(|rival| viewed.patches.refine(rival, &clicked.0, self.cancel))
             .filter(|refined| is_rival(&refined.fundamental))
             .map(|refined| refined.weight)
             .fold(0.0, f64::max);
@@ -147,27 +139,28 @@ impl Judge<'_> {
     }
 
     fn warnings(&self, f: &FundamentalMatrix) -> Vec<Warning> {
-        let of_clicks = degeneracy::click_warnings(f, self.viewed.prepared.frames(), self.clicks);
-        let mut warnings = little_texture(self.clicks, self.pencils);
-        warnings.extend(of_clicks);
+        let SearchInput { prepared, clicks, .. } = self.viewed.input;
+        let mut warnings = little_texture(clicks, self.pencils);
+        warnings.extend(degeneracy::click_warnings(f, prepared.frames(), clicks));
         warnings
     }
 
     /// Returns the largest plane, the evidence beside it, and the distinctive matches that move
     /// together. `None` if no plane is found.
     fn plane(&self, f: &FundamentalMatrix, matches: &[PointPair], tolerance: f64) -> Option<FoundPlane> {
-        let frames = self.viewed.prepared.frames();
-        let (h, most) = largest_plane(matches, tolerance, self.parameters.seed)?;
+        let SearchInput { prepared, clicks, parameters } = self.viewed.input;
+        let frames = prepared.frames();
+        let (h, most) = largest_plane(matches, tolerance, parameters.seed)?;
         let share = most as f64 / matches.len() as f64;
         let bent_share = lens::share_through_a_lens(matches, &h, frames, tolerance);
-        let fine = self.viewed.fine();
+        let fine = self.viewed.patches.fine();
         let [s1, s2] = fine.scales;
         let (h_fine, f_fine) = (resized(&h, fine.scales)?, f.rescaled(s1, s2)?);
         let (side, side_fine) = (frames[0].longer_side(), s1 * frames[0].longer_side());
         let distinctive = fine.support.distinctive();
         let afar = OffPlane::new(&distinctive, &f_fine, &h_fine, side_fine, CORNER_SIGMA);
-        let (patches, pyramids) = (&self.viewed.patches, self.viewed.pyramids());
-        let unguided = patches.unguided(pyramids);
+        let patches = &self.viewed.patches;
+        let unguided = patches.unguided();
         let is_near = |m: &PointPair| {
             let mapped = finite_point(&(h * m.point1.to_homogeneous()));
             mapped.is_some_and(|at| (m.point2 - at).norm() < NEAR_PLANE * side)
@@ -175,38 +168,26 @@ impl Judge<'_> {
         // A corner has fewer look-alikes near its place on a plane that explains many matches.
         let mut testify = Vec::new();
         if share > HALF_PLANE {
-            testify = patches.unguided_corners(pyramids, is_near);
+            testify = patches.unguided_corners(is_near);
         }
         testify.extend(unguided);
         let near: Vec<PointPair> =
             testify.iter().filter(|m| m.is_likely()).map(|m| m.pair).filter(is_near).collect();
         let closely = OffPlane::new(&near, f, &h, side, precision(&near, f));
         // Each clicked pair shows one scene point in both images.
-        let clicked = OffPlane::new(&self.clicks.observed(), f, &h, side, self.parameters.click_sigma);
+        let clicked = OffPlane::new(&clicks.observed(), f, &h, side, parameters.click_sigma);
         // Each kind of matches alone may determine the epipoles.
         let is_still = leaves_in_place(&h, matches, tolerance);
-        let evidence = [afar, closely, clicked].map(|off| {
-            let OffPlane { groups, agreeing, motions, by_chance, motions_by_chance } = off;
-            PlaneEvidence {
-                share,
-                bent_share,
-                groups,
-                agreeing,
-                motions,
-                by_chance,
-                motions_by_chance,
-                is_still,
-            }
-        });
-        let evidence = evidence.into_iter().reduce(PlaneEvidence::or_stronger)?;
+        let off = afar.or_stronger(closely).or_stronger(clicked);
+        let evidence = PlaneEvidence { share, bent_share, off, is_still };
         let together = parallax::together(&distinctive, &f_fine, &h_fine, side_fine);
-        let relief = warp::relief(&testify, matches, &h, f, frames[0], tolerance, self.parameters.seed);
+        let relief = warp::relief(&testify, matches, &h, f, frames[0], tolerance, parameters.seed);
         // Most unguided matches of an upright pair are right; those of a mirror image are not.
         let on_lines = |m: &&UnguidedMatch| sampson_distance(f, &m.pair) < tolerance;
         let likely = || unguided.iter().filter(|m| m.is_likely());
         let is_suspect = 2 * likely().filter(on_lines).count() < likely().count();
         let mirror = is_suspect.then(|| {
-            let [flipped, corners] = self.viewed.patches.mirrored(self.viewed.pyramids());
+            let [flipped, corners] = self.viewed.patches.mirrored();
             Mirror { flipped, corners }
         });
         Some(FoundPlane {
@@ -225,23 +206,20 @@ impl Judge<'_> {
         margin: Option<f64>,
         refinement: Option<&Refinement>,
     ) -> (Trust, Option<PlaneHomography>) {
-        let parameters = self.parameters;
-        let distances: Vec<f64> =
-            self.clicks.observed().iter().map(|pair| sampson_distance(f, pair)).collect();
+        let SearchInput { prepared, clicks, parameters } = self.viewed.input;
+        let distances: Vec<f64> = clicks.observed().iter().map(|pair| sampson_distance(f, pair)).collect();
         let matches: Vec<PointPair> =
             refinement.iter().flat_map(|r| r.matches.iter().map(|m| m.pair)).collect();
         let uncertainty = refinement.and_then(|r| r.uncertainty.as_ref());
         let deviation = uncertainty.and_then(|uncertainty| uncertainty.median_line2_deviation(&matches));
-        let side = self.viewed.prepared.frames()[0].longer_side();
+        let side = prepared.frames()[0].longer_side();
         let tolerance = PLANE_TOLERANCE * (side / USUAL_SIDE).max(1.0);
         let found = self.plane(f, &matches, tolerance);
         let trust = Trust::judge(&Evidence {
             patches: parameters.search == Search::Patches,
             barcodes: None,
             refined_on: match refinement {
-                Some(_) if self.viewed.prepared.given_alone(parameters).is_some() => {
-                    RefinedOn::Given(matches.len())
-                }
+                Some(_) if prepared.given_alone(parameters).is_some() => RefinedOn::Given(matches.len()),
                 Some(_) => RefinedOn::Matches(matches.len()),
                 None if self.clicks_alone => RefinedOn::Clicks,
                 None if !parameters.refinement.refine => RefinedOn::Nothing,

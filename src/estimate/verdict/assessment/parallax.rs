@@ -38,23 +38,8 @@ use nalgebra::Matrix3;
 
 use crate::estimate::evidence::patches::BAND;
 use crate::estimate::verdict::poisson::fewer_than;
-use crate::estimate::verdict::trust::{Together, WRONG_TOGETHER};
+use crate::estimate::verdict::trust::{OffPlane, Together, WRONG_TOGETHER};
 use crate::geometry::{FundamentalMatrix, PointPair, Vector, finite_point, median};
-
-/// Matches off the largest plane, as evidence for the epipoles.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct OffPlane {
-    /// Number of groups of matches that move alike.
-    pub groups: usize,
-    /// Number of groups that agree with `F`.
-    pub agreeing: usize,
-    /// Number of motions among the agreeing groups with more matches than are wrong.
-    pub motions: usize,
-    /// Expected number of epipoles that do as well by chance: N above, of groups.
-    pub by_chance: f64,
-    /// N above, of motions.
-    pub motions_by_chance: f64,
-}
 
 /// Standard deviation of a coordinate of a match between corners, px of the level. Corners are
 /// precise to a pixel.
@@ -70,16 +55,13 @@ const ALIKE: f64 = 4.0;
 const OFF_LINE: f64 = 3.0;
 /// Difference between motions, as a share of their length, below which they are one motion. If
 /// moving objects tilt the homography, one motion varies across the image.
-/// None of six results changed at half and twice of it (`lab/notes.md`).
 const ALIKE_SHARE: f64 = 0.1;
 /// Smallest deviation of an aligned match, px. The median of few matches may be smaller by chance.
-/// None of six results changed at half and twice of it (`lab/notes.md`).
 const ALIGNED: f64 = 0.15;
 /// Median absolute value of a normal distribution, in standard deviations.
 const MEDIAN: f64 = 0.6745;
 /// Largest distance between matches of one group, as a share of the longer side. Moving objects are
 /// smaller, and a larger surface counts as several groups.
-/// None of six results changed at half and twice of it (`lab/notes.md`).
 const TOGETHER: f64 = 0.1;
 /// Radius of the neighbourhood of a match, as a share of the longer side: as far as matches of one
 /// group.

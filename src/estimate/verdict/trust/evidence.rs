@@ -2,6 +2,8 @@
 //!
 //! Limits of chance are probabilities. The others are shares and sizes, with their reasons.
 
+use serde::Serialize;
+
 use crate::estimate::verdict::poisson::fewer_than;
 
 /// Share of the matches on one plane beyond which only a handful of matches would determine the
@@ -49,7 +51,6 @@ const MIRRORED: f64 = 0.1;
 const HALF_WRONG_BY_CHANCE: f64 = 1e-2;
 /// Expected fraction of distinctive matches that agree on a wrong motion (repeated structure). Of
 /// 200 matches five may contradict the geometry; with half and twice the fraction, four and eight.
-/// None of six results changed at half and twice of it (`lab/notes.md`).
 pub(in crate::estimate) const WRONG_TOGETHER: f64 = 0.005;
 /// Share of the variance of the residuals that neighbours have in common, beyond which the
 /// residuals are more pattern than noise: one half.
@@ -61,29 +62,22 @@ pub(super) const PATTERN_SIZE: f64 = 0.3;
 /// errors grow in proportion.
 pub(in crate::estimate) const USUAL_SIDE: f64 = 800.0;
 
-/// Share of the matches that one homography explains, and the evidence of the other matches for the
-/// epipoles.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::estimate) struct PlaneEvidence {
-    /// Share of the matches explained by the homography, 0 to 1.
-    pub share: f64,
-    /// Share explained by a homography with radial distortion, 0 to 1.
-    pub bent_share: f64,
-    /// Number of groups of matches off the plane that move alike.
+/// Matches off the largest plane, as evidence for the epipoles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::estimate) struct OffPlane {
+    /// Number of groups of matches that move alike.
     pub groups: usize,
     /// Number of groups that agree with `F`.
     pub agreeing: usize,
-    /// Number of different motions among the agreeing groups.
+    /// Number of motions among the agreeing groups with more matches than are wrong.
     pub motions: usize,
     /// Expected number of epipoles that do as well by chance.
     pub by_chance: f64,
     /// The same number if all groups of one motion count once.
     pub motions_by_chance: f64,
-    /// Whether the homography leaves the matches in their places, as if the camera stood still.
-    pub is_still: bool,
 }
 
-impl PlaneEvidence {
+impl OffPlane {
     /// Returns whether the matches off the plane determine the epipoles by themselves.
     fn holds_the_epipoles(&self) -> bool {
         self.by_chance <= BY_CHANCE
@@ -97,7 +91,22 @@ impl PlaneEvidence {
         let rank = |one: &Self| (!one.holds_the_epipoles(), one.by_chance);
         if rank(&other) < rank(&self) { other } else { self }
     }
+}
 
+/// Share of the matches that one homography explains, and the evidence of the other matches for the
+/// epipoles.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::estimate) struct PlaneEvidence {
+    /// Share of the matches explained by the homography, 0 to 1.
+    pub share: f64,
+    /// Share explained by a homography with radial distortion, 0 to 1.
+    pub bent_share: f64,
+    pub off: OffPlane,
+    /// Whether the homography leaves the matches in their places, as if the camera stood still.
+    pub is_still: bool,
+}
+
+impl PlaneEvidence {
     /// Returns whether the matches leave the epipoles undetermined. Relief beside
     /// [`ANY_EPIPOLE`] further planes shows the epipoles whatever the number of motions, since some
     /// epipole fits the planes but not the rest. If the camera stood still, everything that moved did
@@ -106,8 +115,8 @@ impl PlaneEvidence {
         let is_undecided = || !relief.is_some_and(|relief| relief.further.show_the_epipole());
         self.share > ONE_PLANE
             || self.share > HALF_PLANE && self.is_still
-            || self.share > MOSTLY_PLANE && !self.holds_the_epipoles() && is_undecided()
-            || self.share > HALF_PLANE && self.motions <= ANY_EPIPOLE && is_undecided()
+            || self.share > MOSTLY_PLANE && !self.off.holds_the_epipoles() && is_undecided()
+            || self.share > HALF_PLANE && self.off.motions <= ANY_EPIPOLE && is_undecided()
     }
 
     /// Returns whether a lens explains most of the matches off the plane.
@@ -119,7 +128,6 @@ impl PlaneEvidence {
 /// Matches found without `F`, beside the smooth warp that most matches follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(in crate::estimate) struct Witnesses {
-    /// Number of matches on the warp.
     pub on_warp: usize,
     /// Number of matches that are beside it along their epipolar lines.
     pub along: usize,
@@ -262,15 +270,21 @@ impl ResidualPattern {
     }
 }
 
-/// Evidence of motion barcodes for a geometry.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::estimate) struct BarcodeEvidence {
-    /// Agreement of the barcodes of corresponding lines.
+/// Figures of a geometry from the barcodes of corresponding lines.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BarcodeFigures {
+    /// Agreement of the barcodes of corresponding epipolar lines over both images: 1 for equal
+    /// barcodes, 0 for unrelated ones.
     pub correlation: f64,
-    /// Best agreement with one sequence shifted in time.
+    /// Best agreement with the second sequence shifted in time, which only chance explains.
     pub by_chance: f64,
-    /// Number of independent lines.
+    /// Number of independent epipolar lines. The same objects cross neighbouring lines.
     pub lines: f64,
+    /// Standard deviation of the epipolar lines at moving objects, px, from a jackknife over the
+    /// frames. `None` with too few frames.
+    pub deviation: Option<f64>,
+    /// Number of frames compared.
+    pub frames: usize,
 }
 
 /// Data that a result was refined on.
@@ -294,8 +308,8 @@ pub(in crate::estimate) enum RefinedOn {
 pub(in crate::estimate) struct Evidence<'a> {
     /// Whether patches were compared.
     pub patches: bool,
-    /// Evidence of barcodes, for sequences.
-    pub barcodes: Option<BarcodeEvidence>,
+    /// Figures of motion barcodes, for sequences.
+    pub barcodes: Option<BarcodeFigures>,
     /// Data that the result was refined on.
     pub refined_on: RefinedOn,
     /// Sampson distances of the clicks, px.

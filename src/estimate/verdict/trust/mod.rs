@@ -6,8 +6,9 @@ mod rules;
 
 use serde::{Deserialize, Serialize};
 
+pub use evidence::BarcodeFigures;
 pub(in crate::estimate) use evidence::{
-    ALONG, ANY_EPIPOLE, BarcodeEvidence, Evidence, HALF_PLANE, Mirror, PlaneEvidence, RefinedOn, Relief,
+    ALONG, ANY_EPIPOLE, Evidence, HALF_PLANE, Mirror, OffPlane, PlaneEvidence, RefinedOn, Relief,
     ResidualPattern, Together, USUAL_SIDE, WRONG_TOGETHER, Witnesses,
 };
 pub(in crate::estimate) use rules::CHANCE_DEVIATIONS;
@@ -15,26 +16,18 @@ pub use rules::{
     CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW, GUESS_MARGIN,
 };
 
-/// Reliability of a result.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// No test speaks against the result.
-    Reliable,
-    /// At least one test speaks against the result.
-    Doubtful,
-    /// The result contradicts the images or the clicks, or rests on far too few matches.
-    Unreliable,
-}
-
-impl Verdict {
-    /// Returns the word for display.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Reliable => "reliable",
-            Self::Doubtful => "doubtful",
-            Self::Unreliable => "unreliable",
-        }
+named! {
+    fn label;
+    /// Reliability of a result.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Verdict {
+        /// No test speaks against the result.
+        Reliable = "reliable",
+        /// At least one test speaks against the result.
+        Doubtful = "doubtful",
+        /// The result contradicts the images or the clicks, or rests on far too few matches.
+        Unreliable = "unreliable",
     }
 }
 

@@ -12,7 +12,7 @@
 //! numbers from results of known truth, with right and wrong clicks (`lab/notes.md` has the
 //! figures).
 
-use super::evidence::{BarcodeEvidence, Evidence, PlaneEvidence, RefinedOn, Relief, Witnesses};
+use super::evidence::{BarcodeFigures, Evidence, OffPlane, PlaneEvidence, RefinedOn, Relief, Witnesses};
 use super::{Reason, Suspect, Trust, Verdict};
 
 /// Fewest matches of a reliable result. A round number from results of known truth
@@ -45,7 +45,7 @@ impl Trust {
     pub(in crate::estimate) fn judge(evidence: &Evidence) -> Self {
         let mut reasons = Vec::new();
         let mut unreliable = false;
-        if let Some(BarcodeEvidence { correlation, by_chance, lines }) = evidence.barcodes {
+        if let Some(BarcodeFigures { correlation, by_chance, lines, .. }) = evidence.barcodes {
             if correlation <= by_chance {
                 unreliable = true;
                 reasons.push(Reason::BarcodesByChance { correlation, by_chance });
@@ -84,7 +84,7 @@ impl Trust {
             reasons.push(Reason::Mirrored { matches: mirror.flipped });
         }
         if let Some(plane) = evidence.plane.filter(|plane| plane.leaves_the_epipoles_open(evidence.relief)) {
-            let PlaneEvidence { share, groups, agreeing, is_still, .. } = plane;
+            let PlaneEvidence { share, off: OffPlane { groups, agreeing, .. }, is_still, .. } = plane;
             reasons.push(Reason::OnePlane { percent: (100.0 * share) as u32, groups, agreeing, is_still });
         } else if let Some(witnesses) = evidence.relief.and_then(Relief::doubt) {
             let Witnesses { along, across, on_warp, .. } = witnesses;
@@ -138,22 +138,19 @@ mod tests {
         click_sigma: 1.0,
         margin: Some(0.5),
         deviation: Some(0.05),
-        plane: Some(PlaneEvidence {
-            share: 0.3,
-            bent_share: 0.3,
-            groups: 9,
-            agreeing: 1,
-            motions: 1,
-            by_chance: 1.0,
-            motions_by_chance: 1.0,
-            is_still: false,
-        }),
+        plane: Some(plane(0.3, 1, 1.0)),
         together: Together { all: 260, off: 20, matches: 200, contradicting: 2 },
         relief: Some(Relief { beside: SHOWN, further: NOTHING, finer: SHOWN }),
         mirror: None,
         pattern: Some(ResidualPattern { share: 0.1, size: 0.1 }),
         side: 768.0,
     };
+
+    /// Returns a plane beside which seven of nine groups agree with the epipoles.
+    const fn plane(share: f64, motions: usize, by_chance: f64) -> PlaneEvidence {
+        let off = OffPlane { groups: 9, agreeing: 7, motions, by_chance, motions_by_chance: by_chance };
+        PlaneEvidence { share, bent_share: share, off, is_still: false }
+    }
 
     fn verdict(evidence: &Evidence) -> Verdict {
         Trust::judge(evidence).verdict
@@ -163,19 +160,7 @@ mod tests {
     fn a_result_is_reliable_only_when_nothing_speaks_against_it() {
         assert_eq!(Trust::judge(&GOOD), Trust { verdict: Verdict::Reliable, reasons: Vec::new() });
         assert_eq!(verdict(&Evidence { margin: None, ..GOOD }), Verdict::Reliable);
-        let plane = |share, by_chance| {
-            let motions_by_chance = by_chance;
-            Some(PlaneEvidence {
-                share,
-                bent_share: share,
-                groups: 9,
-                agreeing: 7,
-                motions: 5,
-                by_chance,
-                motions_by_chance,
-                is_still: false,
-            })
-        };
+        let plane = |share, by_chance| Some(plane(share, 5, by_chance));
         assert_eq!(verdict(&Evidence { plane: plane(0.6, 1e-4), ..GOOD }), Verdict::Reliable);
         for worse in [
             Evidence { patches: false, refined_on: RefinedOn::TooFewMatches, ..GOOD },
@@ -207,26 +192,15 @@ mod tests {
 
     #[test]
     fn evidence_that_determines_the_epipoles_comes_before_evidence_that_is_less_likely_by_chance() {
-        let plane = |motions, by_chance| PlaneEvidence {
-            share: 0.6,
-            bent_share: 0.6,
-            groups: 9,
-            agreeing: 7,
-            motions,
-            by_chance,
-            motions_by_chance: by_chance,
-            is_still: false,
-        };
-        let (one_motion, held, open) = (plane(1, 1e-9), plane(5, 1e-4), plane(5, 0.1));
+        let off = |motions, by_chance| plane(0.6, motions, by_chance).off;
+        let of =
+            |off| verdict(&Evidence { plane: Some(PlaneEvidence { off, ..plane(0.6, 0, 0.0) }), ..GOOD });
+        let (one_motion, held, open) = (off(1, 1e-9), off(5, 1e-4), off(5, 0.1));
         for (a, b) in [(one_motion, held), (held, one_motion)] {
-            assert_eq!(a.or_stronger(b).motions, 5);
-            assert_eq!(verdict(&Evidence { plane: Some(a.or_stronger(b)), ..GOOD }), Verdict::Reliable);
+            assert_eq!((a.or_stronger(b).motions, of(a.or_stronger(b))), (5, Verdict::Reliable));
         }
-        assert_eq!(one_motion.or_stronger(open).motions, 1, "neither holds them");
-        assert_eq!(
-            verdict(&Evidence { plane: Some(one_motion.or_stronger(open)), ..GOOD }),
-            Verdict::Doubtful
-        );
+        let neither = one_motion.or_stronger(open);
+        assert_eq!((neither.motions, of(neither)), (1, Verdict::Doubtful));
     }
 
     #[test]
@@ -272,30 +246,20 @@ mod tests {
 
     #[test]
     fn relief_beside_further_planes_decides_where_the_motions_are_too_few() {
-        let plane = PlaneEvidence {
-            share: 0.6,
-            bent_share: 0.6,
-            groups: 9,
-            agreeing: 7,
-            motions: ANY_EPIPOLE,
-            by_chance: 1.0,
-            motions_by_chance: 9.0,
-            is_still: false,
-        };
+        let few_motions = plane(0.6, ANY_EPIPOLE, 9.0);
         let shown = Witnesses { on_warp: 90, along: 30, across: 2, off: 8 };
         let open = Witnesses { on_warp: 90, along: 10, across: 8, off: 28 };
         let with = |plane, further| {
             let relief = Some(Relief { beside: SHOWN, further, finer: SHOWN });
             verdict(&Evidence { plane: Some(plane), relief, ..GOOD })
         };
-        assert_eq!(with(plane, shown), Verdict::Reliable);
+        assert_eq!(with(few_motions, shown), Verdict::Reliable);
         for further in [open, NOTHING] {
-            assert_eq!(with(plane, further), Verdict::Doubtful);
+            assert_eq!(with(few_motions, further), Verdict::Doubtful);
         }
         // Few matches beside one plane, and a camera that stood still, are not made up for.
-        assert_eq!(with(PlaneEvidence { share: 0.96, ..plane }, shown), Verdict::Doubtful);
-        let still =
-            PlaneEvidence { is_still: true, motions: 9, by_chance: 0.0, motions_by_chance: 0.0, ..plane };
+        assert_eq!(with(PlaneEvidence { share: 0.96, ..few_motions }, shown), Verdict::Doubtful);
+        let still = PlaneEvidence { is_still: true, ..plane(0.6, 9, 0.0) };
         assert_eq!(with(still, shown), Verdict::Doubtful);
         assert_eq!(with(PlaneEvidence { share: HALF_PLANE, ..still }, shown), Verdict::Reliable);
     }
@@ -326,18 +290,14 @@ mod tests {
     #[test]
     fn each_threshold_is_where_its_constant_says() {
         let reasons = |evidence: &Evidence| Trust::judge(evidence).reasons;
-        let plane = |share, by_chance| {
-            Some(PlaneEvidence {
-                share,
-                bent_share: share,
-                groups: 9,
-                agreeing: 2,
-                motions: ANY_EPIPOLE + 1,
-                by_chance,
-                motions_by_chance: MOTIONS_BY_CHANCE,
-                is_still: false,
-            })
+        let beside = |motions, by_chance, motions_by_chance| OffPlane {
+            motions,
+            motions_by_chance,
+            ..plane(0.0, 0, by_chance).off
         };
+        let with = |share, off| Some(PlaneEvidence { off, ..plane(share, 0, 0.0) });
+        let three = ANY_EPIPOLE + 1;
+        let plane = |share, by_chance| with(share, beside(three, by_chance, MOTIONS_BY_CHANCE));
         let bent = |bent_share| plane(0.4, 0.0).map(|plane| PlaneEvidence { bent_share, ..plane });
         let together = |matches, contradicting| Together { matches, contradicting, ..Together::default() };
         let pattern = |share, size| Some(ResidualPattern { share, size });
@@ -366,6 +326,10 @@ mod tests {
         for evidence in silent {
             assert_eq!(reasons(&evidence), [], "{evidence:?}");
         }
+        let one_plane = |percent, plane| {
+            let reason = Reason::OnePlane { percent, groups: 9, agreeing: 7, is_still: false };
+            (Evidence { plane, ..GOOD }, reason)
+        };
         let off = next(CLICK_DEVIATIONS);
         let (few, margin, deviation) = (ENOUGH_MATCHES - 1, before(CLEAR_MARGIN), next(LOOSEST * GOOD.side));
         let told = [
@@ -380,37 +344,11 @@ mod tests {
             ),
             (Evidence { margin: Some(margin), ..GOOD }, Reason::Ambiguous { margin }),
             (Evidence { deviation: Some(deviation), ..GOOD }, Reason::Loose { deviation }),
-            (
-                Evidence { plane: plane(next(ONE_PLANE), 0.0), ..GOOD },
-                Reason::OnePlane { percent: 95, groups: 9, agreeing: 2, is_still: false },
-            ),
-            (
-                Evidence { plane: plane(next(MOSTLY_PLANE), next(BY_CHANCE)), ..GOOD },
-                Reason::OnePlane { percent: 50, groups: 9, agreeing: 2, is_still: false },
-            ),
-            (
-                Evidence {
-                    plane: plane(next(MOSTLY_PLANE), 0.0)
-                        .map(|p| PlaneEvidence { motions_by_chance: next(MOTIONS_BY_CHANCE), ..p }),
-                    ..GOOD
-                },
-                Reason::OnePlane { percent: 50, groups: 9, agreeing: 2, is_still: false },
-            ),
-            (
-                Evidence {
-                    plane: plane(next(MOSTLY_PLANE), 0.0)
-                        .map(|p| PlaneEvidence { motions: ANY_EPIPOLE, ..p }),
-                    ..GOOD
-                },
-                Reason::OnePlane { percent: 50, groups: 9, agreeing: 2, is_still: false },
-            ),
-            (
-                Evidence {
-                    plane: plane(next(HALF_PLANE), 0.0).map(|p| PlaneEvidence { motions: ANY_EPIPOLE, ..p }),
-                    ..GOOD
-                },
-                Reason::OnePlane { percent: 40, groups: 9, agreeing: 2, is_still: false },
-            ),
+            one_plane(95, plane(next(ONE_PLANE), 0.0)),
+            one_plane(50, plane(next(MOSTLY_PLANE), next(BY_CHANCE))),
+            one_plane(50, with(next(MOSTLY_PLANE), beside(three, 0.0, next(MOTIONS_BY_CHANCE)))),
+            one_plane(50, with(next(MOSTLY_PLANE), beside(ANY_EPIPOLE, 0.0, 0.0))),
+            one_plane(40, with(next(HALF_PLANE), beside(ANY_EPIPOLE, 0.0, 0.0))),
             (Evidence { plane: bent(0.71), ..GOOD }, Reason::Bent { percent: 71 }),
             (Evidence { pattern: pattern(next(PATTERN), 0.4), ..GOOD }, Reason::Pattern { size: 0.4 }),
             (
