@@ -9,11 +9,12 @@ use super::verdict::trust::Trust;
 /// distortion. A plain solver tries several coefficients (as in arXiv 2410.05984), within some tenths of a
 /// second.
 ///
-/// Returns `None` if no lens is clear, and if the verdict says that one plane explains the matches. On one
-/// plane, distortion looks like parallax.
+/// Returns `None` if no lens is clear, if the matches of the result do not confirm it, and if the verdict
+/// says that one plane explains the matches. On one plane, distortion looks like parallax.
 pub fn find_lens(prepared: &PreparedPair, found: &Estimate) -> Option<DivisionFit> {
     if found.assessment.trust.as_ref().is_some_and(Trust::says_one_plane) {
         return None;
     }
-    fit_division(&prepared.putative_matches(), found.fundamental(), prepared.frames())
+    let matches = prepared.putative_matches();
+    fit_division(&matches, found.fundamental(), &found.matched_pairs(), prepared.frames())
 }

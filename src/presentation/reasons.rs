@@ -87,13 +87,7 @@ pub fn reason_in_words(reason: &Reason) -> String {
         Reason::OnePlane { percent, groups, agreeing, is_still } => {
             one_plane(percent, &off_the_plane(agreeing, groups), is_still)
         }
-        Reason::NoRelief { along, across, on_warp } => format!(
-            "The epipole is not certain: {on_warp} of {} distinctive matches follow one smooth warp, as with a \
-             flat scene or a turned camera. \
-             Of the others, {along} are off it along the epipolar lines and {across} across them. \
-             Use views from different places, or a scene with more depth.",
-            along + across + on_warp
-        ),
+        Reason::NoRelief { along, across, on_warp } => no_relief(along, across, on_warp),
         Reason::Mirrored { matches } => format!(
             "{matches} places of image 1 match image 2 only if it is flipped, like a mirror image. \
              The epipolar geometry of such a pair says nothing about the cameras. \
@@ -105,6 +99,24 @@ pub fn reason_in_words(reason: &Reason) -> String {
              Add point pairs, or use images that overlap more."
         ),
     }
+}
+
+/// Returns the message of a smooth warp, or of too few matches beside one.
+fn no_relief(along: usize, across: usize, on_warp: usize) -> String {
+    let all = along + across + on_warp;
+    if on_warp <= along + across {
+        return format!(
+            "The epipole is not certain: too few distinctive matches show it. \
+             {along} of {all} are off one smooth warp along their epipolar lines, {across} across them. \
+             Use images that overlap more."
+        );
+    }
+    format!(
+        "The epipole is not certain: {on_warp} of {all} distinctive matches follow one smooth warp, as with a \
+         flat scene or a turned camera. \
+         Of the others, {along} are off it along the epipolar lines and {across} across them. \
+         Use views from different places, or a scene with more depth."
+    )
 }
 
 /// Returns the message of a plane, or of a camera that stood still.
@@ -184,6 +196,7 @@ mod tests {
             Reason::OnePlane { percent: 98, groups: 12, agreeing: 0, is_still: false },
             Reason::OnePlane { percent: 88, groups: 8, agreeing: 8, is_still: true },
             Reason::NoRelief { along: 12, across: 9, on_warp: 480 },
+            Reason::NoRelief { along: 16, across: 4, on_warp: 5 },
             Reason::Mirrored { matches: 212 },
             Reason::Loose { deviation: 2.0 },
         ]

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use super::noise::{Noise, Residual};
 use super::{Match, climbed};
 use crate::geometry::{
-    Frame, FundamentalMatrix, Observation, Point, PointPair, REGIONS, Vector, fit_fundamental, region,
+    Frame, FundamentalMatrix, Observation, Point, PointPair, REGIONS, Vector, fit_fundamental, median, region,
 };
 
 /// Lens distortion fitted to matches together with the fundamental matrix.
@@ -187,14 +187,16 @@ impl Fitter<'_> {
 }
 
 /// Fits the division model to matches that were found without a geometry, many of which may be wrong.
-/// `start` is the geometry without a lens. Both images get one coefficient, or one each if these differ
-/// clearly.
+/// `start` is the geometry without a lens, `aligned` its own, more precise matches. Both images get one
+/// coefficient, or one each if these differ clearly.
 ///
 /// Returns `None` if no lens explains the matches clearly better, and for fewer than 28 matches near the
-/// lines of `start`. A lens is clear if its coefficient is 5 standard deviations from zero.
+/// lines of `start`. A lens is clear if its coefficient is 5 standard deviations from zero. If it leaves
+/// half of the aligned matches farther from the curves than half of the others, it explains chance.
 pub(in crate::estimate) fn fit_division(
     matches: &[Match],
     start: &FundamentalMatrix,
+    aligned: &[PointPair],
     frames: [Frame; 2],
 ) -> Option<DivisionFit> {
     let band = BAND * frames[0].longer_side().max(frames[1].longer_side());
@@ -217,7 +219,10 @@ pub(in crate::estimate) fn fit_division(
     let gain = bent.log_likelihood - straight.log_likelihood;
     let is_clear =
         bent.lambdas.iter().zip([first, second]).any(|(lambda, deviation)| lambda.abs() > CLEAR * deviation);
-    (is_clear && gain > CLEAR_GAIN).then_some(DivisionFit {
+    // Half of the right ones of `matches` are nearer than the scale of their noise.
+    let distance = |pair: &PointPair| fitter.distance(&bent.fundamental, pair, bent.lambdas).0;
+    let is_confirmed = !aligned.is_empty() && median(aligned.iter().map(distance)) < bent.noise.scale;
+    (is_clear && is_confirmed && gain > CLEAR_GAIN).then_some(DivisionFit {
         lambdas: bent.lambdas,
         deviations: [first, second],
         is_same: !differ,
@@ -246,7 +251,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::random_scene::RandomScene;
-    use crate::geometry::{algebraic_residual, eight_point, median, sampson_distance};
+    use crate::geometry::{algebraic_residual, eight_point, sampson_distance};
 
     const FRAMES: [Frame; 2] = [Frame { width: 768, height: 576 }; 2];
 
@@ -256,17 +261,20 @@ mod tests {
         frame.centre() + from * (2.0 / (1.0 + (1.0 - 4.0 * lambda * share(from, frame)).sqrt()))
     }
 
-    /// Returns 400 matches with Cauchy noise of 0.1 px through lenses, of which one in five is wrong, and
-    /// the fit of eight points without a lens.
-    fn matches(lambdas: [f64; 2], seed: u64) -> (Vec<Match>, FundamentalMatrix) {
+    /// Returns 400 matches with Cauchy noise of 0.1 px through lenses, of which one in five is wrong, the fit
+    /// of eight points without a lens, and the exact matches.
+    fn matches(lambdas: [f64; 2], seed: u64) -> (Vec<Match>, FundamentalMatrix, Vec<PointPair>) {
         let mut random = Pcg64Mcg::seed_from_u64(seed);
-        let pairs = RandomScene::new(seed).pairs(400);
-        let matches: Vec<Match> = pairs
+        let seen = |pair: &PointPair| PointPair {
+            point1: distorted(pair.point1, lambdas[0], FRAMES[0]),
+            point2: distorted(pair.point2, lambdas[1], FRAMES[1]),
+        };
+        let exact: Vec<PointPair> = RandomScene::new(seed).pairs(400).iter().map(seen).collect();
+        let matches: Vec<Match> = exact
             .iter()
             .enumerate()
             .map(|(k, pair)| {
-                let point1 = distorted(pair.point1, lambdas[0], FRAMES[0]);
-                let mut point2 = distorted(pair.point2, lambdas[1], FRAMES[1]);
+                let PointPair { point1, mut point2 } = *pair;
                 let mut cauchy = || 0.1 * (PI * (random.random::<f64>() - 0.5)).tan();
                 point2 += Vector::new(cauchy(), cauchy());
                 if k % 5 == 0 {
@@ -278,7 +286,8 @@ mod tests {
             .collect();
         let right: Vec<PointPair> =
             matches.iter().enumerate().filter(|(k, _)| k % 5 > 0).map(|(_, m)| m.pair).collect();
-        (matches, eight_point(&right).unwrap())
+        let start = eight_point(&right).unwrap();
+        (matches, start, exact)
     }
 
     #[test]
@@ -286,8 +295,9 @@ mod tests {
         let mut off = Vec::new();
         for lambda in [-0.25, -0.1, -0.04, 0.08] {
             for seed in 1..4 {
-                let (matches, start) = matches([lambda; 2], seed);
-                let lens = fit_division(&matches, &start, FRAMES).unwrap_or_else(|| panic!("{lambda}"));
+                let (matches, start, exact) = matches([lambda; 2], seed);
+                let lens =
+                    fit_division(&matches, &start, &exact, FRAMES).unwrap_or_else(|| panic!("{lambda}"));
                 assert!(lens.is_same, "{lambda}: {:?}", lens.lambdas);
                 off.push((lens.lambdas[0] - lambda).abs() / lens.deviations[0]);
                 // Exact matches are on the lines of the undistorted points.
@@ -303,8 +313,8 @@ mod tests {
 
     #[test]
     fn images_of_different_lenses_get_one_each() {
-        let (matches, start) = matches([-0.2, 0.0], 5);
-        let lens = fit_division(&matches, &start, FRAMES).unwrap();
+        let (matches, start, exact) = matches([-0.2, 0.0], 5);
+        let lens = fit_division(&matches, &start, &exact, FRAMES).unwrap();
         assert!(!lens.is_same, "{lens:?}");
         for (found, lambda) in lens.lambdas.iter().zip([-0.2, 0.0]) {
             assert!((found - lambda).abs() < 0.03, "{lens:?}");
@@ -314,18 +324,26 @@ mod tests {
     #[test]
     fn without_distortion_no_lens_is_found() {
         for seed in 10..30 {
-            let (matches, start) = matches([0.0; 2], seed);
-            let lens = fit_division(&matches, &start, FRAMES);
+            let (matches, start, exact) = matches([0.0; 2], seed);
+            let lens = fit_division(&matches, &start, &exact, FRAMES);
             assert!(lens.is_none(), "{seed}: {lens:?}");
         }
-        let (few, start) = matches([-0.2; 2], 1);
-        assert!(fit_division(&few[..20], &start, FRAMES).is_none());
-        assert!(fit_division(&[], &start, FRAMES).is_none());
+        let (few, start, exact) = matches([-0.2; 2], 1);
+        assert!(fit_division(&few[..20], &start, &exact, FRAMES).is_none());
+        assert!(fit_division(&[], &start, &exact, FRAMES).is_none());
+    }
+
+    #[test]
+    fn a_lens_that_the_aligned_matches_do_not_confirm_is_chance() {
+        let (bent, start, exact) = matches([-0.2; 2], 3);
+        let (_, _, straight) = matches([0.0; 2], 3);
+        let is_found = |aligned: &[PointPair]| fit_division(&bent, &start, aligned, FRAMES).is_some();
+        assert_eq!([&exact[..], &straight, &[]].map(is_found), [true, false, false]);
     }
 
     #[test]
     fn distances_are_those_of_the_pictures() {
-        let (matches, start) = matches([-0.2; 2], 2);
+        let (matches, start, _) = matches([-0.2; 2], 2);
         let fitter = Fitter { matches: &matches, frames: FRAMES, spread: 20.0 };
         let lambdas = [-0.15, -0.1];
         for m in matches.iter().filter(|m| m.pair.point2.x > 0.0).take(50) {

@@ -10,7 +10,7 @@ mod tone;
 
 use crate::app::model::computation::{Computation, EstimateFailure, Freshness};
 use crate::app::model::document::{Document, GIVEN_FIT, Imported, Role, pair_name, sides_named};
-use crate::estimate::{self, CLICK_DEVIATIONS, Estimate, Reason, Trust, Warning};
+use crate::estimate::{self, CLICK_DEVIATIONS, Estimate, Reason, Suspect, Trust, Warning};
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
 use crate::presentation::{error_in_words, probability_in_words, reason_in_words, warning_in_words};
 
@@ -118,8 +118,13 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     };
     let assessment = &estimate.assessment;
     let mut reasons: Vec<&Reason> = assessment.trust.iter().flat_map(|trust| &trust.reasons).collect();
-    // A misplaced pair comes first: a person can mend it at once, and the button is about it.
-    reasons.sort_by_key(|reason| !matches!(reason, Reason::ClickOff { .. }));
+    // A misplaced pair comes first: a person can mend it at once, and the button is about it. Where the
+    // geometry is the likelier culprit, its other failed tests say why.
+    reasons.sort_by_key(|reason| match reason {
+        Reason::ClickOff { suspect: Suspect::Click, .. } => 0,
+        Reason::ClickOff { suspect: Suspect::Geometry, .. } => 2,
+        _ => 1,
+    });
     let reasons = reasons.into_iter().map(|reason| in_units(reason, document, estimate.fundamental()));
     // A preliminary geometry may still approach the checks, and a stale one belongs to other
     // points.
