@@ -35,7 +35,7 @@ fn start(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.set_max_width(ui.available_width().min(560.0));
     ui.add_space(4.0);
     let mut text = guide(model);
-    if model.document.pictures.is_some() {
+    if model.document.pictures.is_some() && model.document.too_small().is_none() {
         text += " Two such pairs give the epipolar geometry.";
     }
     ui.add(Label::new(RichText::new(text).size(15.0).color(ui.visuals().strong_text_color())).wrap());

@@ -9,6 +9,7 @@ use super::{busy, card, command_button, finish_button};
 use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::document::Side;
+use crate::app::model::exchange::is_importable;
 use crate::app::model::recents::recent_name;
 use crate::app::view::theme;
 
@@ -101,7 +102,13 @@ impl OpenDialog {
             return Some(Command::OpenFolder(folder));
         }
         let typed: Vec<PathBuf> = self.typed().into_iter().flatten().collect();
-        (!typed.is_empty()).then_some(Command::OpenFiles(typed))
+        // One path alone may be a folder, a session or a file to import, but no image.
+        let is_enough = match &typed[..] {
+            [] => false,
+            [one] => is_importable(one) || one.is_dir(),
+            _ => true,
+        };
+        is_enough.then_some(Command::OpenFiles(typed))
     }
 
     pub fn show(&mut self, ctx: &egui::Context, model: &Model, commands: &mut Vec<Command>) {
@@ -225,5 +232,16 @@ mod tests {
         assert!(dialog.open);
         let both = dialog.offer(Path::new("b.png"), None);
         assert_eq!(both, Some(["a.png".into(), "b.png".into()]));
+    }
+
+    #[test]
+    fn one_image_is_not_enough_and_one_session_or_folder_is() {
+        let folder = tempfile::tempdir().unwrap();
+        for (path, opens) in [(Path::new("a.png"), false), (Path::new("a.json"), true), (folder.path(), true)]
+        {
+            let mut dialog = OpenDialog::default();
+            dialog.offer(path, None);
+            assert_eq!(dialog.opening().is_some(), opens, "{path:?}");
+        }
     }
 }

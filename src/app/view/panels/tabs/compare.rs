@@ -255,7 +255,9 @@ fn from(model: &Model, comparison: &Comparison, contestant: Contestant) -> Strin
             format!("{which}, {} solution{}", fit.solutions, if fit.solutions == 1 { "" } else { "s" })
         }
         Contestant::EightPoint => format!("{} {set}", fit.pairs),
-        Contestant::Ransac | Contestant::LeastMedian => format!("{} inliers", fit.pairs),
+        Contestant::Ransac => format!("{} inliers", fit.pairs),
+        // It counts inliers by a scale of its own, so their number says nothing beside the others.
+        Contestant::LeastMedian => format!("median of all {set}"),
         Contestant::Imported => {
             model.document.imported.as_ref().map_or(String::new(), |imported| imported.file.clone())
         }
