@@ -225,18 +225,10 @@ mod tests {
         assert_eq!(on_surfaces(&scene[..3]), scene[..3]);
         // Among many wrong matches, a few of them agree with each other by chance.
         let windows = near.map(|(x, y)| at(x + 60.0, y + 90.0, -900.0));
-        let wrong = (0..100).map(|k| f64::from(k * 7919 % 2000));
-        all.extend(
-            wrong
-                .enumerate()
-                .map(|(k, any)| at(37.0 * (k % 10) as f64, 28.0 * (k / 10) as f64, any - 1000.0)),
-        );
-        all.extend(windows);
-        let agreed = on_surfaces(&all);
-        let [low, high] = [f64::min, f64::max].map(|end| agreed.iter().map(disparity).reduce(end).unwrap());
-        assert!(low > -200.0 && (100.0..340.0).contains(&high), "{low} to {high} px");
+        let with_windows: Vec<PointPair> = scene.iter().copied().chain(windows).collect();
+        assert_eq!(without_far_groups(with_windows), scene);
         // The group would be kept among few.
         scene.extend(windows);
-        assert!(on_surfaces(&scene).iter().any(|found| disparity(found) == -900.0));
+        assert!(on_surfaces(&scene).iter().any(|found| disparity(found) < -800.0));
     }
 }
