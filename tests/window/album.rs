@@ -90,15 +90,9 @@ fn dialogs_lie_above_the_drawer() {
     press(&mut window, Key::A);
     press_with(&mut window, Modifiers::COMMAND, Key::O);
     let place = |text: &str| {
-        let shapes = window.output().shapes.iter();
         let is_it =
             |shape: &egui::Shape| matches!(shape, egui::Shape::Text(own) if own.galley.text().contains(text));
-        shapes
-            .enumerate()
-            .filter(|(_, clipped)| is_it(&clipped.shape))
-            .map(|(place, _)| place)
-            .last()
-            .unwrap()
+        window.output().shapes.iter().rposition(|clipped| is_it(&clipped.shape)).unwrap()
     };
     assert!(place("shot4") < place("Open these"), "what is painted later lies above");
 }
