@@ -84,6 +84,20 @@ fn the_images_of_a_folder_are_shown_small_and_any_two_open() {
 }
 
 #[test]
+fn dialogs_lie_above_the_drawer() {
+    let files = folder(4);
+    let mut window = opened(&files, services());
+    press(&mut window, Key::A);
+    press_with(&mut window, Modifiers::COMMAND, Key::O);
+    let place = |text: &str| {
+        let is_it =
+            |shape: &egui::Shape| matches!(shape, egui::Shape::Text(own) if own.galley.text().contains(text));
+        window.output().shapes.iter().rposition(|clipped| is_it(&clipped.shape)).unwrap()
+    };
+    assert!(place("shot4") < place("Open these"), "what is painted later lies above");
+}
+
+#[test]
 fn two_images_need_no_list() {
     let mut window = opened(&folder(2), services());
     assert!(window.query_by_label("Image shot1").is_none());

@@ -50,6 +50,25 @@ fn two_clicks_measure_a_distance_until_escape() {
 }
 
 #[test]
+fn escape_removes_the_measurement_then_the_tool_and_only_then_an_unfinished_pair() {
+    let mut window = sample();
+    click_at(&mut window, Side::Left, -0.2, 0.1);
+    press(&mut window, Key::D);
+    for x in [-0.2, 0.2] {
+        click_at(&mut window, Side::Left, x, 0.2);
+    }
+    let left = |window: &Window| {
+        let measures = window.query_by_label_contains("Measure tool: ").is_some();
+        (distance(window, Side::Left).is_some(), measures, window.state().document().half.is_some())
+    };
+    assert_eq!(left(&window), (true, true, true));
+    for after in [(false, true, true), (false, false, true), (false, false, false)] {
+        press(&mut window, Key::Escape);
+        assert_eq!(left(&window), after);
+    }
+}
+
+#[test]
 fn a_measurement_goes_with_its_pictures() {
     let files = Files::new();
     let mut window = sample();

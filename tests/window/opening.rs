@@ -5,7 +5,7 @@ use crate::support::*;
 use std::path::PathBuf;
 
 use egui::{Key, Modifiers, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::geometry::PointPair;
 use epiline::internals::app::model::document::Side;
 use epiline::internals::app::{Opening, Start};
@@ -56,7 +56,7 @@ fn two_dropped_files_open_and_one_waits_for_the_other() {
     assert_eq!(names(&window), ["a.png", "b.png"]);
     drop_files(&mut window, std::slice::from_ref(&b));
     assert_eq!(names(&window), ["a.png", "b.png"]);
-    window.get_by_label("Open these");
+    assert!(window.get_by_label("Open these").accesskit_node().is_disabled(), "one image is not enough");
     drop_files(&mut window, &[a]);
     assert_eq!(names(&window), ["b.png", "a.png"]);
 }
@@ -85,6 +85,21 @@ fn a_file_dialog_that_cannot_open_is_told() {
     tap(&mut window, "Open");
     tap(&mut window, "Browse for the left image");
     assert!(window.state().messages().any(|text| text.contains("file dialog could not be opened here")));
+}
+
+#[test]
+fn too_small_images_ask_for_others_and_not_for_clicks() {
+    let files = Files::new();
+    let mut window = open([files.image("a.png", 8, 8), files.image("b.png", 8, 8)]);
+    let asks = |window: &Window| {
+        window.get_all_by_label_contains("at least 32 × 32 px").next().unwrap();
+        window.query_by_label_contains("Find without clicks").is_some() || painted(window, "pairs")
+    };
+    assert!(!asks(&window));
+    click_at(&mut window, Side::Left, 0.0, 0.0);
+    click_at(&mut window, Side::Right, 0.0, 0.0);
+    assert!(window.query_by_label_contains("Mark one more").is_none());
+    assert!(window.query_by_label("Find without clicks").is_none());
 }
 
 #[test]

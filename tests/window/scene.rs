@@ -191,3 +191,14 @@ fn the_scene_asks_for_cameras_and_goes_with_its_pictures() {
     assert!(window.state().model().scene().is_none());
     assert_eq!(stage(&window), StageId::Pictures);
 }
+
+#[test]
+fn the_key_of_the_scene_asks_for_focal_lengths_only_where_the_switch_offers_it() {
+    let mut window = sample();
+    press(&mut window, Key::Num7);
+    assert!(window.query_by_label("Focal lengths").is_none());
+    assert!(window.state().messages().any(|text| text.starts_with("There are no 3-D points yet.")));
+    click_two_pairs(&mut window);
+    press(&mut window, Key::Num7);
+    window.get_by_label("Focal lengths");
+}

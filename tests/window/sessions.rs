@@ -293,3 +293,38 @@ fn what_was_done_is_told_for_a_while() {
     }
     assert!(window.query_by_label_contains("Saved ").is_none());
 }
+
+#[test]
+fn all_unsaved_work_stays_and_is_listed() {
+    let (files, copies) = (Files::new(), tempfile::tempdir().unwrap());
+    let [a, b, c, d] = ["a.png", "b.png", "c.png", "d.png"].map(|name| files.image(name, 64, 48));
+    let start = Start { opening: Opening::Files(a, b), pairs: pairs(), ..Start::default() };
+    let mut window = window(start, with_copies(copies.path()));
+    let path = files.0.path().join("my.json");
+    save_as(&mut window, &path);
+    let one_more = |window: &mut Window| {
+        click_at(window, Side::Left, 0.1, 0.1);
+        click_at(window, Side::Right, 0.1, 0.1);
+    };
+    one_more(&mut window);
+    drop_files(&mut window, &[c, d]);
+    one_more(&mut window);
+    // The session itself has two pairs.
+    drop_files(&mut window, &[path]);
+    assert_eq!(window.state().document().pairs.len(), 2);
+    press_with(&mut window, Modifiers::COMMAND, Key::O);
+    assert_eq!(window.get_all_by_label("Restore").count(), 2);
+    window.get_by_label_contains("3 point pairs on a.png and b.png");
+    window.get_by_label_contains("1 point pair on c.png and d.png");
+    // What is restored is this window's own, and the other one stays.
+    window.get_all_by_label("Restore").last().unwrap().click();
+    settle(&mut window);
+    assert_eq!(window.state().document().pairs.len(), 3);
+    press_with(&mut window, Modifiers::COMMAND, Key::O);
+    assert_eq!(window.get_all_by_label("Restore").count(), 1);
+    window.get_by_label_contains("1 point pair on c.png and d.png");
+    // Without an answer, both are there after the end of the program.
+    drop(window);
+    let next = crate::support::window(Start::default(), with_copies(copies.path()));
+    assert_eq!(next.state().model().left_behind.len(), 2);
+}

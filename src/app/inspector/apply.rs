@@ -184,7 +184,9 @@ impl Inspector {
                 }
             }
             Command::ShowStage(StageId::Scene) if !model.offers_scene() => {
-                if model.open.posed_views().is_none() {
+                // Like the switch: focal lengths alone give no scene before there is a geometry.
+                let may_ask = model.can_rectify() || model.compares_barcodes();
+                if may_ask && model.open.posed_views().is_none() {
                     self.apply(ctx, Command::ShowFocalLengths);
                 } else {
                     model.messages.tell(NO_SCENE);
@@ -309,12 +311,15 @@ impl Inspector {
             // The bars and the dock are back, and messages with them.
         } else if model.messages.dismiss_top() {
             // The message is dismissed.
+        } else if model.tool == Tool::Measure && model.open.measuring.take().is_some() {
+            // The measurement is removed.
+        } else if model.tool != Tool::Points {
+            // A tool places no points, so it must not remove one either.
+            model.tool = Tool::Points;
         } else if model.document.half.is_some() {
             model.edit(|document| document.remove(document.pairs.len()));
         } else if model.open.measuring.take().is_some() {
-            // The measurement is removed.
-        } else if model.tool != Tool::Points {
-            model.tool = Tool::Points;
+            // A measurement outlasts its tool.
         } else {
             model.select(None);
         }

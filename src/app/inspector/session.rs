@@ -5,16 +5,15 @@ use std::time::{Duration, Instant};
 
 use super::Inspector;
 use crate::app::model::command::{PickPurpose, SessionCommand};
-use crate::app::model::document::counted;
 use crate::app::model::exchange::result_note;
 use crate::app::model::history::History;
+use crate::app::model::left_behind::LeftBehind;
 use crate::app::model::look::Tool;
 use crate::app::model::messages::{MessageAction, MessageKind};
-use crate::app::model::session::{OpenSession, Restored, Work, suggested_path};
+use crate::app::model::session::{Restored, Work, suggested_path};
 use crate::app::tasks::Autosave;
 use crate::app::tasks::saver::{self, Written};
 use crate::app::view::SaveDialog;
-use crate::io::{ImageReference, SessionFile};
 
 /// Interval of copies of unsaved work. Including the time for writing, no edit stays without a copy
 /// for more than two seconds.
@@ -35,37 +34,14 @@ impl Inspector {
         own && self.model.has_unsaved_work()
     }
 
-    /// Offers to restore a copy left behind by a crash.
+    /// Offers to restore the newest copy of unsaved work, and lists all of them.
     pub(super) fn offer_left_behind(&mut self) {
-        // A copy that cannot be read, perhaps of a newer version, waits.
-        let readable = self.tasks.autosave.as_ref().and_then(|autosave| {
-            let mut copies = autosave.left_behind();
-            copies.find_map(|path| Some((path.to_owned(), SessionFile::<Work>::read(path).ok()?)))
-        });
-        let Some((path, copy)) = readable else { return };
-        let (pairs, pins) = (copy.content.count_points(), copy.content.count_pins());
-        let lines =
-            if pins == 1 { "1 pinned line pair".to_owned() } else { format!("{pins} pinned line pairs") };
-        let what = match (pairs, pins) {
-            (0, 0) => "Work".to_owned(),
-            (0, _) => lines,
-            (_, 0) => counted(pairs),
-            (_, _) => format!("{} and {lines}", counted(pairs)),
-        };
-        let were = if pairs + pins < 2 { "was" } else { "were" };
-        let images = match copy.images.each_ref().map(ImageReference::name) {
-            [left, right] if left == right => format!("the sample {left}"),
-            [left, right] => format!("{left} and {right}"),
-        };
-        let changed = path.metadata().and_then(|file| file.modified()).ok();
-        let session = OpenSession { recovers: true, ..OpenSession::from(path.clone()) };
-        let actions = [
-            ("Restore", SessionCommand::Open(session)),
-            ("Delete it", SessionCommand::DiscardLeftBehind(path)),
-        ];
-        let text = format!("{what} on {images} {were} not saved.");
-        self.ask(MessageKind::LeftBehind, text, actions);
-        self.model.messages.date(changed);
+        let copies = self.tasks.autosave.iter().flat_map(Autosave::left_behind);
+        self.model.left_behind = copies.filter_map(LeftBehind::read).collect();
+        if let Some(newest) = self.model.left_behind.first() {
+            self.model.messages.say(MessageKind::LeftBehind, newest.text.clone(), newest.actions());
+            self.model.messages.date(newest.changed);
+        }
     }
 
     fn ask(&mut self, kind: MessageKind, text: String, actions: [(&'static str, SessionCommand); 2]) {
@@ -234,7 +210,10 @@ impl Inspector {
             model.open.done.tell("Restored unsaved work");
             // The copy left behind may go only after this window has made its own.
             self.copy_work();
-            self.settle_left_behind(&session.path);
+            self.tasks.saver.wait(PATIENCE);
+            if self.tasks.autosave.as_ref().is_some_and(|autosave| autosave.path().exists()) {
+                self.settle_left_behind(&session.path);
+            }
             self.offer_left_behind();
         } else {
             model.open.done.tell(format!("Opened {}", session.path.display()));

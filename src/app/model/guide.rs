@@ -16,6 +16,9 @@ pub fn guide(model: &Model) -> String {
             "Drop two images of the same scene on this window, or open them.".into()
         };
     }
+    if let Some(hint) = document.too_small() {
+        return hint;
+    }
     if model.tool == Tool::Inspect {
         return if model.shown().is_some() {
             "Pin tool: click to pin the epipolar lines through a place. Escape goes back.".into()
@@ -50,7 +53,9 @@ pub fn guide(model: &Model) -> String {
             "The images alone gave no geometry. Click two point pairs: a distinct point, then its match.".into()
         }
         _ if document.is_unclicked() && computation.result().is_some() => {
-            let more = if model.tone() == Tone::Good { "" } else { " Click pairs for more certainty." };
+            // No click determines the epipole of a plane or of a turned camera.
+            let is_open = model.epipole_is_open();
+            let more = if model.tone() == Tone::Good || is_open { "" } else { " Click pairs for more certainty." };
             format!("Point at an image to see its epipolar line in the other.{more}")
         }
         0 => "Click a point in one image, then the same scene point in the other.".into(),

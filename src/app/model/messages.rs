@@ -39,7 +39,10 @@ impl MessageKind {
     /// Returns label and tooltip of the button that removes the message.
     pub fn close(self) -> (&'static str, &'static str) {
         match self {
-            Self::LeftBehind => ("Later", "Keep the unsaved work. The next start asks again."),
+            Self::LeftBehind => (
+                "Later",
+                "Keep the unsaved work. The dialog for opening images lists it, and the next start asks again.",
+            ),
             Self::Replace => ("Cancel", "Save nothing. The file stays as it is."),
             _ => ("Dismiss", "Remove this message."),
         }
@@ -75,9 +78,14 @@ pub struct Message {
 impl Message {
     /// Returns the text with the age of the subject, which grows while the message is shown.
     pub fn told(&self) -> String {
-        let age = self.changed.and_then(|changed| changed.elapsed().ok());
-        age.map_or_else(|| self.text.clone(), |age| format!("{} Last changed {}.", self.text, ago(age)))
+        dated(&self.text, self.changed)
     }
+}
+
+/// Adds the age of the subject to a text.
+pub fn dated(text: &str, changed: Option<SystemTime>) -> String {
+    let age = changed.and_then(|changed| changed.elapsed().ok());
+    age.map_or_else(|| text.to_owned(), |age| format!("{text} Last changed {}.", ago(age)))
 }
 
 /// Describes a time in the past.

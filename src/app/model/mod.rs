@@ -36,6 +36,7 @@ pub mod heat;
 pub mod history;
 pub mod ids;
 pub mod inspection;
+pub mod left_behind;
 pub mod look;
 pub mod measuring;
 pub mod messages;
@@ -72,6 +73,7 @@ use exchange::PendingImport;
 use focus::LineSource;
 use history::{EditKey, History};
 use ids::{OverlayId, StageId, TabId, Visibility};
+use left_behind::LeftBehind;
 use look::{Look, Tool};
 use messages::{MessageKind, Messages};
 use open_pair::OpenPair;
@@ -132,6 +134,8 @@ pub struct Model {
     pub thumbnails: Thumbnails,
     /// Recently opened files.
     pub recents: Recents,
+    /// Copies of unsaved work that can be restored, newest first.
+    pub left_behind: Vec<LeftBehind>,
 }
 
 impl Model {

@@ -97,11 +97,17 @@ pub fn result_text(stage: Stage, document: &Document, computation: &Computation)
         Stage::Features => {
             let trace = estimate?.trace.as_ref()?;
             trace.timings.iter().find(|timing| timing.stage == stage)?;
-            let scale = trace.view.scale.map_or(String::new(), |scale| format!(", scaled by {scale:.2}"));
-            let turned = || format!("right image turned by {:.0}°{scale}", trace.view.rotation.to_degrees());
+            let degrees = trace.view.rotation.to_degrees().round();
+            let turned = (degrees != 0.0).then(|| format!("turned by {degrees:.0}°"));
+            let scale = trace.view.scale.map(|scale| format!("scaled by {scale:.2}"));
+            let changes: Vec<String> = turned.into_iter().chain(scale).collect();
+            let view = match changes.join(", ") {
+                none if none.is_empty() => "right image upright".to_owned(),
+                changes => format!("right image {changes}"),
+            };
             Some(match trace.features {
-                Some(FeatureViews::Frontal) => turned(),
-                Some(FeatureViews::Slanted) => format!("{}, with slanted features", turned()),
+                Some(FeatureViews::Frontal) => view,
+                Some(FeatureViews::Slanted) => format!("{view}, with slanted features"),
                 None => "the upright view remains the best".to_owned(),
             })
         }

@@ -57,7 +57,9 @@ impl Model {
 
     /// Returns whether a search without clicks would give something new.
     pub fn can_find_without_clicks(&self) -> bool {
-        self.document.pictures.is_some() && !self.document.is_unclicked()
+        self.document.pictures.is_some()
+            && !self.document.is_unclicked()
+            && self.document.too_small().is_none()
     }
 
     /// Returns the matches that replace clicks in the result; none for an estimate from clicks.

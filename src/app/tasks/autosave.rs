@@ -9,8 +9,9 @@ use std::time::{Duration, SystemTime};
 
 use crate::foreign::{reason, shown_path};
 
-/// Maximum number of waiting copies. The oldest are removed first.
-const MOST_LEFT_BEHIND: usize = 8;
+/// Maximum number of waiting copies, far more than anybody leaves within [`LONGEST`]. The oldest are removed
+/// first.
+const MOST_LEFT_BEHIND: usize = 100;
 /// Number of slots: for the waiting copies, and for sixteen windows at the same time.
 const SLOTS: usize = MOST_LEFT_BEHIND + 16;
 /// Maximum age of waiting copies.

@@ -258,8 +258,8 @@ impl View {
         };
         let height = panels::FilmStrip::height(ui.ctx().content_rect().height());
         let place = stage.with_min_y(stage.max.y - height);
-        let layer = egui::LayerId::new(egui::Order::Middle, egui::Id::unique("drawer"));
-        let mut inside = ui.new_child(UiBuilder::new().max_rect(place).layer_id(layer));
+        // In the layer of the pictures, and drawn after them: dialogs lie above all of that layer.
+        let mut inside = ui.new_child(UiBuilder::new().max_rect(place).id_salt("drawer"));
         inside.set_clip_rect(place);
         inside.painter().rect_filled(place, 0.0, inside.visuals().panel_fill);
         // A press on the drawer must not reach the pictures.

@@ -14,7 +14,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::{Method, Parameters, SearchPlan};
+use crate::estimate::{Method, Parameters, SMALLEST_SIDE, SearchPlan};
 use crate::geometry::{Frame, Point, PointPair};
 use crate::io::PairOrigin;
 use crate::rectify::RectifyMethod;
@@ -88,6 +88,16 @@ impl Document {
     }
 
     /// Returns a point of a finished pair or of the unfinished one.
+    /// Returns the hint for a picture too small for lines to be compared, whatever is clicked.
+    pub fn too_small(&self) -> Option<String> {
+        let is_small = |frame: Frame| frame.width.min(frame.height) < SMALLEST_SIDE;
+        self.pictures.iter().flatten().any(|picture| is_small(picture.frame)).then(|| {
+            format!(
+                "These images are too small for a geometry. Open images of at least {SMALLEST_SIDE} × {SMALLEST_SIDE} px."
+            )
+        })
+    }
+
     pub fn point(&self, at: PointRef) -> Option<Point> {
         if at.pair == self.pairs.len() {
             return self.half.filter(|half| half.side == at.side).map(|half| half.point);

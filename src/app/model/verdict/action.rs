@@ -3,9 +3,9 @@
 use super::Tone;
 use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand};
-use crate::app::model::computation::Freshness;
+use crate::app::model::computation::{EstimateFailure, Freshness};
 use crate::app::model::document::pair_name;
-use crate::estimate::{Reason, Suspect, Verdict};
+use crate::estimate::{Reason, Suspect, Trust, Verdict};
 
 /// Text of the button that undoes the distortion of the lens.
 pub const USE_LENS: &str = "Correct the lens distortion";
@@ -35,7 +35,9 @@ impl Model {
             return None;
         }
         let Some((estimate, Freshness::Final)) = computation.result() else {
-            if computation.failure().is_some() || computation.was_stopped() {
+            // From the same points, the estimator fails again.
+            let has_panicked = matches!(computation.failure(), Some(EstimateFailure::Panic(_)));
+            if has_panicked || computation.was_stopped() {
                 return Some(CardAction::new("Compute again", Command::Recompute));
             }
             let find = || CardAction::new("Find without clicks", Command::FindWithoutClicks);
@@ -98,6 +100,12 @@ impl Model {
         let is_bad = self.has_result() && self.tone() == Tone::Bad;
         let label = if self.open.lines_anyway { "Hide lines" } else { "Show lines anyway" };
         is_bad.then(|| CardAction::new(label, Command::ToggleUnreliableLines))
+    }
+
+    /// Returns whether the matches determine the lines near them, but no epipole.
+    pub fn epipole_is_open(&self) -> bool {
+        let trust = self.open.computation.result().and_then(|(found, _)| found.assessment.trust.as_ref());
+        trust.is_some_and(Trust::says_one_plane)
     }
 
     /// Returns whether the state of the estimate is good or bad news.

@@ -140,8 +140,13 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
         let side = frames[0].longer_side().max(frames[1].longer_side());
         let percent = (100.0 * assessment.probability_within_one_percent()?).round();
         let open = assessment.trust.as_ref().is_some_and(Trust::says_one_plane);
-        let which = if open { "right near matches" } else { "likely right" };
-        Some([format!("{percent:.0} % {which}"), probability_in_words(assessment, side)?])
+        let short = if open {
+            // The lines are right only there, so the figure must not read like a recommendation.
+            "Lines near matches likely right, epipole not determined".to_owned()
+        } else {
+            format!("{percent:.0} % likely right")
+        };
+        Some([short, probability_in_words(assessment, side)?])
     });
     // Warnings about an unfinished result could be outdated a moment later.
     let finished = matches!(freshness, Freshness::Final | Freshness::Stopped);
@@ -182,6 +187,9 @@ fn waiting(document: &Document) -> String {
     let needed = document.pairs_needed();
     if document.pictures.is_none() {
         return "Open two pictures of the same scene".into();
+    }
+    if let Some(hint) = document.too_small() {
+        return hint;
     }
     let more = needed.saturating_sub(document.used().count());
     match more {

@@ -211,7 +211,7 @@ pub fn with_keys() -> Vec<Action> {
         )
         .key(NONE, Key::Num7)
         .listed(|_| "3-D: cameras and triangulated matches")
-        .when(|model| model.document.pictures.is_some()),
+        .when(|model| model.can_rectify() && !model.compares_barcodes()),
         action(Command::StepMethod { forward: false }, "Previous step", "Show the previous step of the method.")
             .key(SHIFT, Key::N)
             .listed(|_| "Method: previous step"),

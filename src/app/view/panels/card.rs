@@ -35,7 +35,7 @@ fn start(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.set_max_width(ui.available_width().min(560.0));
     ui.add_space(4.0);
     let mut text = guide(model);
-    if model.document.pictures.is_some() {
+    if model.document.pictures.is_some() && model.document.too_small().is_none() {
         text += " Two such pairs give the epipolar geometry.";
     }
     ui.add(Label::new(RichText::new(text).size(15.0).color(ui.visuals().strong_text_color())).wrap());
@@ -67,27 +67,23 @@ pub fn offers(model: &Model) -> bool {
     model.is_at_start() && !model.look.dock.folded && !model.open.alone
 }
 
-/// Shows the offers to restore unsaved work. Returns whether one of their buttons has the keyboard focus.
-pub fn unsaved_work(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
-    let mut focused = false;
+/// Shows the offers to restore unsaved work.
+fn unsaved_work(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     for message in model.messages.on_top().filter(|message| message.kind == MessageKind::LeftBehind) {
         ui.add_space(6.0);
         ui.add(Label::new(message.told()).wrap());
         ui.horizontal(|ui| {
             for action in &message.actions {
                 let button = ui.button(action.label);
-                focused |= finish_button(ui, button, action.command.clone(), commands).has_focus();
+                finish_button(ui, button, action.command.clone(), commands);
             }
             let (close, what) = message.kind.close();
-            let close = ui.button(close).on_hover_text(what);
-            focused |= close.has_focus();
-            if close.clicked() {
+            if ui.button(close).on_hover_text(what).clicked() {
                 commands.push(Command::Dismiss(message.number));
             }
         });
         ui.add_space(6.0);
     }
-    focused
 }
 
 /// Shows the geometry that the window displays in place of the result. Returns whether there is one.

@@ -18,8 +18,12 @@ const GRIP: f32 = 4.0;
 const INSET: Vec2 = vec2(12.0, 8.0);
 /// Width from which card and pairs are side by side in a dock at the right.
 const ROOM_FOR_BOTH: f32 = 500.0;
-/// Height of the card in a dock at the right.
+/// Height of the card in a dock at the right: beside the pairs, and above them.
+const CARD_BESIDE: f32 = 300.0;
 const CARD: f32 = 208.0;
+/// Height of the details of an unfolded pair, and of the hint that is there otherwise.
+const UNFOLDED: f32 = 190.0;
+const HINT: f32 = 80.0;
 
 /// Shows the dock in its area.
 pub fn show(ui: &mut Ui, area: Rect, edge: DockEdge, model: &Model, commands: &mut Vec<Command>) {
@@ -82,16 +86,17 @@ fn columns(area: Rect) -> [Rect; 3] {
 
 /// Returns the parts of a dock at the right: card, tab and, between or beside them, pairs.
 fn rows(area: Rect, model: &Model) -> [Rect; 3] {
-    let card = CARD.min(area.height() * 0.4);
     if area.width() >= ROOM_FOR_BOTH {
+        let card = CARD_BESIDE.min(area.height() * 0.4);
         let (top, tab) = area.split_top_bottom_at_y(area.min.y + card);
         let (card, pairs) = top.split_left_right_at_fraction(0.5);
         return [card, tab, pairs];
     }
-    // Room for the lines, one unfolded pair and the hint. Without pairs, for the hint alone.
+    // Room for the lines, and for one unfolded pair or the hint. The card has the rest.
     let lines = model.document.pairs.len() as f32 * (theme::ROW + 2.0);
-    let unfolded = if model.document.pairs.is_empty() { 0.0 } else { 190.0 };
-    let pairs = (lines + unfolded).clamp(100.0, (area.height() * 0.36).max(100.0));
+    let below = if model.document.selected_pair().is_some() { UNFOLDED } else { HINT };
+    let pairs = (lines + below).clamp(100.0, (area.height() * 0.36).max(100.0));
+    let card = (CARD + UNFOLDED - below).min(area.height() * 0.4);
     let (card, rest) = area.split_top_bottom_at_y(area.min.y + card);
     let (pairs, tab) = rest.split_top_bottom_at_y(rest.min.y + pairs);
     [card, tab, pairs]

@@ -2,15 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Button, Key, Label, RichText, Ui};
+use egui::{Button, Key, Label, RichText, ScrollArea, Ui};
 
 use super::dialog::{PathField, dialog, path_of};
-use super::{busy, card, command_button, finish_button};
+use super::{busy, command_button, finish_button};
 use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::document::Side;
+use crate::app::model::exchange::is_importable;
 use crate::app::model::recents::recent_name;
 use crate::app::view::theme;
+
+/// Greatest height of the list of unsaved work, screen points.
+const UNSAVED: f32 = 96.0;
 
 /// Content of the dialog.
 #[derive(Debug, Clone, Default)]
@@ -104,6 +108,13 @@ impl OpenDialog {
         (!typed.is_empty()).then_some(Command::OpenFiles(typed))
     }
 
+    /// Returns whether the paths can be opened. One path alone may be a folder, a session or a file to
+    /// import, but no image. Enter tells what is missing.
+    fn is_enough(&self) -> bool {
+        let lone = self.waiting().filter(|_| path_of(&self.folder).is_none());
+        lone.is_none_or(|one| is_importable(&one) || one.is_dir())
+    }
+
     pub fn show(&mut self, ctx: &egui::Context, model: &Model, commands: &mut Vec<Command>) {
         if !self.open {
             return;
@@ -152,7 +163,7 @@ impl OpenDialog {
             elsewhere |= row.show_browse(ui, place, commands).has_focus();
             ui.add_space(6.0);
             elsewhere |= recents(ui, model, commands);
-            elsewhere |= !card::offers(model) && card::unsaved_work(ui, model, commands);
+            elsewhere |= unsaved_work(ui, model, commands);
             if let Some(problem) = &self.problem {
                 let color = theme::palette(ui.visuals()).bad;
                 ui.add(Label::new(RichText::new(problem).color(color)).wrap());
@@ -161,7 +172,7 @@ impl OpenDialog {
             let typed = if model.activity.loading { Vec::new() } else { self.commands() };
             let mut begun = false;
             ui.horizontal(|ui| {
-                let open = ui.add_enabled(!typed.is_empty(), Button::new("Open these"));
+                let open = ui.add_enabled(!typed.is_empty() && self.is_enough(), Button::new("Open these"));
                 let described = typed.first().cloned().unwrap_or(Command::OpenFiles(Vec::new()));
                 let open = finish_button(ui, open, described, commands);
                 if open.clicked() {
@@ -187,6 +198,28 @@ impl OpenDialog {
         self.just_opened = false;
         self.open &= open;
     }
+}
+
+/// Lists all unsaved work. Returns whether one of its buttons has the keyboard focus.
+fn unsaved_work(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
+    let mut focused = false;
+    if model.left_behind.is_empty() {
+        return focused;
+    }
+    ui.weak("Unsaved work");
+    ScrollArea::vertical().id_salt("unsaved work").max_height(UNSAVED).show(ui, |ui| {
+        for copy in &model.left_behind {
+            ui.horizontal(|ui| {
+                for action in copy.actions() {
+                    let button = ui.add(Button::new(action.label).small());
+                    focused |= finish_button(ui, button, action.command, commands).has_focus();
+                }
+                ui.add(Label::new(copy.told()).truncate());
+            });
+        }
+    });
+    ui.add_space(6.0);
+    focused
 }
 
 /// Shows the recently opened files. Returns whether one of their buttons has the keyboard focus.
@@ -225,5 +258,16 @@ mod tests {
         assert!(dialog.open);
         let both = dialog.offer(Path::new("b.png"), None);
         assert_eq!(both, Some(["a.png".into(), "b.png".into()]));
+    }
+
+    #[test]
+    fn one_image_is_not_enough_and_one_session_or_folder_is() {
+        let folder = tempfile::tempdir().unwrap();
+        for (path, opens) in [(Path::new("a.png"), false), (Path::new("a.json"), true), (folder.path(), true)]
+        {
+            let mut dialog = OpenDialog::default();
+            dialog.offer(path, None);
+            assert_eq!(dialog.is_enough(), opens, "{path:?}");
+        }
     }
 }

@@ -195,17 +195,17 @@ impl Drawing {
     /// Shows the number of points, the unit and the word of a doubtful verdict at the upper left.
     fn chip(&self, scene: &Scene, model: &Model) {
         let count = scene.cloud.points.len();
-        let mut text = format!("{count} points from {} matches  unit: one baseline", scene.fit.matches);
+        let mut text = format!("{count} points from {} matches · unit: one baseline", scene.fit.matches);
         if let Some(uncertainty) = scene.fit.uncertainty {
             let [turn, deviation] =
                 [scene.fit.pose.rotation.angle(), uncertainty.rotation].map(f64::to_degrees);
-            text = format!("{text}  turned by {turn:.2}° ± {deviation:.2}°");
+            text = format!("{text} · turned by {turn:.2}° ± {deviation:.2}°");
         }
         if scene.focal_deviation() > 0.0 {
-            let _ = write!(text, "  focal lengths ± {:.0} %", 100.0 * scene.focal_deviation());
+            let _ = write!(text, " · focal lengths ± {:.0} %", 100.0 * scene.focal_deviation());
         }
         if let Some((word, _)) = model.doubt() {
-            text = format!("{text}  {word}");
+            text = format!("{text} · {word}");
         }
         label(&self.painter, self.rect.min + vec2(6.0, 6.0), Align2::LEFT_TOP, &text, theme::SELECTED);
     }

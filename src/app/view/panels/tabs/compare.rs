@@ -22,7 +22,7 @@ pub const TAB: Tab = Tab { id: TabId::Compare, tools, show };
 /// Width below which the summary leaves out its widest column, screen points.
 const ROOM_FOR_ALL: f32 = 560.0;
 /// Width below which the table scrolls sideways, screen points.
-const LEAST_WIDTH: f32 = 330.0;
+const LEAST_WIDTH: f32 = 270.0;
 
 fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(comparison) = measured(ui, model, commands) else { return };
@@ -118,9 +118,11 @@ enum Part {
 impl Part {
     const ALL: [Self; 6] = [Self::Name, Self::From, Self::Median, Self::Mean, Self::Largest, Self::BelowOne];
 
-    /// Returns the columns of the summary. A narrow summary shows `From` as a tooltip.
+    /// Returns the columns of the summary. A narrow summary shows `From` as a tooltip, and leaves the mean
+    /// out, as its heading would touch the others.
     fn columns(is_narrow: bool) -> Vec<Self> {
-        Self::ALL.into_iter().filter(|part| !(is_narrow && *part == Self::From)).collect()
+        let is_wide = |part: &Self| matches!(part, Self::From | Self::Mean);
+        Self::ALL.into_iter().filter(|part| !(is_narrow && is_wide(part))).collect()
     }
 
     fn column(self) -> Column {
@@ -135,7 +137,7 @@ impl Part {
                 176.0,
                 "Data from which the geometry was computed, or the data that are missing.",
             ),
-            Self::Median => Column::figures("Median, px", 76.0, "Half of the points are closer than this."),
+            Self::Median => Column::figures("Median, px", 90.0, "Half of the points are closer than this."),
             Self::Mean => Column::figures("Mean, px", 70.0, "Mean distance over all points."),
             Self::Largest => Column::figures("Max, px", 70.0, "Distance of the worst point."),
             Self::BelowOne => Column::figures("< 1 px", 56.0, "Share of the points closer than 1 px."),
@@ -255,7 +257,9 @@ fn from(model: &Model, comparison: &Comparison, contestant: Contestant) -> Strin
             format!("{which}, {} solution{}", fit.solutions, if fit.solutions == 1 { "" } else { "s" })
         }
         Contestant::EightPoint => format!("{} {set}", fit.pairs),
-        Contestant::Ransac | Contestant::LeastMedian => format!("{} inliers", fit.pairs),
+        Contestant::Ransac => format!("{} inliers", fit.pairs),
+        // It counts inliers by a scale of its own, so their number says nothing beside the others.
+        Contestant::LeastMedian => format!("median of all {set}"),
         Contestant::Imported => {
             model.document.imported.as_ref().map_or(String::new(), |imported| imported.file.clone())
         }
