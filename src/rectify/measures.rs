@@ -22,11 +22,6 @@ const AGREEING: usize = NEIGHBOURS / 2;
 /// Frisby 1985): change of disparity over distance. Hardly any visible surface exceeds it.
 const STEEPEST: f64 = 1.0;
 
-/// Share of wrong matches from which whole groups of them agree by chance: windows that are taken for others.
-const MANY_WRONG: f64 = 0.25;
-/// Share of the disparities at either end that does not count towards their usual width.
-const TAIL: f64 = 0.05;
-
 /// Measurements of a rectified pair.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Measures {
@@ -136,22 +131,7 @@ fn on_surfaces(rectified: &[PointPair]) -> Vec<PointPair> {
     }
     let kept: Vec<PointPair> =
         (0..rectified.len()).into_par_iter().filter(agrees).map(|k| rectified[k]).collect();
-    if kept.is_empty() {
-        return rectified.to_vec();
-    }
-    let wrong = 1.0 - kept.len() as f64 / rectified.len() as f64;
-    if wrong < MANY_WRONG { kept } else { without_far_groups(kept) }
-}
-
-/// Removes small groups farther from nine tenths of the disparities than these differ among themselves.
-fn without_far_groups(mut matches: Vec<PointPair>) -> Vec<PointPair> {
-    let mut sorted: Vec<f64> = matches.iter().map(disparity).collect();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let tail = (sorted.len() as f64 * TAIL) as usize;
-    let [low, high] = [sorted[tail], sorted[sorted.len() - 1 - tail]];
-    let width = high - low;
-    matches.retain(|found| (low - width..=high + width).contains(&disparity(found)));
-    matches
+    if kept.is_empty() { rectified.to_vec() } else { kept }
 }
 
 impl Distortion {
@@ -223,12 +203,5 @@ mod tests {
         // The background right beside the object may be left out.
         assert!(agreed.len() > 95, "{}", agreed.len());
         assert_eq!(on_surfaces(&scene[..3]), scene[..3]);
-        // Among many wrong matches, a few of them agree with each other by chance.
-        let windows = near.map(|(x, y)| at(x + 60.0, y + 90.0, -900.0));
-        let with_windows: Vec<PointPair> = scene.iter().copied().chain(windows).collect();
-        assert_eq!(without_far_groups(with_windows), scene);
-        // The group would be kept among few.
-        scene.extend(windows);
-        assert!(on_surfaces(&scene).iter().any(|found| disparity(found) < -800.0));
     }
 }

@@ -9,9 +9,8 @@ use std::time::{Duration, SystemTime};
 
 use crate::foreign::{reason, shown_path};
 
-/// Maximum number of waiting copies, far more than anybody leaves within [`LONGEST`]. The oldest are removed
-/// first.
-const MOST_LEFT_BEHIND: usize = 100;
+/// Maximum number of waiting copies. All of them are read and listed. The oldest are removed first.
+const MOST_LEFT_BEHIND: usize = 16;
 /// Number of slots: for the waiting copies, and for sixteen windows at the same time.
 const SLOTS: usize = MOST_LEFT_BEHIND + 16;
 /// Maximum age of waiting copies.
