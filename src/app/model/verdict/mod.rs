@@ -141,8 +141,8 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
         let percent = (100.0 * assessment.probability_within_one_percent()?).round();
         let open = assessment.trust.as_ref().is_some_and(Trust::says_one_plane);
         let short = if open {
-            // The lines are right only there, so the figure must not read like a recommendation.
-            "Lines near matches likely right, epipole not determined".to_owned()
+            // The lines are right near the matches only, so the figure must not read like a recommendation.
+            "epipole not determined".to_owned()
         } else {
             format!("{percent:.0} % likely right")
         };
