@@ -184,11 +184,7 @@ fn rows(ui: &mut Ui, measures: &Measures, measured: &str, fits: bool) {
     }
     let (mut text, tooltip) = disparity_hint(rows.disparity);
     if rows.far_off > 0 {
-        let _ = write!(
-            text,
-            " {} of {} matches are unlike the others around them and do not count.",
-            rows.far_off, rows.matches
-        );
+        let _ = write!(text, " Outliers left out: {} of {}.", rows.far_off, rows.matches);
     }
     ui.label(text).on_hover_text(tooltip);
 }
