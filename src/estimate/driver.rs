@@ -60,7 +60,7 @@ fn run(
         record.counts.left_out = prepared.pyramids().left_out();
     }
     let input = SearchInput { prepared, clicks: &clicks, parameters };
-    let best = match (plan, prepared.given_alone(parameters)) {
+    let best = match (plan, prepared.given_alone(parameters)?) {
         (SearchPlan::Barcodes, _) => barcodes::search(input, &mut record),
         (_, Some(given)) => given::search(input, given, &mut record),
         (SearchPlan::Published { .. }, _) => published::search(input, &mut record),

@@ -1,5 +1,6 @@
 //! Errors of an estimate, and warnings about a result.
 
+use super::fit::MatchFitError;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -96,6 +97,9 @@ pub enum EstimateError {
     /// No hypothesis survived, and there were no clicks.
     #[error("no epipolar geometry was found without clicks")]
     NothingWithoutClicks,
+    /// The geometry is asked for from given matches alone, and these agree on none.
+    #[error("the given matches alone give no geometry: {0}")]
+    Given(#[from] MatchFitError),
     /// Motion barcodes are asked for, but there are only pictures.
     #[error("motion barcodes need two sequences of frames, not two pictures")]
     NoSequences,

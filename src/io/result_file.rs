@@ -370,8 +370,10 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
     if found.trace.as_ref().is_some_and(|trace| !trace.clicks.chosen().is_empty()) {
         text.push_str("Found without two clicks: two matches found by the program took their place\n");
     }
-    if found.is_refined() {
-        let matches = found.matches().len();
+    let matches = found.matches().len();
+    if assessment.of_given {
+        let _ = writeln!(text, "Fitted to the given matches alone; {matches} patches match along its lines");
+    } else if found.is_refined() {
         let _ = writeln!(text, "Refined on {matches} patches matched along the epipolar lines");
     }
     if let Some(barcodes) = &assessment.barcodes {

@@ -28,7 +28,7 @@ pub struct PreparedPair {
     views: Mutex<VecDeque<Arc<PatchLevels>>>,
     pencils: PencilCache,
     silhouettes: Option<[Arc<Silhouettes>; 2]>,
-    given: Option<GivenMatches>,
+    given: Option<Result<GivenMatches, MatchFitError>>,
 }
 
 /// Matches from elsewhere, with the geometry that they agree on.
@@ -71,23 +71,35 @@ impl PreparedPair {
     /// result as it is.
     ///
     /// # Errors
-    /// Those of [`estimate_fundamental`]; nothing is added then.
+    /// Those of [`estimate_fundamental`]. The matches take no part then, and an estimate from them alone
+    /// fails.
     pub fn add_matches(&mut self, matches: &[Match], seed: u64) -> Result<(), MatchFitError> {
-        let fit = estimate_fundamental(matches, self.frames(), seed)?;
+        let fit = match estimate_fundamental(matches, self.frames(), seed) {
+            Ok(fit) => fit,
+            Err(error) => {
+                self.given = Some(Err(error));
+                return Err(error);
+            }
+        };
         let inliers = matches.iter().zip(&fit.inlier_probabilities).filter(|(_, right)| **right > 0.5);
         let inliers = inliers.map(|(found, _)| found.pair).collect();
         let (fundamental, uncertainty) = (fit.fundamental, fit.uncertainty);
-        self.given = Some(GivenMatches { fundamental, inliers, all: matches.to_vec(), uncertainty });
+        self.given = Some(Ok(GivenMatches { fundamental, inliers, all: matches.to_vec(), uncertainty }));
         Ok(())
     }
 
     pub(in crate::estimate) fn given(&self) -> Option<&GivenMatches> {
-        self.given.as_ref()
+        self.given.as_ref()?.as_ref().ok()
     }
 
-    /// Returns the matches from elsewhere if the geometry is fitted to them alone.
-    pub(in crate::estimate) fn given_alone(&self, parameters: &Parameters) -> Option<&GivenMatches> {
-        self.given().filter(|_| parameters.features.given_alone)
+    /// Returns the matches from elsewhere if the geometry is fitted to them alone. Fails if they agree on
+    /// none.
+    pub(in crate::estimate) fn given_alone(
+        &self,
+        parameters: &Parameters,
+    ) -> Result<Option<&GivenMatches>, MatchFitError> {
+        let wanted = self.given.as_ref().filter(|_| parameters.features.given_alone);
+        wanted.map(|given| given.as_ref().map_err(|error| *error)).transpose()
     }
 
     /// Adds the silhouettes of moving objects in front of two static cameras. Both sequences have

@@ -169,6 +169,7 @@ mod tests {
             let verdict = found.assessment.trust.as_ref().unwrap().verdict;
             let fit = estimate_fundamental(&matches, prepared.frames(), 0).unwrap();
             assert_eq!(found.fundamental(), &fit.fundamental, "nothing else weighs in the fit");
+            assert!(found.assessment.of_given);
             let of = |uncertainty: &Uncertainty| uncertainty.covariance();
             assert_eq!(found.uncertainty().map(of), fit.uncertainty.as_ref().map(of));
             verdict
@@ -182,6 +183,21 @@ mod tests {
             assert_eq!(run(&right, clicks), own.unwrap().assessment.trust.as_ref().unwrap().verdict);
             assert_eq!(run(&wrong, clicks), Verdict::Unreliable);
         }
+    }
+
+    #[test]
+    fn given_matches_that_agree_on_nothing_do_not_give_way_to_those_of_the_images() {
+        let scene = ExactScene::aside();
+        let mut prepared = scene.prepared();
+        let few: Vec<Match> = scene.pairs(9).into_iter().map(Match::from).collect();
+        let error = prepared.add_matches(&few, 0).unwrap_err();
+        let run = |given_alone| {
+            let mut parameters = Parameters::default();
+            parameters.features.given_alone = given_alone;
+            estimate_prepared(&prepared, &[], &parameters, &Monitor::silent())
+        };
+        assert_eq!(run(true).unwrap_err(), EstimateError::Given(error));
+        assert!(!run(false).unwrap().assessment.of_given);
     }
 
     #[test]

@@ -74,6 +74,9 @@ pub struct Assessment {
     /// Homography of the plane or the camera rotation, if the verdict says that nothing else is
     /// certain.
     pub plane: Option<PlaneHomography>,
+    /// Whether the geometry is that of given matches alone. The matches of the refinement then only
+    /// judge it.
+    pub of_given: bool,
 }
 
 /// Distances of the hypotheses of a search from its result.

@@ -174,9 +174,10 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
                 let (fit, all) = (given.fitting(estimate.fundamental()), given.matches.len());
                 format!(" {fit} of {all} given matches fit to {GIVEN_FIT} px.")
             });
+            let alone = assessment.of_given.then(|| "the given matches alone".to_owned());
+            let from = alone.unwrap_or_else(|| used(document));
             let stop = if checks.is_empty() && !given.is_empty() { "." } else { checks };
-            let sentence =
-                sentence.unwrap_or_else(|| format!("Estimated from {}{stop}{given}", used(document)));
+            let sentence = sentence.unwrap_or_else(|| format!("Estimated from {from}{stop}{given}"));
             (word, sentence)
         }
     };
@@ -204,9 +205,6 @@ const MOST_NAMES: usize = 4;
 
 /// Returns the used pairs in words: `pairs p and q`, or `12 pairs`.
 fn used(document: &Document) -> String {
-    if document.given.is_some() && document.parameters.features.given_alone {
-        return "the given matches alone".into();
-    }
     if document.is_unclicked() {
         return match document.used().count() {
             0 if document.given.is_some() => "the images".into(),

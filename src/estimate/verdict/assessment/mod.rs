@@ -115,6 +115,7 @@ impl Judge<'_> {
             warnings,
             trust,
             plane,
+            of_given: self.is_of_given(),
         }
     }
 
@@ -136,6 +137,11 @@ impl Judge<'_> {
             .map(|refined| refined.weight)
             .fold(0.0, f64::max);
         margin::relative(weight, heaviest)
+    }
+
+    fn is_of_given(&self) -> bool {
+        let SearchInput { prepared, parameters, .. } = self.viewed.input;
+        matches!(prepared.given_alone(parameters), Ok(Some(_)))
     }
 
     fn warnings(&self, f: &FundamentalMatrix) -> Vec<Warning> {
@@ -219,7 +225,7 @@ impl Judge<'_> {
             patches: parameters.search == Search::Patches,
             barcodes: None,
             refined_on: match refinement {
-                Some(_) if prepared.given_alone(parameters).is_some() => RefinedOn::Given(matches.len()),
+                Some(_) if self.is_of_given() => RefinedOn::Given(matches.len()),
                 Some(_) => RefinedOn::Matches(matches.len()),
                 None if self.clicks_alone => RefinedOn::Clicks,
                 None if !parameters.refinement.refine => RefinedOn::Nothing,
