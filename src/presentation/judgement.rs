@@ -38,7 +38,7 @@ pub fn judgement_in_words(judgement: &Judgement) -> String {
 /// Describes whether the matches explain the difference of a geometry that fits.
 fn difference_in_words(found: &Significance, change: Option<&FittingChange>) -> String {
     let Significance { chi_square, limit, is_significant } = found;
-    let figures = format!("χ² {chi_square:.0}, by chance up to {limit:.0}");
+    let figures = format!("χ² of the difference {chi_square:.0}; up to {limit:.0} would be chance");
     if !is_significant {
         return format!(" The matches are not precise enough to tell the two apart ({figures}).");
     }

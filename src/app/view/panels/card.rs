@@ -1,9 +1,13 @@
 //! The card of the verdict: one word, one sentence, at most four figures, one button.
 
-use egui::{Align, Button, Label, Layout, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui, pos2, vec2};
+use egui::{
+    Align, Button, CollapsingHeader, Label, Layout, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui,
+    pos2, vec2,
+};
 
 use super::dialog::named;
 use super::gauge::{self, tone_color};
+use super::menus::copy_fundamental_menu;
 use super::{busy, command_button, finish_button, main_button};
 use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand};
@@ -24,9 +28,24 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui.set_max_width(ui.available_width() - theme::SCROLL_BAR);
         if model.is_at_start() {
             start(ui, model, commands);
-        } else if !another(ui, model, commands) {
-            result(ui, model, commands);
+        } else {
+            if !another(ui, model, commands) {
+                result(ui, model, commands);
+            }
+            fundamental(ui, model, commands);
         }
+    });
+}
+
+/// Shows F of the shown geometry below a fold, with a menu that copies it.
+fn fundamental(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let Some(shown) = model.shown() else { return };
+    CollapsingHeader::new("Fundamental matrix F").id_salt("fundamental").show_unindented(ui, |ui| {
+        let convention = "x2ᵀ F x1 = 0 for a match of x1 in the left image and x2 in the right one, pixels, with \
+                          the centre of the upper left pixel at (0, 0).";
+        let rows = shown.fundamental.rows().map(|row| row.map(|value| format!("{value:>11.3e}")).join(" "));
+        ui.add(Label::new(RichText::new(rows.join("\n")).monospace())).on_hover_text(convention);
+        copy_fundamental_menu(ui, model, commands);
     });
 }
 
@@ -178,7 +197,7 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if warnings.is_empty() && others.is_empty() {
         return;
     }
-    egui::CollapsingHeader::new("Details").id_salt("details").show_unindented(ui, |ui| {
+    CollapsingHeader::new("Details").id_salt("details").show_unindented(ui, |ui| {
         for warning in warnings {
             let color = tone_color(ui.visuals(), Tone::Caution);
             ui.add(Label::new(RichText::new(warning).color(color)).wrap());
