@@ -262,7 +262,6 @@ impl Inspector {
             }
             PointsCommand::RequestPaste => ctx.send_viewport_cmd(egui::ViewportCommand::RequestPaste),
             PointsCommand::Paste(text) => model.paste_pairs(&text),
-            PointsCommand::ToggleNames => model.look.names = !model.look.names,
         }
     }
 
@@ -278,8 +277,7 @@ impl Inspector {
     /// Shows a match of the result in the middle of both pictures, and pins its lines.
     fn show_match(&mut self, number: usize) {
         let model = &mut self.model;
-        let found = model.open.computation.result().and_then(|(found, _)| found.matches().get(number));
-        let Some(pair) = found.map(|found| found.pair) else { return };
+        let Some(pair) = model.matched_pairs().nth(number) else { return };
         model.look.stage = StageId::Pictures;
         model.open.focus.pin(LineSource::Through { side: Side::Left, point: pair.point1 });
         for side in Side::BOTH {

@@ -22,8 +22,6 @@ use crate::rectify::RectifyMethod;
 
 /// Message without images.
 const NOTHING_TO_EXPORT: &str = "There is nothing to export yet: open two images first.";
-/// Message without a geometry.
-const NOTHING_TO_RECTIFY: &str = "There is nothing to rectify yet: click two point pairs first.";
 
 impl Inspector {
     /// Applies a command about files of other programs.
@@ -64,6 +62,9 @@ impl Inspector {
         if order.what == ExportKind::View {
             self.view.capture = Some(WantedView::new(Destination::File(order.path), order.part));
             return;
+        }
+        if order.what == ExportKind::Rectified {
+            return self.export_rectified(order.path, order.rectified);
         }
         if order.what == ExportKind::Figure {
             let panes = self.view.panes.each_ref().map(ImagePane::place);
@@ -135,10 +136,9 @@ impl Inspector {
             return;
         }
         let Some(pending) = self.model.imports.pop_front() else { return };
-        let Some(pictures) = &self.model.document.pictures else {
+        let Some(frames) = self.model.document.frames() else {
             return self.refuse(format!("To import {}, open its two images first.", pending.source.name()));
         };
-        let frames = pictures.each_ref().map(|picture| picture.frame);
         let matches = self.model.matches_for_import();
         let shown = self.model.open.pictures.as_ref();
         let shown = shown.map_or(frames, |pictures| pictures.each_ref().map(|opened| opened.shown().frame()));
@@ -154,7 +154,7 @@ impl Inspector {
                 model.edit(|document| document.rectification = method);
             }
             RectifiedCommand::LayOut(layout) => model.look.rectified.layout = layout,
-            RectifiedCommand::SetGuides(guides) => model.look.rectified.guides = guides,
+            RectifiedCommand::ToggleGuides => model.look.rectified.hides_guides ^= true,
             RectifiedCommand::View(view) => model.open.viewing.view = view,
             RectifiedCommand::Shift(shift) => model.open.viewing.shift = shift,
             RectifiedCommand::Wipe(at) => model.open.viewing.wipe = at.clamp(0.0, 1.0),
@@ -172,32 +172,17 @@ impl Inspector {
                     Blink::Still(_) => Blink::Running,
                 };
             }
-            RectifiedCommand::ShowExport => self.show_rectified_export(),
+            RectifiedCommand::ShowExport => self.show_file_export(Some(ExportKind::Rectified)),
             RectifiedCommand::Browse => self.pick(PickPurpose::Export),
-            RectifiedCommand::Export { folder, options } => self.export_rectified(folder, options),
             RectifiedCommand::StopExport => self.tasks.writing.stop(),
         }
     }
 
-    /// Shows the dialog for the rectified pair. It suggests a folder named after both images.
-    fn show_rectified_export(&mut self) {
-        let Some(pictures) = self.model.open.pictures.as_ref().filter(|_| self.model.shown().is_some())
-        else {
-            return self.model.messages.tell(NOTHING_TO_RECTIFY);
-        };
-        let mut name = suggested_path(pictures).file_stem().unwrap_or_default().to_owned();
-        name.push("-rectified");
-        self.view.dialogs.rectified.show_with(name.into());
-    }
-
     fn export_rectified(&mut self, folder: PathBuf, options: RectifiedOptions) {
-        let Some(question) = self.model.rectify_question() else {
-            return self.model.messages.tell(NOTHING_TO_RECTIFY);
-        };
+        let Some(question) = self.model.rectify_question() else { return };
         let trust = trust_note(&self.model);
         if let Some(progress) = self.tasks.writing.begin(RectifyOrder { question, folder, options, trust }) {
             self.model.activity.writing = Some(progress);
-            self.view.dialogs.rectified.open = false;
         } else {
             let text = "A rectified pair is already being written. Wait for it, or stop it.";
             self.model.messages.tell(text);

@@ -89,12 +89,7 @@ impl Inspector {
         let pairs = std::mem::take(&mut self.start_pairs);
         let pairs: Vec<PointPair> = pairs.iter().filter_map(|pair| self.model.open.points_of(pair)).collect();
         let document = &mut self.model.document;
-        let (inside, outside): (Vec<_>, Vec<_>) = pairs.into_iter().partition(|pair| {
-            let [frame1, frame2] = Side::BOTH.map(|side| document.frame(side));
-            pair.is_finite()
-                && frame1.is_some_and(|frame| frame.contains(pair.point1))
-                && frame2.is_some_and(|frame| frame.contains(pair.point2))
-        });
+        let (inside, outside): (Vec<_>, Vec<_>) = pairs.into_iter().partition(|pair| document.contains(pair));
         document.set_pairs(inside, PairOrigin::Imported);
         self.tell_of_pairs_outside(outside.len());
         if let Some(restored) = pair.restored {

@@ -12,47 +12,23 @@ use crate::geometry::{Frame, FundamentalMatrix, Matrix9, PointPair};
 use crate::io::GroundTruth;
 use crate::judge::{GivenGeometry, Judgement, LIMIT, Reference, judge};
 
-/// A geometry of the comparison.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Contestant {
-    /// The result of the estimate.
-    Result,
-    /// A geometry from a file.
-    Imported,
-    /// The seven-point algorithm.
-    SevenPoint,
-    /// The normalised eight-point algorithm.
-    EightPoint,
-    /// RANSAC with MSAC scores.
-    Ransac,
-    /// Least median of squares.
-    LeastMedian,
-    /// The true geometry.
-    Truth,
-}
+named! {
+    fn name;
 
-impl Contestant {
-    /// All contestants, in the order of their rows.
-    pub const ALL: [Self; 7] = [
-        Self::Result,
-        Self::Imported,
-        Self::SevenPoint,
-        Self::EightPoint,
-        Self::Ransac,
-        Self::LeastMedian,
-        Self::Truth,
-    ];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Result => "Result",
-            Self::SevenPoint => "7-point",
-            Self::EightPoint => "8-point",
-            Self::Ransac => "RANSAC",
-            Self::LeastMedian => "LMedS",
-            Self::Imported => "Imported",
-            Self::Truth => "Ground truth",
-        }
+    /// A geometry of the comparison, in the order of the rows.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Contestant {
+        /// The result of the estimate.
+        Result = "Result",
+        /// A geometry from a file.
+        Imported = "Imported",
+        SevenPoint = "7-point",
+        /// The normalised eight-point algorithm.
+        EightPoint = "8-point",
+        /// RANSAC with MSAC scores.
+        Ransac = "RANSAC",
+        LeastMedian = "LMedS",
+        Truth = "Ground truth",
     }
 }
 

@@ -47,8 +47,6 @@ pub struct Look {
     pub dock: DockLook,
     /// Whether the images of the folder are shown in a drawer over the stage.
     pub drawer: bool,
-    /// Whether given names of pairs are shown in the images.
-    pub names: bool,
     /// Whether the images are stacked; `None` chooses what shows them larger.
     #[serde(rename = "stacking")]
     pub stacked: Option<bool>,
@@ -69,7 +67,6 @@ impl Default for Look {
             step: MethodStep::default(),
             dock: DockLook::default(),
             drawer: false,
-            names: true,
             stacked: None,
             compared: Subject::default(),
             rectified: RectifiedLook::default(),
@@ -93,7 +90,7 @@ impl Look {
 
 fn shown_at_first() -> [bool; OverlayId::COUNT] {
     let mut shown = [false; OverlayId::COUNT];
-    for (overlay, shown) in OverlayId::all().zip(&mut shown) {
+    for (overlay, shown) in OverlayId::ALL.into_iter().zip(&mut shown) {
         *shown = overlay.visibility() != Visibility::OnRequest;
     }
     shown
@@ -105,7 +102,7 @@ fn overlays_by_name<S: Serializer>(
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
     let named: BTreeMap<&str, bool> =
-        OverlayId::all().map(OverlayId::name).zip(overlays.iter().copied()).collect();
+        OverlayId::ALL.into_iter().map(OverlayId::name).zip(overlays.iter().copied()).collect();
     named.serialize(serializer)
 }
 
@@ -114,7 +111,7 @@ fn overlays_from_names<'de, D: Deserializer<'de>>(
 ) -> Result<[bool; OverlayId::COUNT], D::Error> {
     let named = BTreeMap::<String, bool>::deserialize(deserializer)?;
     let mut overlays = shown_at_first();
-    for (overlay, shown) in OverlayId::all().zip(&mut overlays) {
+    for (overlay, shown) in OverlayId::ALL.into_iter().zip(&mut overlays) {
         let saved = named.get(overlay.name());
         if let Some(saved) = saved.filter(|_| overlay.visibility() != Visibility::Always) {
             *shown = *saved;

@@ -287,8 +287,7 @@ impl Model {
     /// Returns a sentence on whether the pictures are rectified, by the matches of the result, and whether the
     /// offsets of their rows are small enough for a map.
     pub fn judged_rows(&self) -> (String, bool) {
-        let found = self.open.computation.result().map_or(&[][..], |(estimate, _)| estimate.matches());
-        let matches: Vec<PointPair> = found.iter().map(|found| self.open.pixels_of(&found.pair)).collect();
+        let matches: Vec<PointPair> = self.matched_pairs().map(|pair| self.open.pixels_of(&pair)).collect();
         let frame = self.open.shown_frame(document::Side::Right);
         let Some(judgement) = frame.and_then(|frame| judge_rows(&matches, frame, ROW_LIMIT)) else {
             let text = "There are too few matches to compare rows. Click two point pairs, or find the geometry \

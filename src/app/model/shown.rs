@@ -7,7 +7,7 @@ use super::document::Side;
 use super::focus::{LineSource, Pin};
 use super::pair_folder::PairFolder;
 use super::verdict::Tone;
-use crate::estimate::{Construction, Estimate, Reason, lines_at};
+use crate::estimate::{Construction, Estimate, Reason, RefinedMatch, lines_at};
 use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair, symmetric_epipolar_distance};
 use crate::io::GroundTruth;
 
@@ -110,8 +110,19 @@ impl Model {
         (freshness == Freshness::Final && self.tone() != Tone::Bad).then(|| estimate.fundamental())
     }
 
-    pub fn has_result(&self) -> bool {
-        self.open.computation.result().is_some()
+    /// Returns the latest result, even while a newer one is being computed.
+    pub fn result(&self) -> Option<&Estimate> {
+        self.open.computation.result().map(|(estimate, _)| estimate)
+    }
+
+    /// Returns the matches of the latest result.
+    pub fn matches(&self) -> &[RefinedMatch] {
+        self.result().map_or(&[], Estimate::matches)
+    }
+
+    /// Returns the pairs of the matches of the latest result.
+    pub fn matched_pairs(&self) -> impl ExactSizeIterator<Item = PointPair> + '_ {
+        self.matches().iter().map(|found| found.pair)
     }
 
     /// Returns the ground truth in use.

@@ -12,34 +12,19 @@ const CLIPPED: f32 = 0.005;
 /// Maximum number of pixels sampled by a stretch.
 const SAMPLED: usize = 200_000;
 
-/// Visible channel of a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Channel {
-    /// All channels in colour.
-    #[default]
-    Colour,
-    /// Red alone, as grey.
-    Red,
-    /// Green alone, as grey.
-    Green,
-    /// Blue alone, as grey.
-    Blue,
-    /// Brightness, the input of all computations.
-    Grey,
-}
+named! {
+    fn name;
 
-impl Channel {
-    /// All channels.
-    pub const ALL: [Self; 5] = [Self::Colour, Self::Red, Self::Green, Self::Blue, Self::Grey];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Colour => "Colour",
-            Self::Red => "Red",
-            Self::Green => "Green",
-            Self::Blue => "Blue",
-            Self::Grey => "Grey",
-        }
+    /// Visible channel of a picture. A single channel is shown as grey.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+    pub enum Channel {
+        #[default]
+        Colour = "Colour",
+        Red = "Red",
+        Green = "Green",
+        Blue = "Blue",
+        /// Brightness, the input of all computations.
+        Grey = "Grey",
     }
 }
 

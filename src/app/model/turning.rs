@@ -76,13 +76,12 @@ impl Model {
 
     /// Restores the work on the pair that has just been opened.
     fn take_kept(&mut self, KeptPair { mut document, pins, .. }: KeptPair) {
-        let pictures = self.document.pictures.take();
-        if let Some(pictures) = &pictures {
-            document.keep_within(pictures.each_ref().map(|picture| picture.frame));
+        if let Some(frames) = self.document.frames() {
+            document.keep_within(frames);
         }
         // The truth comes from the folder as read now.
         document.truth = document.truth.and(self.document.truth.take());
-        self.document = Document { pictures, ..document };
+        self.document = Document { pictures: self.document.pictures.take(), ..document };
         for pin in pins {
             self.open.focus.pin(pin);
         }

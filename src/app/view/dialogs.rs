@@ -5,8 +5,7 @@ use std::path::Path;
 use egui::Context;
 
 use super::panels::{
-    CommandPalette, ExportDialog, FileExport, FocalDialog, OpenDialog, ReadingDialog, RelocateDialog,
-    SaveDialog, shortcuts,
+    CommandPalette, FileExport, FocalDialog, OpenDialog, ReadingDialog, RelocateDialog, SaveDialog, shortcuts,
 };
 use crate::app::model::Model;
 use crate::app::model::command::{Command, PickPurpose};
@@ -20,8 +19,6 @@ pub struct Dialogs {
     pub save: Option<SaveDialog>,
     /// Dialog for the images of a session that are missing or have changed.
     pub relocate: Option<RelocateDialog>,
-    /// Dialog for writing the rectified pair.
-    pub rectified: ExportDialog,
     /// Dialog for exports to other programs.
     pub export: FileExport,
     /// Dialog for the convention of an imported matrix.
@@ -38,7 +35,6 @@ impl Dialogs {
     /// Returns whether a dialog that takes keyboard input is open.
     pub fn is_open(&self) -> bool {
         self.open.open
-            || self.rectified.open
             || self.export.open
             || self.palette.open
             || self.save.is_some()
@@ -55,7 +51,6 @@ impl Dialogs {
             || std::mem::take(&mut self.open.open)
             || self.reading.take().is_some()
             || self.focal.take().is_some()
-            || std::mem::take(&mut self.rectified.open)
             || std::mem::take(&mut self.export.open)
             || std::mem::take(&mut self.shortcuts)
     }
@@ -66,8 +61,7 @@ impl Dialogs {
             PickPurpose::Image(side) => drop(self.open.offer(path, Some(*side))),
             PickPurpose::Folder => self.open.offer_folder(path),
             PickPurpose::Import => self.open.offer_import(path),
-            PickPurpose::Export => self.rectified.offer(path),
-            PickPurpose::ExportFile(_) => self.export.offer(path),
+            PickPurpose::Export | PickPurpose::ExportFile(_) => self.export.offer(path),
             PickPurpose::Session(_) => self.save.iter_mut().for_each(|dialog| dialog.offer(path)),
             PickPurpose::Lost(side) => self.relocate.iter_mut().for_each(|dialog| dialog.offer(*side, path)),
         }
@@ -78,7 +72,6 @@ impl Dialogs {
         self.open.show(ctx, model, commands);
         self.save.take_if(|dialog| !dialog.show(ctx, commands));
         self.relocate.take_if(|dialog| !dialog.show(ctx, commands));
-        self.rectified.show(ctx, commands);
         self.export.show(ctx, model, commands);
         self.reading.take_if(|dialog| !dialog.show(ctx, commands));
         self.focal.take_if(|dialog| !dialog.show(ctx, commands));

@@ -187,6 +187,11 @@ pub fn pair_name(pair: usize) -> String {
     }
 }
 
+/// Returns whether both points of a pair are inside images of these sizes.
+pub fn is_inside(pair: &PointPair, [frame1, frame2]: [Frame; 2]) -> bool {
+    frame1.contains(pair.point1) && frame2.contains(pair.point2)
+}
+
 /// Names the images in a sentence of the library as the window does.
 pub fn sides_named(text: &str) -> String {
     let text = text.replace("images 1 and 2", "left and right image");

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{ImportSource, is_archive};
-use crate::app::model::document::sides_named;
+use crate::app::model::document::{is_inside, sides_named};
 use crate::app::model::rectified::MatchesAtHand;
 use crate::convention::{ConventionCheck, FEWEST_MATCHES, check_convention};
 use crate::estimate::{Match, estimate_fundamental};
@@ -175,9 +175,7 @@ impl ImportQuestion {
     fn matches_of(&self, path: &Path) -> Result<ImportFound, String> {
         let name = self.pending.source.name();
         let all = read_matches(path).map_err(|error| error.to_string())?;
-        let lies_on = |found: &Match| {
-            self.shown[0].contains(found.pair.point1) && self.shown[1].contains(found.pair.point2)
-        };
+        let lies_on = |found: &Match| is_inside(&found.pair, self.shown);
         let matches: Vec<Match> = all.iter().copied().filter(lies_on).collect();
         if matches.is_empty() {
             return Err("none of its matches lies on the open images".to_owned());
@@ -224,7 +222,7 @@ impl ImportQuestion {
 
 /// Returns the pairs on the images, and a message about the others.
 fn on_the_images(pairs: &[PointPair], frames: [Frame; 2], name: &str) -> (Vec<PointPair>, Option<String>) {
-    let lies_on = |pair: &PointPair| frames[0].contains(pair.point1) && frames[1].contains(pair.point2);
+    let lies_on = |pair: &PointPair| is_inside(pair, frames);
     let outside: Vec<usize> = (0..pairs.len()).filter(|k| !lies_on(&pairs[*k])).collect();
     let inside: Vec<PointPair> = pairs.iter().copied().filter(lies_on).collect();
     if outside.is_empty() {

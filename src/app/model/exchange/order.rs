@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::app::model::ids::OverlayId;
-use crate::io::Format;
+use crate::io::{Format, PictureFormat, RectifiedOptions};
 
 /// Kind of export.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -27,11 +27,13 @@ pub enum ExportKind {
     Figure,
     /// Picture of the screen.
     View,
+    /// The rectified pair: a folder with both pictures.
+    Rectified,
 }
 
 impl ExportKind {
     /// All kinds in the order of the dialog: names, endings of suggested file names, tooltips.
-    const TABLE: [(Self, &'static str, &'static str, &'static str); 9] = [
+    const TABLE: [(Self, &'static str, &'static str, &'static str); 10] = [
         (
             Self::Geometry,
             "Geometry",
@@ -73,6 +75,13 @@ impl ExportKind {
             "Both images with the visible overlays, for a paper: SVG or PDF with lines and text.",
         ),
         (Self::View, "Picture", "view", "A picture of the screen."),
+        (
+            Self::Rectified,
+            "Rectified pair",
+            "rectified",
+            "A folder with both rectified pictures at full size, one picture of both with guide lines, and \
+             rectification.json.",
+        ),
     ];
 
     /// Number of kinds.
@@ -174,7 +183,7 @@ pub enum ReportFormat {
 /// An order to export.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExportOrder {
-    /// Path of the file.
+    /// Path of the file, or of the folder of a rectified pair.
     pub path: PathBuf,
     pub what: ExportKind,
     /// Format of geometry and point pairs.
@@ -184,8 +193,8 @@ pub struct ExportOrder {
     pub reported: ReportFormat,
     /// Part of the window for a picture.
     pub part: ViewPart,
-    /// Contents of a figure.
     pub figure: FigureChoices,
+    pub rectified: RectifiedOptions,
 }
 
 impl Default for ExportOrder {
@@ -198,6 +207,7 @@ impl Default for ExportOrder {
             reported: ReportFormat::default(),
             part: ViewPart::default(),
             figure: FigureChoices::default(),
+            rectified: RectifiedOptions { format: PictureFormat::Png, guide_spacing: 40, maps: false },
         }
     }
 }

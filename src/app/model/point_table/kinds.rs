@@ -41,6 +41,4 @@ pub enum PointsCommand {
     RequestPaste,
     /// Add the pairs of a table.
     Paste(String),
-    /// Show given names in the images, or only letters.
-    ToggleNames,
 }

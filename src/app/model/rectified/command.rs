@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{Guides, RectifiedLayout, RectifiedView, RectifyQuestion};
+use super::{RectifiedLayout, RectifiedView, RectifyQuestion};
 use crate::io::{RectifiedOptions, TrustNote};
 use crate::rectify::RectifyMethod;
 
@@ -13,8 +13,7 @@ pub enum RectifiedCommand {
     SetMethod(RectifyMethod),
     /// Set the layout of the pictures.
     LayOut(RectifiedLayout),
-    /// Set the guide lines.
-    SetGuides(Guides),
+    ToggleGuides,
     /// Show a part of the pictures; `None` shows all.
     View(Option<RectifiedView>),
     /// Shift the right picture to the right, px of the written pictures.
@@ -25,17 +24,10 @@ pub enum RectifiedCommand {
     Swap,
     /// Start or stop the automatic blink.
     RunBlink,
-    /// Show the dialog for writing the pair.
+    /// Show the dialog of exports, for the rectified pair.
     ShowExport,
     /// Choose the folder with the file dialog of the system.
     Browse,
-    /// Write the pair.
-    Export {
-        /// The folder. It is created if missing.
-        folder: PathBuf,
-        /// Files to write.
-        options: RectifiedOptions,
-    },
     /// Stop writing the pair.
     StopExport,
 }

@@ -8,4 +8,4 @@ mod viewing;
 
 pub use command::{RectifiedCommand, RectifyOrder, WritingProgress};
 pub use making::{DrawnPair, MatchesAtHand, Rectified, RectifiedSheet, RectifyQuestion};
-pub use viewing::{Blink, Guides, RectifiedLayout, RectifiedLook, RectifiedView, Viewing};
+pub use viewing::{Blink, RectifiedLayout, RectifiedLook, RectifiedView, Viewing, guide_spacing};

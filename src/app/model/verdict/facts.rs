@@ -241,7 +241,7 @@ pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate, of: Option<&
 /// Returns the positions of the epipoles of a geometry, and their 95 % intervals if it is that of
 /// `estimate`.
 pub fn epipoles(document: &Document, f: &FundamentalMatrix, estimate: Option<&Estimate>) -> Vec<Fact> {
-    let frames = document.pictures.as_ref().map(|pictures| [0, 1].map(|k| pictures[k].frame));
+    let frames = document.frames();
     let bearings = estimate.zip(frames).and_then(|(estimate, frames)| estimate.epipole_bearings(frames));
     let determined = estimate.zip(frames).and_then(|(estimate, frames)| estimate.determined(frames));
     let value = |k: usize, epipole: &HomogeneousPoint| match (frames, bearings) {

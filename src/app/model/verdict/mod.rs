@@ -136,7 +136,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     let of_clicks = assessment.trust.as_ref().is_some_and(Trust::doubts_clicks_alone);
     let states = is_final && checked.is_none() && !of_clicks && tone != Tone::Bad;
     let likely = Some(assessment).filter(|_| states).and_then(|assessment| {
-        let frames = document.pictures.as_ref()?.each_ref().map(|picture| picture.frame);
+        let frames = document.frames()?;
         let side = frames[0].longer_side().max(frames[1].longer_side());
         let percent = (100.0 * assessment.probability_within_one_percent()?).round();
         let open = assessment.trust.as_ref().is_some_and(Trust::says_one_plane);

@@ -9,18 +9,15 @@ use crate::app::model::exchange::ExportOrder;
 use crate::app::model::focus::LineSource;
 use crate::app::model::ids::OverlayId;
 use crate::app::model::point_table::{ChosenEdit, PointsCommand};
-use crate::app::model::rectified::{Guides, RectifiedCommand};
+use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::session::OpenSession;
 use crate::app::model::tones::TonesCommand;
 use crate::camera::FocalLength;
-use crate::io::{PictureFormat, RectifiedOptions};
 
 /// Returns the actions offered only on buttons of dialogs and tables.
 #[expect(clippy::too_many_lines, reason = "it is a table")]
 pub fn in_dialogs() -> Vec<Action> {
     let browse = |command: Command, tooltip| action(command, "Browse", tooltip);
-    let options = RectifiedOptions { format: PictureFormat::Png, guide_spacing: 0, maps: false };
-    let rectified = RectifiedCommand::Export { folder: PathBuf::new(), options };
     vec![
         action(
             Command::OpenFiles(Vec::new()),
@@ -119,7 +116,7 @@ pub fn in_dialogs() -> Vec<Action> {
         action(
             ExchangeCommand::Export(ExportOrder::default()),
             "Export file",
-            "Write the file. An existing file of that name is replaced.",
+            "Write the file, or the files of a rectified pair. Existing files of the same names are replaced.",
         ),
         action(
             ExchangeCommand::Import(Vec::new()),
@@ -133,9 +130,9 @@ pub fn in_dialogs() -> Vec<Action> {
         ),
         action(ExchangeCommand::Reject, "Cancel", "Import nothing from this file."),
         action(
-            RectifiedCommand::SetGuides(Guides::Automatic),
+            RectifiedCommand::ToggleGuides,
             "Guide lines",
-            "Draw horizontal lines over the rectified pictures, for comparing rows.",
+            "Draw horizontal lines over the rectified pictures, for comparing rows, or hide them.",
         ),
         action(
             RectifiedCommand::RunBlink,
@@ -143,10 +140,5 @@ pub fn in_dialogs() -> Vec<Action> {
             "Alternate the two rectified pictures automatically.",
         ),
         browse(RectifiedCommand::Browse.into(), "Choose the folder in the system dialog."),
-        action(
-            rectified,
-            "Export rectified pair",
-            "Write the files. Existing files of the same names are replaced.",
-        ),
     ]
 }

@@ -188,12 +188,6 @@ pub fn by_name() -> Vec<Action> {
         action(PointsCommand::ChooseAll, "Choose all", "Choose all point pairs of the table (Ctrl+A).")
             .listed(|_| "Choose all point pairs")
             .when(|model| !model.document.pairs.is_empty()),
-        action(
-            PointsCommand::ToggleNames,
-            "Names in the images",
-            "Label points with the names you gave the pairs, or only with their letters.",
-        )
-        .listed(|_| "Show the names of pairs in the images"),
         action(Command::Stop, "Stop", "Stop the computation. A first result is kept.")
             .listed(|_| "Stop the computation")
             .when(|model| model.open.computation.is_running()),

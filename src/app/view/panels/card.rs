@@ -103,7 +103,7 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
         other => format!("the {} geometry", other.name()),
     };
     heading(ui, None, contestant.name());
-    if model.has_result() {
+    if model.result().is_some() {
         another_shown(ui, model, &name, commands);
     } else {
         let text =
@@ -124,7 +124,7 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
             let remove = ui.button("Remove it");
             finish_button(ui, remove, ExchangeCommand::RemoveImported.into(), commands);
         }
-        if !model.has_result() && model.can_find_without_clicks() {
+        if model.result().is_none() && model.can_find_without_clicks() {
             command_button(ui, Command::FindWithoutClicks, true, commands);
         }
     });
@@ -162,13 +162,12 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         });
     }
     let pose = model.scene().map(|scene| pose_facts(&scene.fit)).unwrap_or_default();
-    let frames = model.document.pictures.as_ref().map(|pictures| pictures.each_ref().map(|of| of.frame));
-    let lens = model.offered_lens().zip(frames).map(|(lens, frames)| lens_fact(lens, frames));
+    let lens =
+        model.offered_lens().zip(model.document.frames()).map(|(lens, frames)| lens_fact(lens, frames));
     let lens = lens.or(model.open.corrected_lens().map(corrected_fact));
     // The lens moves the epipoles by more than the matches tell.
-    let bent = model.offered_lens().and(model.open.computation.result());
-    let bent =
-        bent.map_or_else(Vec::new, |(estimate, _)| epipoles(&model.document, estimate.fundamental(), None));
+    let bent = model.offered_lens().and(model.result());
+    let bent = bent.map_or_else(Vec::new, |estimate| epipoles(&model.document, estimate.fundamental(), None));
     let facts = facts.into_iter().filter(|fact| bent.iter().all(|other| other.name != fact.name));
     let facts: Vec<Fact> =
         true_error(model).into_iter().chain(facts).chain(bent.clone()).chain(pose).chain(lens).collect();

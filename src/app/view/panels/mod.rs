@@ -6,7 +6,6 @@ mod card;
 mod dialog;
 pub mod dock;
 mod exchange;
-mod export_dialog;
 mod film_strip;
 mod focal_dialog;
 mod gauge;
@@ -35,7 +34,6 @@ use crate::app::view::keyboard::key_text;
 use crate::app::view::theme;
 
 pub use exchange::{FileExport, ReadingDialog};
-pub use export_dialog::ExportDialog;
 pub use film_strip::FilmStrip;
 pub use focal_dialog::FocalDialog;
 pub use menus::{copy_fundamental_menu, pair_menu, pin_menu, place_menu};

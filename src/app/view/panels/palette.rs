@@ -116,7 +116,7 @@ fn entries(model: &Model) -> Vec<PaletteEntry> {
         };
         Some(PaletteEntry { title: title.to_owned(), command: action.command.clone() })
     });
-    let overlays = OverlayId::all().filter(|overlay| model.offers(*overlay)).map(|overlay| {
+    let overlays = OverlayId::ALL.into_iter().filter(|overlay| model.offers(*overlay)).map(|overlay| {
         let verb = if model.look.shows(overlay) { "Hide" } else { "Show" };
         let title = format!("{verb} {}", overlay.name().to_lowercase());
         PaletteEntry { title, command: Command::ToggleOverlay(overlay) }

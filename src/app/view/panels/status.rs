@@ -76,8 +76,7 @@ fn time_and_seed(model: &Model) -> Option<String> {
     if let Some(elapsed) = model.open.computation.elapsed() {
         return Some(format!("{:.0} s so far", elapsed.as_secs_f64()));
     }
-    let (estimate, _) = model.open.computation.result()?;
-    let trace = estimate.trace.as_ref()?;
+    let trace = model.result()?.trace.as_ref()?;
     let preset = match trace.preset {
         Preset::Robust => "robust",
         Preset::Paper => "as published",

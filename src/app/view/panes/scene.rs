@@ -80,8 +80,7 @@ pub fn show(ui: &mut Ui, panes: &mut [ImagePane; 2], model: &Model, commands: &m
 /// Shows a match in small copies of both pictures, each in a corner of its side. They are on the other half of the
 /// height than the scene point, so that they never cover it.
 fn small_pictures(drawing: &Drawing, panes: &mut [ImagePane; 2], model: &Model, number: usize, at: Pos2) {
-    let found = model.open.computation.result().and_then(|(found, _)| found.matches().get(number));
-    let Some(pair) = found.map(|found| found.pair) else { return };
+    let Some(pair) = model.matched_pairs().nth(number) else { return };
     let room = drawing.rect.shrink(MARGIN);
     let size = drawing.rect.size() * vec2(SMALL, 2.0 * SMALL);
     let below = at.y < room.center().y;

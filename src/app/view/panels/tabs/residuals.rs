@@ -54,7 +54,7 @@ pub fn measured<'a>(ui: &mut Ui, model: &'a Model, commands: &mut Vec<Command>) 
 fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(comparison) = measured(ui, model, commands) else { return };
     let of_given = comparison.measured == PointSet::Given;
-    if model.look.shows(OverlayId::MagnifiedResiduals) && (of_given || has_matches(model)) {
+    if model.look.shows(OverlayId::MagnifiedResiduals) && (of_given || !model.matches().is_empty()) {
         let which = if of_given { "given matches that fit" } else { "matches" };
         ui.weak(format!(
             "Strokes in the pictures: distances of the {which} from their lines, 50 times enlarged"
@@ -106,15 +106,11 @@ pub fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 const MATCHES: &str = "The matches that the program found in the images. It looked for them along the epipolar \
                            lines of the result, which favours the result.";
 
-fn has_matches(model: &Model) -> bool {
-    model.open.computation.result().is_some_and(|(found, _)| !found.matches().is_empty())
-}
-
 /// Returns why there are no points of a kind; `None` if there are some.
 pub fn missing(model: &Model, set: PointSet) -> Option<&'static str> {
     match set {
         PointSet::Pairs => model.document.pairs.is_empty().then_some("You have clicked no point pair."),
-        PointSet::Matches => (!has_matches(model)).then_some("There is no result with matches yet."),
+        PointSet::Matches => model.matches().is_empty().then_some("There is no result with matches yet."),
         PointSet::Given => model.document.given.is_none().then_some("No matches were imported."),
         PointSet::TrueMatches => model.truth().is_none().then_some(
             "Needs ground truth: open a folder that has it, or press Ground truth (G) on the sample.",
@@ -169,10 +165,8 @@ fn point_columns(contestants: &[Contestant]) -> Vec<Column> {
 fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Vec<Command>) {
     let are_pairs = comparison.measured == PointSet::Pairs;
     // The result may be newer than the comparison and have other matches.
-    let is_current = |row: usize| {
-        let found = model.open.computation.result().and_then(|(found, _)| found.matches().get(row));
-        found.map(|found| &found.pair) == comparison.points.get(row)
-    };
+    let is_current =
+        |row: usize| model.matches().get(row).map(|found| &found.pair) == comparison.points.get(row);
     let target = |row: usize| match comparison.measured {
         PointSet::Pairs => Some(Target::Pair(row)),
         PointSet::Matches => is_current(row).then_some(Target::Match(row)),

@@ -195,6 +195,6 @@ mod tests {
 
     #[test]
     fn every_overlay_is_in_its_place() {
-        assert!(OVERLAYS.iter().map(|overlay| overlay.id).eq(OverlayId::all()));
+        assert!(OVERLAYS.iter().map(|overlay| overlay.id).eq(OverlayId::ALL));
     }
 }

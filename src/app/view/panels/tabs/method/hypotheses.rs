@@ -86,7 +86,7 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
         of = &of[..of.len() - 1];
     }
     let columns: Vec<Column> = of.iter().map(|column| COLUMNS[*column].clone()).collect();
-    let frames = model.document.pictures.as_ref().map(|pictures| pictures.each_ref().map(|p| p.frame));
+    let frames = model.document.frames();
     let chosen = model.shown().and_then(|shown| shown.hypothesis).map(|(number, _)| number);
     let lit = match model.open.focus.hovered() {
         Some(Target::Hypothesis(number)) => Some(number),

@@ -2,12 +2,12 @@
 
 use std::fmt::Write;
 
-use egui::{Button, ComboBox, Grid, RichText, Slider, Ui, UiBuilder};
+use egui::{Button, Grid, RichText, Slider, Ui, UiBuilder};
 
 use super::finish_button;
 use crate::app::model::Model;
 use crate::app::model::command::Command;
-use crate::app::model::rectified::{Blink, DrawnPair, Guides, Rectified, RectifiedCommand, RectifiedLayout};
+use crate::app::model::rectified::{Blink, DrawnPair, Rectified, RectifiedCommand, RectifiedLayout};
 use crate::app::model::verdict::sentence;
 use crate::app::view::theme;
 use crate::rectify::{Distortion, Measures, Rectification, RectifyMethod, RectifyWarning};
@@ -135,19 +135,12 @@ fn shift_chooser(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut V
     finish_button(ui, none, RectifiedCommand::Shift(0.0).into(), commands);
 }
 
-/// Shows the choice of guide lines and, in blink layout, the controls of the alternation.
+/// Shows the switch of the guide lines and, in blink layout, the controls of the alternation.
 fn guide_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    name(ui, "Guides");
-    let now = model.look.rectified.guides;
-    let chooser = ComboBox::from_id_salt("guide lines").selected_text(now.name()).width(84.0);
-    let shown = chooser.show_ui(ui, |ui| {
-        for guides in Guides::ALL {
-            if ui.selectable_label(guides == now, guides.name()).clicked() {
-                commands.push(RectifiedCommand::SetGuides(guides).into());
-            }
-        }
-    });
-    shown.response.on_hover_text(Command::from(RectifiedCommand::SetGuides(now)).tooltip());
+    name(ui, "Rows");
+    let mut shown = !model.look.rectified.hides_guides;
+    let switch = ui.checkbox(&mut shown, "guide lines");
+    finish_button(ui, switch, RectifiedCommand::ToggleGuides.into(), commands);
     if model.look.rectified.layout == RectifiedLayout::Blink {
         let swap = ui.button("Swap");
         finish_button(ui, swap, RectifiedCommand::Swap.into(), commands);

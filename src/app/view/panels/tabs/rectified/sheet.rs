@@ -8,7 +8,7 @@ use super::figures::{fits, pixels, search_range};
 use crate::app::model::Model;
 use crate::app::model::document::{Role, Side};
 use crate::app::model::focus::Target;
-use crate::app::model::rectified::{DrawnPair, RectifiedLayout, RectifiedSheet};
+use crate::app::model::rectified::{DrawnPair, RectifiedLayout, RectifiedSheet, guide_spacing};
 use crate::app::view::panes::overlays::{cross, true_matches_shown};
 use crate::app::view::panes::{Transform, label};
 use crate::app::view::{heat, theme};
@@ -96,15 +96,11 @@ impl SheetCanvas<'_> {
 
     /// Draws horizontal lines at the same rows in both pictures.
     fn guides(&self) {
-        if self.sheet == RectifiedSheet::Disparity {
+        if self.sheet == RectifiedSheet::Disparity || self.model.look.rectified.hides_guides {
             return;
         }
         let reduction = self.drawn.reduction();
-        let Some(spacing) = self.model.look.rectified.guides.spacing(self.transform().scale * reduction)
-        else {
-            return;
-        };
-        let spacing = spacing * reduction;
+        let spacing = guide_spacing(self.transform().scale * reduction) * reduction;
         let visible = self.painter.clip_rect();
         let rows = [visible.min, visible.max].map(|corner| self.transform().image_from_screen(corner).y);
         let bottom = self.drawn.frame().bottom();
