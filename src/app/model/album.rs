@@ -62,12 +62,6 @@ impl Album {
         &self.folder
     }
 
-    /// Returns the numbers of the open pair in the folder as read now.
-    pub fn pair_in(&self, folder: &PairFolder) -> Option<[usize; 2]> {
-        let [left, right] = &self.open;
-        Some([folder.view_named(left)?, folder.view_named(right)?]).filter(|pair| folder.is_pair(*pair))
-    }
-
     /// Returns the work on the pairs that are not open.
     pub fn pairs(&self) -> &[KeptPair] {
         &self.pairs

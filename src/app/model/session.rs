@@ -15,7 +15,7 @@ use super::picture::Opened;
 use super::sample::SAMPLE_SEQUENCES;
 use crate::camera::CameraModel;
 use crate::geometry::Frame;
-use crate::io::{ImageReference, ImageSource, SessionFile, relative, resolve};
+use crate::io::{ImageReference, ImageSource, SessionFile, has_extension, relative, resolve};
 use crate::synthetic::Sample;
 
 /// Maximum number of pairs of a session, far more than anybody clicks. Each is drawn and listed.
@@ -241,5 +241,5 @@ pub fn suggested_path(pictures: &[Opened; 2]) -> PathBuf {
 
 /// Returns whether a file may be a session, by its extension.
 pub fn has_session_extension(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
+    has_extension(path, &["json"])
 }

@@ -123,10 +123,7 @@ impl Model {
     /// Returns the pairs of the folder with work that are not open, by number.
     pub fn kept_pairs(&self) -> Vec<[usize; 2]> {
         let (Some((folder, _)), Some(album)) = (self.folder(), &self.album) else { return Vec::new() };
-        let views = album.pairs().iter().map(|kept| &kept.views);
-        let pairs =
-            views.filter_map(|[left, right]| Some([folder.view_named(left)?, folder.view_named(right)?]));
-        pairs.filter(|pair| folder.is_pair(*pair)).collect()
+        album.pairs().iter().filter_map(|kept| folder.pair_named(&kept.views)).collect()
     }
 
     /// Returns whether pictures belong to the open folder, and not to a folder that was opened

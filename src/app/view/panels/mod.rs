@@ -55,6 +55,13 @@ fn command_button(ui: &mut Ui, command: Command, enabled: bool, commands: &mut V
     finish_button(ui, response, command, commands)
 }
 
+/// Shows a command's button in a menu. A click, or a key on it, closes the menu.
+fn menu_entry(ui: &mut Ui, command: Command, enabled: bool, commands: &mut Vec<Command>) {
+    if command_button(ui, command, enabled, commands).clicked() {
+        ui.close();
+    }
+}
+
 /// Shows a button in the accent colour.
 fn main_button(ui: &mut Ui, name: &str) -> Response {
     let palette = theme::palette(ui.visuals());
