@@ -3,13 +3,11 @@
 use egui::{Theme, ThemePreference};
 
 use super::Inspector;
-use crate::app::model::command::{Command, PickPurpose};
+use crate::app::model::command::PickPurpose;
 use crate::app::model::dock::DockLook;
-use crate::app::model::document::{Document, Side, counted, pair_name};
+use crate::app::model::document::counted;
 use crate::app::model::exchange::ViewPart;
-use crate::app::model::focus::LineSource;
 use crate::app::model::history::EditKey;
-use crate::app::model::ids::{OverlayId, StageId, TabId};
 use crate::app::model::look::Tool;
 use crate::app::model::measuring::Measuring;
 use crate::app::model::messages::MessageKind;
@@ -17,6 +15,7 @@ use crate::app::model::pane_view::QuarterTurns;
 use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
+use crate::app::model::{Command, Document, LineSource, OverlayId, Side, StageId, TabId, pair_name};
 use crate::app::tasks::{Opening, Wanted};
 use crate::app::view::{Destination, WantedView};
 use crate::geometry::symmetric_epipolar_distance;

@@ -5,15 +5,16 @@ use std::path::{Path, PathBuf};
 use egui::Context;
 
 use super::Inspector;
-use crate::app::model::command::{ExchangeCommand, PickPurpose};
+use crate::app::model::command::PickPurpose;
 use crate::app::model::comparison::Contestant;
-use crate::app::model::document::{Checked, GIVEN_FIT, Given, Imported, Side, counted};
+use crate::app::model::document::{Checked, GIVEN_FIT, Given, Imported, counted};
 use crate::app::model::exchange::{
     ExportContent, ExportKind, ExportOrder, ImportFound, ImportQuestion, ImportSource, ImportedFile,
     ImportedMatrix, PendingImport, ViewPart, content, sources, trust_note,
 };
 use crate::app::model::rectified::{Blink, RectifiedCommand, RectifiedLayout, RectifyOrder};
 use crate::app::model::session::suggested_path;
+use crate::app::model::{ExchangeCommand, Side};
 use crate::app::tasks::saver;
 use crate::app::view::{Destination, ImagePane, ReadingDialog, WantedView, excerpt, figure, screen_as_png};
 use crate::estimate::{Match, Search};

@@ -13,14 +13,13 @@ use std::time::Duration;
 use egui::Ui;
 
 use super::Start;
-use super::model::Model;
-use super::model::command::{Command, PickPurpose};
-use super::model::document::Document;
+use super::model::command::PickPurpose;
 use super::model::exchange::{PendingImport, sources};
 use super::model::focus::Focus;
 use super::model::look::Look;
 use super::model::messages::MessageKind;
 use super::model::recents::Recents;
+use super::model::{Command, Document, Model};
 use super::tasks::{Picked, Services, Tasks, Wanted};
 use super::view::{KeyboardState, View, pressed};
 use crate::estimate::Estimate;

@@ -4,15 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::Inspector;
-use crate::app::model::Model;
 use crate::app::model::album::Album;
-use crate::app::model::command::{Command, ExchangeCommand};
-use crate::app::model::document::{Document, Imported, Side};
+use crate::app::model::document::Imported;
 use crate::app::model::exchange::is_importable;
 use crate::app::model::history::History;
-use crate::app::model::ids::StageId;
 use crate::app::model::picture::Opened;
 use crate::app::model::session::{OpenSession, has_session_extension};
+use crate::app::model::{Command, Document, ExchangeCommand, Model, Side, StageId};
 use crate::app::tasks::{LoadedPair, NewCalibration, Opening, OpeningFailure, Wanted};
 use crate::app::view::{FocalDialog, OpenDialog, RelocateDialog};
 use crate::camera::{CameraModel, FocalLength};

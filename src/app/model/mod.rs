@@ -67,12 +67,16 @@ mod turning;
 mod unclicked;
 pub mod verdict;
 
+pub use command::{Command, ExchangeCommand, SessionCommand};
+pub use document::{Document, PointRef, Role, Side, pair_name};
+pub use focus::{LineSource, Target};
+pub use ids::{MethodStep, OverlayId, StageId, TabId};
+
 use album::Album;
-use document::{Document, PictureIdentity, PointRef};
+use document::PictureIdentity;
 use exchange::PendingImport;
-use focus::LineSource;
 use history::{EditKey, History};
-use ids::{OverlayId, StageId, TabId, Visibility};
+use ids::Visibility;
 use left_behind::LeftBehind;
 use look::{Look, Tool};
 use messages::{MessageKind, Messages};
@@ -288,7 +292,7 @@ impl Model {
     /// offsets of their rows are small enough for a map.
     pub fn judged_rows(&self) -> (String, bool) {
         let matches: Vec<PointPair> = self.matched_pairs().map(|pair| self.open.pixels_of(&pair)).collect();
-        let frame = self.open.shown_frame(document::Side::Right);
+        let frame = self.open.shown_frame(Side::Right);
         let Some(judgement) = frame.and_then(|frame| judge_rows(&matches, frame, ROW_LIMIT)) else {
             let text = "There are too few matches to compare rows. Click two point pairs, or find the geometry \
                         without clicks; then ask again.";

@@ -7,8 +7,8 @@ use egui::Context;
 use super::panels::{
     CommandPalette, FileExport, FocalDialog, OpenDialog, ReadingDialog, RelocateDialog, SaveDialog, shortcuts,
 };
-use crate::app::model::Model;
-use crate::app::model::command::{Command, PickPurpose};
+use crate::app::model::command::PickPurpose;
+use crate::app::model::{Command, Model};
 
 /// All dialogs, open or closed.
 #[derive(Default)]

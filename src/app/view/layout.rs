@@ -8,13 +8,10 @@ use super::dialogs::Dialogs;
 use super::panels;
 use super::panes::{ImagePane, halves, scene};
 use super::theme;
-use crate::app::model::Model;
-use crate::app::model::command::Command;
 use crate::app::model::dock::{DockEdge, Placement, placed};
-use crate::app::model::document::Side;
-use crate::app::model::ids::StageId;
 use crate::app::model::open_pair::Hover;
 use crate::app::model::pane_view::PaneView;
+use crate::app::model::{Command, Model, Side, StageId};
 use crate::geometry::Frame as FrameSize;
 
 /// Ratio of aspects from which a rectified pair is arranged on its own.

@@ -2,9 +2,7 @@
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::ids::TabId;
+use crate::app::model::{Command, Model, TabId};
 
 /// An action that can be offered to the user.
 pub struct Action {

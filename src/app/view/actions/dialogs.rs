@@ -3,15 +3,12 @@
 use std::path::PathBuf;
 
 use super::action::{Action, action};
-use crate::app::model::command::{Command, ExchangeCommand, SessionCommand};
-use crate::app::model::document::Side;
 use crate::app::model::exchange::ExportOrder;
-use crate::app::model::focus::LineSource;
-use crate::app::model::ids::OverlayId;
 use crate::app::model::point_table::{ChosenEdit, PointsCommand};
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::session::OpenSession;
 use crate::app::model::tones::TonesCommand;
+use crate::app::model::{Command, ExchangeCommand, LineSource, OverlayId, SessionCommand, Side};
 use crate::camera::FocalLength;
 
 /// Returns the actions offered only on buttons of dialogs and tables.

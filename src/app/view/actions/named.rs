@@ -2,16 +2,14 @@
 
 use super::action::{Action, action};
 use super::conditions::{has_rectified, has_sequences, is_published_search};
-use crate::app::model::Model;
-use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::comparison::Contestant;
 use crate::app::model::dock::DockEdge;
-use crate::app::model::document::Side;
 use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::{RectifiedCommand, RectifiedLayout};
 use crate::app::model::tones::TonesCommand;
 use crate::app::model::verdict::USE_LENS;
+use crate::app::model::{Command, ExchangeCommand, Model, Side};
 use crate::estimate::{Method, Preset};
 use crate::io::Notation;
 use crate::rectify::RectifyMethod;

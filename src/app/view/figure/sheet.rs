@@ -4,13 +4,11 @@ use egui::epaint::ClippedShape;
 use egui::{Color32, Rect, Vec2, pos2, vec2};
 use image::DynamicImage;
 
-use crate::app::model::Model;
-use crate::app::model::document::Side;
 use crate::app::model::exchange::{FigureChoices, trust_note};
-use crate::app::model::ids::OverlayId;
 use crate::app::model::pane_view::{PaneView, QuarterTurns};
 use crate::app::model::picture::Pictures;
 use crate::app::model::tones::Rendition;
+use crate::app::model::{Model, OverlayId, Side};
 use crate::app::view::panes::overlays::{Canvas, Labels, OVERLAYS};
 use crate::app::view::panes::{PanePlace, Transform};
 use crate::app::view::theme;

@@ -5,16 +5,14 @@ use egui::{Align, Button, Label, Layout, Rect, RichText, ScrollArea, Sense, Shap
 use super::dialog::named;
 use super::gauge::{self, tone_color};
 use super::{busy, command_button, finish_button, main_button};
-use crate::app::model::Model;
-use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::comparison::Contestant;
 use crate::app::model::guide::guide;
-use crate::app::model::ids::OverlayId;
 use crate::app::model::messages::MessageKind;
 use crate::app::model::verdict::{
     CardAction, Fact, Tone, VerdictInWords, card_facts, corrected_fact, epipoles, hypothesis_facts,
     import_facts, import_warning, lens_fact, pose_facts, verdict,
 };
+use crate::app::model::{Command, ExchangeCommand, Model, OverlayId};
 use crate::app::view::theme;
 
 /// Shows the card in all available space. The details scroll.

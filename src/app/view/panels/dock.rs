@@ -4,10 +4,8 @@
 use egui::{CursorIcon, Rect, Sense, Stroke, Ui, UiBuilder, Vec2, vec2};
 
 use super::{card, pairs, tabs};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
 use crate::app::model::dock::DockEdge;
-use crate::app::model::ids::StageId;
+use crate::app::model::{Command, Model, StageId};
 use crate::app::view::theme;
 
 /// Height of the folded dock at the bottom, screen points.

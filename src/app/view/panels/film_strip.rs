@@ -10,11 +10,10 @@ use egui::{
     StrokeKind, TextureHandle, TextureOptions, Ui, UiBuilder, pos2, vec2,
 };
 
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::document::{Side, counted};
+use crate::app::model::document::counted;
 use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::thumbnails::{Thumbnail, ThumbnailQuestion};
+use crate::app::model::{Command, Model, Side};
 use crate::app::view::theme;
 
 /// Width of a thumbnail, screen points.

@@ -4,12 +4,8 @@ use egui::{Button, RichText, Ui};
 
 use super::menu_entry;
 use super::tabs::describe_lines;
-use crate::app::model::Model;
-use crate::app::model::command::{Command, ExchangeCommand};
-use crate::app::model::document::{Role, Side, pair_name};
-use crate::app::model::focus::LineSource;
-use crate::app::model::ids::TabId;
 use crate::app::model::point_table::{ChosenEdit, PointsCommand};
+use crate::app::model::{Command, ExchangeCommand, LineSource, Model, Role, Side, TabId, pair_name};
 use crate::geometry::Point;
 use crate::io::Notation;
 

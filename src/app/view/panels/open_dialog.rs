@@ -6,11 +6,9 @@ use egui::{Button, Key, Label, RichText, ScrollArea, Ui};
 
 use super::dialog::{PathField, dialog, path_of};
 use super::{busy, command_button, finish_button};
-use crate::app::model::Model;
-use crate::app::model::command::{Command, ExchangeCommand};
-use crate::app::model::document::Side;
 use crate::app::model::exchange::is_importable;
 use crate::app::model::recents::recent_name;
+use crate::app::model::{Command, ExchangeCommand, Model, Side};
 use crate::app::view::theme;
 
 /// Greatest height of the list of unsaved work, screen points.

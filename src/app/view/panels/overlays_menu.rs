@@ -6,10 +6,9 @@ use egui::{RichText, ScrollArea, Sense, Ui, vec2};
 use super::dialog::named;
 use super::finish_button;
 use super::icons::menu_button;
-use crate::app::model::Model;
-use crate::app::model::command::Command;
 use crate::app::model::dock::DockEdge;
-use crate::app::model::ids::{OverlayGroup, OverlayId};
+use crate::app::model::ids::OverlayGroup;
+use crate::app::model::{Command, Model, OverlayId};
 use crate::app::view::panes::overlays::OVERLAYS;
 
 /// Shows the button of the menu.

@@ -10,12 +10,9 @@ use egui::{
 use super::dialog::named;
 use super::gauge;
 use super::{command_button, finish_button, pair_menu};
-use crate::app::model::Model;
-use crate::app::model::command::{Command, ExchangeCommand};
-use crate::app::model::document::{PointRef, Role, Side, pair_name};
-use crate::app::model::focus::Target;
 use crate::app::model::point_table::{Choosing, ChosenEdit, PointsCommand};
 use crate::app::model::residuals::check_summary;
+use crate::app::model::{Command, ExchangeCommand, Model, PointRef, Role, Side, Target, pair_name};
 use crate::app::view::theme;
 use crate::geometry::Point;
 

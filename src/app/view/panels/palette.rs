@@ -3,9 +3,7 @@
 use egui::{Align2, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window, vec2};
 
 use super::finish_button;
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::ids::OverlayId;
+use crate::app::model::{Command, Model, OverlayId};
 use crate::app::view::actions::ACTIONS;
 use crate::app::view::keyboard::key_text;
 

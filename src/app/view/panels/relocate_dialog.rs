@@ -6,9 +6,8 @@ use egui::{Button, Key, Label, TextEdit};
 
 use super::dialog::{dialog, named, path_of};
 use super::{command_button, finish_button};
-use crate::app::model::command::{Command, SessionCommand};
-use crate::app::model::document::Side;
 use crate::app::model::session::{Lost, OpenSession, Relocation};
+use crate::app::model::{Command, SessionCommand, Side};
 
 /// The missing images and the typed paths.
 #[derive(Debug, Clone)]

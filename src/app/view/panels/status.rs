@@ -3,11 +3,9 @@
 use egui::{Align, Label, Layout, RichText, Ui};
 
 use super::{busy, command_button};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
 use crate::app::model::guide::guide;
-use crate::app::model::ids::StageId;
 use crate::app::model::rectified::RectifiedCommand;
+use crate::app::model::{Command, Model, StageId};
 use crate::app::view::theme;
 use crate::estimate::Preset;
 

@@ -6,10 +6,8 @@ use egui::{Button, PopupCloseBehavior, Slider, Ui};
 use super::dialog::named;
 use super::finish_button;
 use super::icons::Icon;
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::document::Side;
 use crate::app::model::tones::{Channel, Rendition, TonesCommand};
+use crate::app::model::{Command, Model, Side};
 
 /// Shows the button of the menu.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {

@@ -6,11 +6,9 @@ use egui::{Button, Rect, RichText, Ui, UiBuilder, vec2};
 use super::dialog::named;
 use super::icons::{ICON, Icon, icon_button, menu_button};
 use super::{copy_fundamental_menu, finish_button, menu_entry, overlays_menu, pair_chooser, tones};
-use crate::app::model::Model;
-use crate::app::model::command::{Command, ExchangeCommand, SessionCommand};
-use crate::app::model::ids::StageId;
 use crate::app::model::look::Tool;
 use crate::app::model::rectified::RectifiedCommand;
+use crate::app::model::{Command, ExchangeCommand, Model, SessionCommand, StageId};
 use crate::app::view::actions::conditions::has_strip;
 use crate::app::view::theme;
 

@@ -10,11 +10,8 @@ use nalgebra::{Vector2, Vector3};
 
 use super::chip::label;
 use super::{ImagePane, zoom_asked};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::document::Side;
-use crate::app::model::focus::Target;
 use crate::app::model::scene::{Orbit, Scene};
+use crate::app::model::{Command, Model, Side, Target};
 use crate::app::view::theme;
 use crate::camera::PointCloud;
 

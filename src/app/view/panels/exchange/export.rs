@@ -8,14 +8,12 @@ use egui::{
 
 use super::super::copy_fundamental_menu;
 use super::super::dialog::{PathField, dialog, ending, path_of, row_label};
-use crate::app::model::Model;
-use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::exchange::{
     ExportKind, ExportOrder, FigureFormat, PROFILE_CONVENTION, ReportFormat, ViewPart, result_note,
     trust_note,
 };
-use crate::app::model::ids::OverlayId;
 use crate::app::model::rectified::RectifiedCommand;
+use crate::app::model::{Command, ExchangeCommand, Model, OverlayId};
 use crate::app::view::theme;
 use crate::io::{Format, PictureFormat};
 

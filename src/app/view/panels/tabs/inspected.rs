@@ -8,11 +8,8 @@ use egui::{
 
 use super::super::command_button;
 use super::super::dialog::named;
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::document::pair_name;
-use crate::app::model::focus::{LineSource, Target};
 use crate::app::model::inspection::Inspection;
+use crate::app::model::{Command, LineSource, Model, Target, pair_name};
 use crate::app::view::theme;
 
 /// Distance from an inspected line within which the cursor marks a sample in the plots, px.

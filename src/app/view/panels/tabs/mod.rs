@@ -11,9 +11,7 @@ mod residuals;
 use egui::{Align, Button, Label, Layout, RichText, Ui};
 
 use super::{busy, finish_button, main_button};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::ids::TabId;
+use crate::app::model::{Command, Model, TabId};
 use crate::app::view::theme;
 
 pub use inspected::describe as describe_lines;

@@ -12,11 +12,8 @@ use egui_plot::{
 use super::barcodes;
 use super::inspected::{marked, read_out, tools};
 use super::{Tab, empty};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::focus::Target;
-use crate::app::model::ids::TabId;
 use crate::app::model::inspection::Inspection;
+use crate::app::model::{Command, Model, TabId, Target};
 use crate::app::view::{heat, theme};
 
 /// Registered in [`super::TABS`].

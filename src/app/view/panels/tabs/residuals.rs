@@ -5,13 +5,11 @@ use egui::{ScrollArea, Ui};
 
 use super::super::table::{Column, RowLook, Table};
 use super::{Tab, empty};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
 use crate::app::model::comparison::{Comparison, Contestant, Measure, PointSet, Subject};
-use crate::app::model::document::{PointRef, Role, Side, pair_name};
-use crate::app::model::focus::{LineSource, Target};
-use crate::app::model::ids::{OverlayId, TabId};
 use crate::app::model::verdict::Gauge;
+use crate::app::model::{
+    Command, LineSource, Model, OverlayId, PointRef, Role, Side, TabId, Target, pair_name,
+};
 use crate::app::view::panels::truth_button;
 use crate::app::view::theme;
 

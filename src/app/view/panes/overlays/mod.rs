@@ -35,13 +35,10 @@ use std::cell::RefCell;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
 
 use super::Transform;
-use crate::app::model::Model;
 use crate::app::model::computation::Freshness;
-use crate::app::model::document::Side;
-use crate::app::model::focus::Target;
-use crate::app::model::ids::OverlayId;
 use crate::app::model::shown::ShownGeometry;
 use crate::app::model::verdict::LineLook;
+use crate::app::model::{Model, OverlayId, Side, Target};
 use crate::app::view::theme;
 use crate::geometry::{Frame, FundamentalMatrix, Line, LinePair, Point, PointPair};
 

@@ -4,8 +4,7 @@
 use egui::{Pos2, Rect, Stroke, StrokeKind, Vec2};
 
 use super::{Canvas, Pointing};
-use crate::app::model::document::Role;
-use crate::app::model::focus::Target;
+use crate::app::model::{Role, Target};
 use crate::app::view::theme;
 
 pub fn draw(canvas: &Canvas) {

@@ -4,10 +4,7 @@ use egui::Ui;
 
 use super::super::super::table::{Column, RowLook, Table};
 use super::super::empty;
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::document::pair_name;
-use crate::app::model::focus::{LineSource, Target};
+use crate::app::model::{Command, LineSource, Model, Target, pair_name};
 use crate::estimate::{Candidate, ComparedPencils};
 
 const COLUMNS: [Column; 5] = [

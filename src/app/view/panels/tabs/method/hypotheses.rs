@@ -4,13 +4,10 @@ use egui::Ui;
 
 use super::super::super::table::{Column, RowLook, Table};
 use super::super::empty;
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::focus::Target;
-use crate::app::model::ids::MethodStep;
 use crate::app::model::verdict::{
     HypothesisFigure, HypothesisScales, Standing, epipole_text, line_score_text,
 };
+use crate::app::model::{Command, MethodStep, Model, Target};
 use crate::estimate::{Estimate, LineScore};
 use crate::geometry::{Frame, HomogeneousPoint, finite_point};
 

@@ -4,10 +4,7 @@ use egui::{Rect, RichText, Ui, UiBuilder, pos2, vec2};
 
 use super::super::empty;
 use super::matrix::PencilMatrix;
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::document::pair_name;
-use crate::app::model::focus::{LineSource, Target};
+use crate::app::model::{Command, LineSource, Model, Target, pair_name};
 use crate::app::view::heat;
 use crate::app::view::theme;
 use crate::estimate::ComparedPencils;

@@ -5,10 +5,9 @@ use std::fmt::Write;
 use egui::{Button, Grid, RichText, Slider, Ui, UiBuilder};
 
 use super::finish_button;
-use crate::app::model::Model;
-use crate::app::model::command::Command;
 use crate::app::model::rectified::{Blink, DrawnPair, Rectified, RectifiedCommand, RectifiedLayout};
 use crate::app::model::verdict::sentence;
+use crate::app::model::{Command, Model};
 use crate::app::view::theme;
 use crate::rectify::{Distortion, Measures, Rectification, RectifyMethod, RectifyWarning};
 

@@ -8,10 +8,9 @@ mod sheet;
 use egui::{Align, Label, Layout, RichText, ScrollArea, Ui};
 
 use super::{busy, empty, finish_button, main_button};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::verdict::sentence;
+use crate::app::model::{Command, Model};
 use crate::app::view::theme;
 use crate::rectify::{RectifyError, RectifyMethod};
 

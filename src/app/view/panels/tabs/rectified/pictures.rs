@@ -6,14 +6,11 @@ use std::time::Duration;
 use egui::{Color32, CursorIcon, Id, Painter, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo};
 
 use super::sheet::{SheetCanvas, SheetRow};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::document::Side;
-use crate::app::model::focus::Target;
 use crate::app::model::rectified::{
     DrawnPair, RectifiedCommand, RectifiedLayout, RectifiedSheet, RectifiedView,
 };
 use crate::app::model::tones::{Channel, Rendition};
+use crate::app::model::{Command, Model, Side, Target};
 use crate::app::view::panes::{PictureTexture, Transform, halves, zoom_asked};
 use crate::app::view::theme;
 use crate::geometry::Point;

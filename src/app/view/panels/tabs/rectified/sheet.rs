@@ -5,10 +5,8 @@ use std::fmt::Write;
 use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, vec2};
 
 use super::figures::{fits, pixels, search_range};
-use crate::app::model::Model;
-use crate::app::model::document::{Role, Side};
-use crate::app::model::focus::Target;
 use crate::app::model::rectified::{DrawnPair, RectifiedLayout, RectifiedSheet, guide_spacing};
+use crate::app::model::{Model, Role, Side, Target};
 use crate::app::view::panes::overlays::{cross, true_matches_shown};
 use crate::app::view::panes::{Transform, label};
 use crate::app::view::{heat, theme};
