@@ -26,7 +26,6 @@ const NO_SCENE: &str =
     "There are no 3-D points yet. They need a geometry with at least 10 matches. Find the geometry first.";
 
 impl Inspector {
-    /// Applies a command.
     #[expect(clippy::too_many_lines, reason = "it is a table")]
     pub(super) fn apply(&mut self, ctx: &egui::Context, command: Command) {
         let (model, dialogs) = (&mut self.model, &mut self.view.dialogs);

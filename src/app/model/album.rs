@@ -18,7 +18,6 @@ pub type ViewNames = [String; 2];
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Album {
     folder: PathBuf,
-    /// The open pair.
     pub open: ViewNames,
     /// Pairs with work that are not open, in the order of their names.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -48,7 +48,6 @@ pub enum Command {
     /// Remove the selected pairs, or the pair of the selected point.
     DeleteSelected,
     DeletePair(usize),
-    /// Include or exclude a pair.
     IncludePair(usize, bool),
     /// Use a pair as a check only, or in the estimate.
     CheckOnly(usize, bool),
@@ -145,7 +144,6 @@ pub enum Command {
     Quit,
 }
 
-/// A command about a session.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum SessionCommand {
     /// Save to the file of the session, or ask for a file.
@@ -194,7 +192,6 @@ pub enum PickPurpose {
     Session(PathBuf),
     /// A file for an export. The dialog suggests this path.
     ExportFile(PathBuf),
-    /// A file to import.
     Import,
     /// A missing image of a session.
     Lost(Side),

@@ -37,7 +37,6 @@ const ENOUGH: usize = 8;
 /// Seed of the samples of robust methods.
 const SEED: u64 = 0;
 
-/// A set of point pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PointSet {
@@ -51,7 +50,6 @@ pub enum PointSet {
     TrueMatches,
 }
 
-/// A measure of distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Measure {
@@ -70,40 +68,31 @@ pub struct Subject {
     pub measured: PointSet,
     /// Points that the other methods are fitted to, if there are any of this kind.
     pub fitted: PointSet,
-    /// Measure of distance.
     pub measure: Measure,
 }
 
-/// Inputs of a comparison.
 #[derive(Clone, PartialEq)]
 pub struct ComparisonQuestion {
     pub result: Option<FundamentalMatrix>,
     /// Geometry shown by the window.
     pub shown: Option<FundamentalMatrix>,
     pub imported: Option<GivenGeometry>,
-    /// The clicked pairs.
     pub pairs: Vec<PointPair>,
     /// Places of the excluded pairs among the clicked ones.
     pub excluded: Vec<usize>,
-    /// Pairs used in the estimate.
     pub used: Vec<PointPair>,
-    /// Matches of the result.
     pub matches: Vec<PointPair>,
     /// Matches from elsewhere.
     pub given: Option<Shared<Vec<Match>>>,
-    /// Covariance of the result.
     pub covariance: Option<Matrix9>,
     /// Whether the result may contradict an imported geometry.
     pub is_trusted: bool,
-    /// Sizes of the images.
     pub frames: [Frame; 2],
     /// Ground truth, if known and in use.
     pub truth: Option<Shared<GroundTruth>>,
-    /// Points, fits and measure.
     pub subject: Subject,
 }
 
-/// One geometry of a comparison.
 #[derive(Debug, Clone)]
 pub struct Compared {
     /// The geometry, or the reason why there is none.
@@ -114,16 +103,12 @@ pub struct Compared {
     pub spread: Option<Spread>,
 }
 
-/// Result of a comparison.
 #[derive(Debug, Clone)]
 pub struct Comparison {
     /// Unique number of this comparison.
     pub number: u64,
-    /// The kind of the measured points.
     pub measured: PointSet,
-    /// The points that the other methods are fitted to.
     pub fitted: PointSet,
-    /// The measured points.
     pub points: Vec<PointPair>,
     /// Rows in the order of [`Contestant::ALL`].
     pub rows: [Compared; Contestant::ALL.len()],
@@ -141,14 +126,12 @@ impl Comparison {
         self.of(contestant).fit.as_ref().ok().map(|fit| &fit.fundamental)
     }
 
-    /// Returns the row of a contestant.
     pub fn of(&self, contestant: Contestant) -> &Compared {
         &self.rows[contestant as usize]
     }
 }
 
 impl ComparisonQuestion {
-    /// Computes the comparison.
     pub fn answer(&self) -> Comparison {
         let truth = self.truth.as_deref();
         let measured = self.present(self.subject.measured);

@@ -129,10 +129,8 @@ named! {
 }
 
 impl OverlayId {
-    /// Number of overlays.
     pub const COUNT: usize = Self::ALL.len();
 
-    /// Returns the rule for showing the overlay.
     pub fn visibility(self) -> Visibility {
         match self {
             Self::PointedAt | Self::Suggestion | Self::NextClick => Visibility::Always,
@@ -160,7 +158,6 @@ impl OverlayId {
         }
     }
 
-    /// Returns the group of the overlay in its menu.
     pub fn group(self) -> OverlayGroup {
         match self {
             Self::Candidates | Self::RoundTrip | Self::ChosenLines | Self::Bisectors | Self::Hypotheses => {

@@ -37,20 +37,17 @@ pub struct Look {
     /// The stage. Every start begins with the pictures.
     #[serde(skip)]
     pub stage: StageId,
-    /// The tab of the dock.
     #[serde(serialize_with = "tab_by_title", deserialize_with = "tab_from_title")]
     pub tab: TabId,
     /// The step shown by the tab of the method.
     #[serde(skip)]
     pub step: MethodStep,
-    /// Place and size of the dock.
     pub dock: DockLook,
     /// Whether the images of the folder are shown in a drawer over the stage.
     pub drawer: bool,
     /// Whether the images are stacked; `None` chooses what shows them larger.
     #[serde(rename = "stacking")]
     pub stacked: Option<bool>,
-    /// Subject of the residuals.
     pub compared: Subject,
     /// Layout and guide lines of the rectified pair.
     pub rectified: RectifiedLook,

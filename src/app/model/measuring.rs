@@ -14,7 +14,6 @@ pub struct Measuring {
 }
 
 impl Measuring {
-    /// Begins at a place.
     pub fn from(side: Side, start: Point) -> Self {
         Self { side, start, end: None }
     }

@@ -16,14 +16,12 @@ const STAYS_LONG: f64 = 30.0;
 /// Time after which the age in a message changes, seconds.
 const MINUTE: f64 = 60.0;
 
-/// Subject of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MessageKind {
     /// A failure, or a command that cannot be carried out.
     Problem,
     /// A finished task that took some time.
     Done,
-    /// The answer to a question.
     Answer,
     /// An offer to restore unsaved work.
     LeftBehind,
@@ -58,16 +56,13 @@ impl MessageKind {
     }
 }
 
-/// A message to the user.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Message {
     /// Number for [`Command::Dismiss`].
     pub number: u64,
-    /// Subject of the message.
     pub kind: MessageKind,
     /// The fact and the action to take.
     pub text: String,
-    /// Buttons of the message.
     pub actions: Vec<MessageAction>,
     /// Time when the subject of the message last changed, if that matters.
     changed: Option<SystemTime>,
@@ -100,12 +95,9 @@ fn ago(age: Duration) -> String {
     format!("{count} {unit}{} ago", if count == 1 { "" } else { "s" })
 }
 
-/// A button of a message.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MessageAction {
-    /// Label of the button.
     pub label: &'static str,
-    /// Effect of the button.
     pub command: Command,
 }
 
@@ -127,7 +119,6 @@ impl Messages {
         self.list.iter().rev().take(MOST)
     }
 
-    /// Returns the number of hidden messages.
     pub fn below(&self) -> usize {
         self.list.len().saturating_sub(MOST)
     }
@@ -170,12 +161,10 @@ impl Messages {
         }
     }
 
-    /// Removes all messages of a kind.
     pub fn settle(&mut self, kind: MessageKind) {
         self.list.retain(|message| message.kind != kind);
     }
 
-    /// Removes a message by its number.
     pub fn dismiss(&mut self, number: u64) {
         self.list.retain(|message| message.number != number);
     }
@@ -190,7 +179,6 @@ pub struct LastDone {
 }
 
 impl LastDone {
-    /// Replaces the text.
     pub fn tell(&mut self, text: impl Into<String>) {
         *self = Self { text: Some(text.into()), seen: None };
     }

@@ -99,7 +99,6 @@ use crate::similarity::LineMeasure;
 /// Work in progress that the window shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Activity {
-    /// Whether pictures are being opened.
     pub loading: bool,
     /// Whether another rectified pair is being made.
     pub rectifying: bool,
@@ -112,7 +111,6 @@ pub struct Activity {
 /// State of the window. Panes and panels read it; commands change it.
 #[derive(Default)]
 pub struct Model {
-    /// The edited state.
     pub document: Document,
     /// Earlier states, for undo.
     pub history: History,
@@ -124,19 +122,14 @@ pub struct Model {
     pub tool: Tool,
     /// The folder of the pictures, with the work on its other pairs.
     pub album: Option<Album>,
-    /// The open session.
     pub session: SessionState,
-    /// Messages that the user has not dismissed.
     pub messages: Messages,
-    /// Work in progress.
     pub activity: Activity,
     /// Imports that wait until images are open and no dialog is open.
     pub imports: std::collections::VecDeque<PendingImport>,
     /// Views of the folder that are being opened.
     pub wanted: Option<[usize; 2]>,
-    /// Small pictures of the open folder.
     pub thumbnails: Thumbnails,
-    /// Recently opened files.
     pub recents: Recents,
     /// Copies of unsaved work that can be restored, newest first.
     pub left_behind: Vec<LeftBehind>,
@@ -188,7 +181,6 @@ impl Model {
         self.history.record(before, &self.document, key);
     }
 
-    /// Returns whether there is something to undo.
     pub fn can_undo(&self) -> bool {
         self.history.can_undo() || self.history.before_lens.is_some()
     }
@@ -227,7 +219,6 @@ impl Model {
         }
     }
 
-    /// Sets the parameters of a preset.
     pub fn set_preset(&mut self, preset: Preset) {
         self.edit(|document| {
             document.parameters = document.parameters.with_preset(preset);
@@ -327,7 +318,6 @@ impl Model {
         }
     }
 
-    /// Returns the title of the window.
     pub fn title(&self) -> String {
         let Some([left, right]) = &self.document.pictures else { return "Epiline".to_owned() };
         let session = self.session.path.as_ref().and_then(|path| path.file_name()).map(|name| {

@@ -26,17 +26,14 @@ pub struct ShownGeometry<'a> {
     pub freshness: Freshness,
 }
 
-/// The inspected line pair.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InspectedLines {
-    /// Origin of the lines.
     pub source: LineSource,
     /// One line per image, with matching directions and anchors at nearly the same scene point.
     pub lines: [AnchoredLine; 2],
 }
 
 impl ShownGeometry<'_> {
-    /// Returns whether the geometry is the result itself.
     pub fn is_result(&self) -> bool {
         self.hypothesis.is_none() && self.contestant.is_none()
     }

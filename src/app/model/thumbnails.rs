@@ -29,11 +29,9 @@ impl Thumbnail {
     }
 }
 
-/// Request for small pictures.
 #[derive(Debug, Clone)]
 pub struct ThumbnailQuestion {
     pub folder: Arc<PairFolder>,
-    /// Numbers of the views.
     pub views: Vec<usize>,
 }
 

@@ -37,7 +37,6 @@ pub struct Rendition {
     pub contrast: f32,
     /// Gamma. Above 1 brightens the dark parts most.
     pub gamma: f32,
-    /// Visible channel.
     pub channel: Channel,
     /// Values shown as black and as white before the other settings, 0 to 1.
     pub range: [f32; 2],
@@ -127,7 +126,6 @@ impl Rendition {
 /// Appearance of both pictures. It is discarded with the pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tones {
-    /// The left and the right picture.
     pub of: [Rendition; 2],
     /// The adjusted picture; `None` adjusts both.
     pub alone: Option<Side>,
@@ -142,7 +140,6 @@ pub enum TonesCommand {
     Set(Rendition),
     /// Stretch the adjusted pictures from black to white.
     Stretch,
-    /// Reset both pictures.
     Reset,
 }
 
@@ -152,7 +149,6 @@ impl Tones {
         self.of[self.alone.map_or(0, Side::index)]
     }
 
-    /// Applies a command.
     pub fn apply(&mut self, command: TonesCommand, pictures: Option<&Pictures>) {
         let alone = self.alone;
         let wanted = |side: Side| alone.is_none_or(|alone| alone == side);

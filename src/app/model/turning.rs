@@ -34,7 +34,6 @@ impl Work {
 }
 
 impl Model {
-    /// Returns the work on the open pair.
     fn open_part(&self, views: ViewNames) -> KeptPair {
         let (document, pins) = (self.document.clone(), self.pins().collect());
         KeptPair { views, document, pins, cameras: self.open.cameras() }

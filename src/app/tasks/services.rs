@@ -54,11 +54,9 @@ pub type PickFn = dyn Fn() -> Option<PathBuf> + Send + Sync;
 /// Asks for a path to write to, with a dialog of the system that suggests a path.
 pub type SavePickFn = dyn Fn(&Path) -> Option<PathBuf> + Send + Sync;
 
-/// Computations and system dialogs.
 pub struct Services {
     /// Preparation of data that depends on the pictures only, as soon as they are open.
     pub prepare: Box<PrepareFn>,
-    /// Search for a geometry.
     pub estimate: Box<EstimateFn>,
     /// Refit to moved points while the search goes on.
     pub follow: Box<FollowFn>,

@@ -15,7 +15,6 @@ use crate::foreign::shown_path;
 use crate::io::{ImageReference, ImageSource, Located, SessionError, SessionFile, sha256_of};
 use crate::synthetic::Sample;
 
-/// Opens a session with its pictures.
 pub fn open_session(session: OpenSession, reading: &mut PairReading) -> Result<LoadedPair, OpeningFailure> {
     let path = session.path.clone();
     let unchanged = |text: &str| {
@@ -115,7 +114,6 @@ fn sample_of(image: &ImageReference) -> Option<&str> {
     }
 }
 
-/// Opens the folder of a session.
 fn open_folder(path: &Path, views: &ViewNames) -> Result<OpenFolder, String> {
     let folder = PairFolder::open(path)?;
     let missing = || format!("{} does not contain the images that were open", shown_path(path));

@@ -15,7 +15,6 @@ pub struct Thumbnailing {
 }
 
 impl Thumbnailing {
-    /// Starts the thread.
     pub fn new(waker: Waker) -> Self {
         let task = Task::new("thumbnails", waker, Waiting::Newest, |question: ThumbnailQuestion, turn| {
             // Other views may be visible now. The current picture is finished anyway.
@@ -34,7 +33,6 @@ impl Thumbnailing {
         Self { task, asked: Vec::new() }
     }
 
-    /// Stores finished pictures.
     pub fn take(&mut self, thumbnails: &mut Thumbnails) {
         while let Some((_, made)) = self.task.poll() {
             if let Ok(made) = made {
@@ -58,7 +56,6 @@ impl Thumbnailing {
         self.asked.clear();
     }
 
-    /// Returns whether pictures are being made.
     pub fn is_busy(&self) -> bool {
         self.task.is_busy()
     }

@@ -24,7 +24,6 @@ enum WritingNews {
 pub struct Writing(Task<RectifyOrder, WritingNews>);
 
 impl Writing {
-    /// Starts the thread.
     pub fn new(waker: Waker) -> Self {
         Self(Task::new("writing", waker, Waiting::Newest, |order: RectifyOrder, turn| {
             let report = |progress| turn.tell(WritingNews::Progress(progress));
@@ -41,12 +40,10 @@ impl Writing {
         Some(WritingProgress { done: 0, all: STEPS_BEFORE, what: "Rectifying" })
     }
 
-    /// Requests the running job to stop.
     pub fn stop(&self) {
         self.0.stop();
     }
 
-    /// Returns whether a pair is being written.
     pub fn is_busy(&self) -> bool {
         self.0.is_busy()
     }

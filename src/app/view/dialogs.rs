@@ -10,22 +10,16 @@ use super::panels::{
 use crate::app::model::command::PickPurpose;
 use crate::app::model::{Command, Model};
 
-/// All dialogs, open or closed.
 #[derive(Default)]
 pub struct Dialogs {
-    /// Dialog for opening files.
     pub open: OpenDialog,
-    /// Dialog for saving the session.
     pub save: Option<SaveDialog>,
     /// Dialog for the images of a session that are missing or have changed.
     pub relocate: Option<RelocateDialog>,
-    /// Dialog for exports to other programs.
     pub export: FileExport,
     /// Dialog for the convention of an imported matrix.
     pub reading: Option<ReadingDialog>,
-    /// Dialog for focal lengths.
     pub focal: Option<FocalDialog>,
-    /// The list of all commands.
     pub palette: CommandPalette,
     /// The list of keys and mouse actions.
     pub shortcuts: bool,
@@ -67,7 +61,6 @@ impl Dialogs {
         }
     }
 
-    /// Shows the open dialogs.
     pub fn show(&mut self, ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
         self.open.show(ctx, model, commands);
         self.save.take_if(|dialog| !dialog.show(ctx, commands));

@@ -21,13 +21,9 @@ const PLAYER: f32 = 36.0;
 
 /// State of the screen outside the model: panes, dialogs and the screenshot in progress.
 pub struct View {
-    /// The two images.
     pub panes: [ImagePane; 2],
-    /// The dialogs in front of the images.
     pub dialogs: Dialogs,
-    /// The screenshot in progress.
     pub capture: Option<WantedView>,
-    /// The thumbnails of the folder.
     pub strip: panels::FilmStrip,
     /// Area of both images in the window, screen points.
     pub images: Option<Rect>,

@@ -47,7 +47,6 @@ pub struct Document {
     pub unclicked: bool,
     /// The pair whose second click is due.
     pub half: Option<HalfPair>,
-    /// Parameters of the estimate.
     pub parameters: Parameters,
     /// Time offset: frame `k` of the left sequence belongs with frame `k + offset` of the right
     /// one.
@@ -202,7 +201,6 @@ impl Document {
         self.unclicked = false;
     }
 
-    /// Includes or excludes a pair.
     pub fn include(&mut self, pair: usize, included: bool) {
         if included {
             self.excluded.remove(&pair);
@@ -223,7 +221,6 @@ impl Document {
         }
     }
 
-    /// Returns the pairs that are not excluded.
     pub fn included(&self) -> impl Iterator<Item = PointPair> + '_ {
         (0..self.pairs.len()).filter(|pair| !self.excluded.contains(pair)).map(|pair| self.pairs[pair])
     }

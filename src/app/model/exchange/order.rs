@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use crate::app::model::ids::OverlayId;
 use crate::io::{Format, PictureFormat, RectifiedOptions};
 
-/// Kind of export.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum ExportKind {
     /// F and epipoles of the shown geometry, point pairs and rectifying homographies.
@@ -84,7 +83,6 @@ impl ExportKind {
         ),
     ];
 
-    /// Number of kinds.
     pub const COUNT: usize = Self::TABLE.len();
 
     /// Returns all kinds, in the order of the dialog.
@@ -106,7 +104,6 @@ impl ExportKind {
     }
 }
 
-/// Part of the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ViewPart {
     /// Both images with their overlays.
@@ -115,7 +112,6 @@ pub enum ViewPart {
     Window,
 }
 
-/// Format of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FigureFormat {
     /// SVG with embedded PNG images, vector lines and text.
@@ -135,13 +131,11 @@ impl FigureFormat {
     }
 }
 
-/// Contents of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FigureChoices {
     pub format: FigureFormat,
     /// Whether points and lines are labelled.
     pub labels: bool,
-    /// Whether the background is dark.
     pub dark: bool,
     /// Whether only the visible part of the images is included.
     pub seen: bool,
@@ -170,7 +164,6 @@ impl Default for FigureChoices {
     }
 }
 
-/// Format of the report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ReportFormat {
     /// Sentences for people.
@@ -180,7 +173,6 @@ pub enum ReportFormat {
     Json,
 }
 
-/// An order to export.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExportOrder {
     /// Path of the file, or of the folder of a rectified pair.

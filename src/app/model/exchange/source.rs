@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use crate::io::{Format, has_extension};
 
-/// Files of one import.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ImportSource {
     /// A file of any format.

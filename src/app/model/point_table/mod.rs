@@ -30,7 +30,6 @@ impl Model {
         Some(Gauge::of_click(self.shown()?.fundamental, self.document.pairs.get(pair)?, sigma, distance))
     }
 
-    /// Selects rows of the list.
     pub fn choose_pair(&mut self, pair: usize, how: Choosing) {
         if pair >= self.document.pairs.len() {
             return;
@@ -60,7 +59,6 @@ impl Model {
         self.history.close_step();
     }
 
-    /// Selects all rows.
     pub fn choose_all_pairs(&mut self) {
         self.document.chosen = (0..self.document.pairs.len()).collect();
     }

@@ -15,7 +15,6 @@ const GUIDE_GAP: f64 = 30.0;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RectifiedLayout {
-    /// The pictures side by side.
     #[default]
     SideBySide,
     /// The pictures in one place, in turn.
@@ -82,7 +81,6 @@ pub struct RectifiedLook {
     pub hides_guides: bool,
 }
 
-/// Visible picture of a blink.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Blink {
     /// The pictures alternate by the clock.
@@ -110,7 +108,6 @@ impl Blink {
 pub struct RectifiedView {
     /// Size of the pictures when the part was chosen.
     pub frame: Frame,
-    /// Visible part.
     pub view: PaneView,
 }
 
@@ -119,7 +116,6 @@ pub struct RectifiedView {
 pub struct Viewing {
     /// Visible part, the same of both pictures; `None` shows all.
     pub view: Option<RectifiedView>,
-    /// Visible picture of a blink.
     pub blink: Blink,
     /// Shift of the right picture to the right, px of the written pictures.
     pub shift: f64,

@@ -13,9 +13,7 @@ pub const USE_LENS: &str = "Correct the lens distortion";
 /// A button of the verdict.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CardAction {
-    /// Text of the button.
     pub label: String,
-    /// Command of the button.
     pub command: Command,
     /// Whether it can help. A disabled button keeps its place, so that nothing jumps once a match is found.
     pub enabled: bool,

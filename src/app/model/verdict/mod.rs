@@ -27,13 +27,11 @@ pub use tone::Tone;
 /// Description of the state of the estimate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerdictInWords {
-    /// Good or bad news.
     pub tone: Tone,
     /// The verdict in one or two words.
     pub word: &'static str,
     /// The main reason, or the next step.
     pub sentence: String,
-    /// Figures behind the verdict.
     pub facts: Vec<Fact>,
     /// All reasons, the main one first.
     pub warnings: Vec<String>,

@@ -9,9 +9,7 @@ pub struct Action {
     /// The command. An entry whose command carries data stands for all commands of that kind that
     /// have no entry of their own.
     pub command: Command,
-    /// Text of its button.
     pub name: &'static str,
-    /// One-sentence description.
     pub tooltip: &'static str,
     /// Keyboard shortcuts; the first one is displayed.
     pub keys: Vec<KeyboardShortcut>,
@@ -25,7 +23,6 @@ pub struct Action {
 }
 
 impl Action {
-    /// Adds a shortcut.
     pub fn key(mut self, modifiers: Modifiers, key: Key) -> Self {
         self.keys.push(KeyboardShortcut::new(modifiers, key));
         self

@@ -28,7 +28,6 @@ const IMAGES: [Ref; 2] = [Ref::new(6), Ref::new(7)];
 const OPACITIES: i32 = 8;
 const IMAGE_NAMES: [Name; 2] = [Name(b"Left"), Name(b"Right")];
 
-/// Returns the whole file.
 pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
     let mut pdf = Pdf::new();
     let fonts = Fonts::new(theme::fonts());

@@ -29,11 +29,8 @@ const MOST_A_POINT: f32 = 8.0;
 pub struct Placed {
     /// Position of its pixels on the sheet.
     pub transform: Transform,
-    /// First visible pixel.
     pub first: [u32; 2],
-    /// Number of visible pixels.
     pub count: [u32; 2],
-    /// Brightness and channels of the image.
     pub rendition: Rendition,
 }
 
@@ -54,20 +51,15 @@ impl Placed {
 
 /// The whole content of a figure.
 pub struct Sheet {
-    /// Both pictures.
     pub pictures: Pictures,
     /// Frames of sequences, shown instead of the pictures.
     pub frames: Option<[DynamicImage; 2]>,
-    /// Positions of the pictures.
     pub places: [Placed; 2],
-    /// Size in points.
     pub size: Vec2,
     pub background: Color32,
     /// Shapes of the overlays, each clipped to its image.
     pub drawn: Vec<ClippedShape>,
-    /// Reliability of the geometry.
     pub trust: Option<TrustNote>,
-    /// Names of the images.
     pub title: String,
 }
 

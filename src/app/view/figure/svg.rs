@@ -10,7 +10,6 @@ use super::pieces::{Piece, take_apart};
 use super::sheet::Sheet;
 use crate::io::{PictureFormat, encode_picture};
 
-/// Returns the whole file.
 pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
     let (width, height) = (sheet.size.x, sheet.size.y);
     let mut text = format!(

@@ -65,7 +65,6 @@ pub fn offers(model: &Model) -> bool {
     model.is_at_start() && !model.look.dock.folded && !model.open.alone
 }
 
-/// Shows the offers to restore unsaved work.
 fn unsaved_work(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     for message in model.messages.on_top().filter(|message| message.kind == MessageKind::LeftBehind) {
         ui.add_space(6.0);
@@ -129,7 +128,6 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
     true
 }
 
-/// Shows the verdict on the result.
 fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let VerdictInWords { tone, word, sentence, facts, warnings, likely } =
         verdict(&model.document, &model.open.computation);

@@ -41,7 +41,6 @@ pub struct PathField<'a> {
     pub width: f32,
     /// Accessible name of the button.
     pub browse: &'a str,
-    /// Command of the button.
     pub command: Command,
 }
 

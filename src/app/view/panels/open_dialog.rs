@@ -14,7 +14,6 @@ use crate::app::view::theme;
 /// Greatest height of the list of unsaved work, screen points.
 const UNSAVED: f32 = 96.0;
 
-/// Content of the dialog.
 #[derive(Debug, Clone, Default)]
 pub struct OpenDialog {
     pub open: bool,

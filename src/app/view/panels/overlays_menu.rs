@@ -11,7 +11,6 @@ use crate::app::model::ids::OverlayGroup;
 use crate::app::model::{Command, Model, OverlayId};
 use crate::app::view::panes::overlays::OVERLAYS;
 
-/// Shows the button of the menu.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let menu = menu_button(ui, RichText::new("Overlays"), None, |ui| {
         let room = (ui.ctx().content_rect().height() - 80.0).max(100.0);

@@ -226,7 +226,6 @@ fn line(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     });
 }
 
-/// Shows the actions for several chosen pairs.
 fn chosen_edits(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
         ui.weak(format!("{} chosen", model.document.chosen.len()));
@@ -283,7 +282,6 @@ fn name_field(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Comman
     }
 }
 
-/// Shows the choice of the role.
 fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     let document = &model.document;
     let now = document.role(pair);

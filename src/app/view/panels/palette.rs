@@ -28,7 +28,6 @@ impl CommandPalette {
         *self = Self { open: !self.open, just_opened: true, ..Self::default() };
     }
 
-    /// Shows the list if open.
     pub fn show(&mut self, ctx: &egui::Context, model: &Model, commands: &mut Vec<Command>) {
         if !self.open {
             return;

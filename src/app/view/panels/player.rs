@@ -9,7 +9,6 @@ use crate::app::model::{Command, Model};
 /// Width kept free beside the slider, screen points.
 const BESIDE: f32 = 40.0;
 
-/// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let (Some(playable), Some([left, right]), Some(synchronised)) =
         (model.playable(), model.shown_frames(), model.synchronised())

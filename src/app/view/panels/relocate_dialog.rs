@@ -21,7 +21,6 @@ impl RelocateDialog {
         Self { relocation, paths: [String::new(), String::new()] }
     }
 
-    /// Fills in a chosen path.
     pub fn offer(&mut self, side: Side, path: &Path) {
         self.paths[side.index()] = path.display().to_string();
     }

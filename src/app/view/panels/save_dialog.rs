@@ -6,7 +6,6 @@ use super::dialog::{PathField, dialog, ending, path_of};
 use crate::app::model::command::{Command, SessionCommand};
 use crate::app::model::session::has_session_extension;
 
-/// Content of the dialog.
 #[derive(Debug, Clone)]
 pub struct SaveDialog {
     path: String,
@@ -14,12 +13,10 @@ pub struct SaveDialog {
 }
 
 impl SaveDialog {
-    /// Creates the dialog with a suggested path.
     pub fn new(path: &Path) -> Self {
         Self { path: path.display().to_string(), just_opened: true }
     }
 
-    /// Fills in a chosen path.
     pub fn offer(&mut self, path: &Path) {
         self.path = path.display().to_string();
     }

@@ -18,7 +18,6 @@ const ORBIT: &str = "Drag turns · scroll zooms · right drag moves · double cl
 /// What the mouse does on a rectified pair.
 const ROWS: &str = "Point at a picture to see its row in both · scroll zooms · drag pans · double click fits";
 
-/// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.spacing_mut().interact_size.y = theme::STATUS_BAR - 6.0;
     let small = |text: String| RichText::new(text).size(theme::CAPTION);

@@ -12,13 +12,11 @@ use super::gauge;
 use crate::app::model::verdict::Gauge;
 use crate::app::view::theme;
 
-/// A column.
 #[derive(Clone)]
 pub struct Column {
     pub title: &'static str,
     /// One sentence about the column.
     pub tooltip: &'static str,
-    /// Relative width.
     pub width: f32,
     /// Whether the column holds text instead of figures. Text is left-aligned, and may continue
     /// over the following columns where they are empty.
@@ -26,12 +24,10 @@ pub struct Column {
 }
 
 impl Column {
-    /// Creates a column of figures.
     pub const fn figures(title: &'static str, width: f32, tooltip: &'static str) -> Self {
         Self { title, tooltip, width, is_text: false }
     }
 
-    /// Creates a column of text.
     pub const fn words(title: &'static str, width: f32, tooltip: &'static str) -> Self {
         Self { title, tooltip, width, is_text: true }
     }
@@ -45,7 +41,6 @@ pub struct Sort {
     pub descending: bool,
 }
 
-/// Appearance of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RowLook {
     pub chosen: bool,
@@ -62,13 +57,10 @@ pub struct Touched {
     pub clicked: Option<usize>,
 }
 
-/// A table to show.
 pub struct Table<'a> {
     /// Name, used for stored state and by screen readers.
     pub name: &'static str,
-    /// Columns from left to right.
     pub columns: &'a [Column],
-    /// Number of rows.
     pub rows: usize,
     /// Revision of the figures; a change triggers sorting.
     pub revision: u64,
@@ -76,13 +68,11 @@ pub struct Table<'a> {
     pub row_name: &'a dyn Fn(usize) -> String,
     /// Value by which a row is sorted in a column; NaN comes last.
     pub key: &'a dyn Fn(usize, usize) -> f64,
-    /// Text of a cell.
     pub text: &'a dyn Fn(usize, usize) -> String,
     /// Gauge of a cell, if it has one.
     pub gauge: &'a dyn Fn(usize, usize) -> Option<Gauge>,
     /// Tooltip of a row, if it has one.
     pub about: &'a dyn Fn(usize) -> Option<String>,
-    /// Appearance of a row.
     pub look: &'a dyn Fn(usize) -> RowLook,
 }
 

@@ -9,7 +9,6 @@ use super::icons::Icon;
 use crate::app::model::tones::{Channel, Rendition, TonesCommand};
 use crate::app::model::{Command, Model, Side};
 
-/// Shows the button of the menu.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let changed = model.open.tones.of.iter().any(|own| !own.is_plain());
     let button = Button::selectable(changed, "").min_size(egui::vec2(28.0, 26.0));

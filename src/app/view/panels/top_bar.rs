@@ -21,7 +21,6 @@ const ROOM_FOR_MIDDLE: f32 = 900.0;
 /// Width of a button of the switch in the middle, screen points.
 const STAGE: f32 = 80.0;
 
-/// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let area = ui.max_rect();
     ui.spacing_mut().item_spacing.x = 3.0;
@@ -83,7 +82,6 @@ fn stages(model: &Model) -> impl Iterator<Item = StageId> {
     StageId::ALL.into_iter().filter(move |stage| *stage != StageId::Scene || has_scene)
 }
 
-/// Shows the switch of the stage.
 fn switch(ui: &mut Ui, least_width: f32, model: &Model, commands: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.x = 2.0;
     for stage in stages(model) {

@@ -22,7 +22,6 @@ use crate::image::Picture;
 /// Magnification of an image that is fitted, to show a point.
 const CLOSER: f64 = 4.0;
 
-/// A drag in progress.
 #[derive(Debug, Clone, Copy)]
 struct Drag {
     /// Position where the button went down. Summing steps would lose the first pixels, before egui
@@ -50,7 +49,6 @@ enum Menu {
     Place(Point),
 }
 
-/// One of the two image panes.
 pub struct ImagePane {
     side: Side,
     image: Option<PaneImage>,
@@ -64,13 +62,11 @@ pub struct ImagePane {
 /// View and position of a pane.
 #[derive(Debug, Clone, Copy)]
 pub struct PanePlace {
-    /// Visible part of the image.
     pub view: PaneView,
     /// Area of the latest frame.
     pub rect: Rect,
 }
 
-/// The picture in a pane.
 struct PaneImage {
     /// The picture of the computation, whose coordinates the window uses.
     picture: Shared<Picture>,
@@ -88,12 +84,10 @@ impl PaneImage {
 }
 
 impl ImagePane {
-    /// Creates an empty pane.
     pub fn new(side: Side) -> Self {
         Self { side, image: None, drag: None, menu: None, rect: Rect::ZERO }
     }
 
-    /// Returns the side of the picture.
     pub fn side(&self) -> Side {
         self.side
     }
@@ -131,7 +125,6 @@ impl ImagePane {
         Some(PanePlace { view: self.view()?, rect: self.rect })
     }
 
-    /// Shows a part of the image.
     pub fn set_view(&mut self, view: PaneView) {
         if let Some(image) = &mut self.image {
             image.view = view;
@@ -431,7 +424,6 @@ fn zoom(ui: &Ui, response: &Response, image: &mut PaneImage) {
     }
 }
 
-/// Continues a drag.
 fn follow(ui: &Ui, drag: &Drag, image: &mut PaneImage, transform: &Transform, commands: &mut Vec<Command>) {
     let Some(position) = ui.input(|input| input.pointer.latest_pos()) else { return };
     let delta = position - drag.origin;

@@ -82,7 +82,6 @@ const PIECES: usize = 48;
 /// differ where a calibration undoes the distortion of a lens.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transform {
-    /// The pane.
     pub rect: Rect,
     centre: Point,
     /// Screen points per image pixel.
@@ -127,7 +126,6 @@ impl Transform {
         self.lens.as_ref().map_or(Some(point), |lens| lens.original_from_undistorted(point))
     }
 
-    /// Returns the image vector of a screen vector.
     pub fn image_vector(&self, v: Vec2) -> Vector {
         self.turn.inverse().turned(Vector::new(f64::from(v.x), f64::from(v.y))) / self.scale
     }

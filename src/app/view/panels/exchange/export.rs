@@ -53,7 +53,6 @@ impl FileExport {
         self.choose(what.unwrap_or(self.order.what));
     }
 
-    /// Fills in a chosen path.
     pub fn offer(&mut self, path: &Path) {
         self.path = path.display().to_string();
     }
@@ -105,14 +104,12 @@ impl FileExport {
         };
     }
 
-    /// Chooses another kind.
     fn choose(&mut self, what: ExportKind) {
         self.note_typed();
         self.order.what = what;
         self.suggest();
     }
 
-    /// Shows the dialog if open.
     pub fn show(&mut self, ctx: &egui::Context, model: &Model, commands: &mut Vec<Command>) {
         if !self.open {
             return;
@@ -198,7 +195,6 @@ impl FileExport {
         trust(ui, self.order.what, model);
     }
 
-    /// Shows the options of the chosen kind of file.
     fn choices(&mut self, ui: &mut Ui, model: &Model) {
         match self.order.what {
             ExportKind::Plane => self.formats(ui),
@@ -249,7 +245,6 @@ impl FileExport {
         });
     }
 
-    /// Shows the options of a figure.
     fn figure(&mut self, ui: &mut Ui) {
         let figure = &mut self.order.figure;
         row(ui, "Format", |ui| {
@@ -270,7 +265,6 @@ impl FileExport {
         });
     }
 
-    /// Shows the options of a rectified pair.
     fn rectified(&mut self, ui: &mut Ui) {
         let rectified = &mut self.order.rectified;
         row(ui, "Pictures", |ui| {

@@ -159,7 +159,6 @@ pub fn marked(model: &Model) -> Option<i32> {
     }
 }
 
-/// Describes the figures of one sample.
 fn describe_sample(inspection: &Inspection, sample: i32) -> String {
     let warped = &inspection.warped;
     let place = f64::from(sample) * inspection.step;

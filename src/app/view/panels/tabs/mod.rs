@@ -17,12 +17,10 @@ use crate::app::view::theme;
 pub use inspected::describe as describe_lines;
 pub use rectified::forget_textures;
 
-/// A tab of the dock.
 pub struct Tab {
     pub id: TabId,
     /// Tools in the line of headings, shown from right to left.
     pub tools: fn(&mut Ui, &Model, &mut Vec<Command>),
-    /// Content of the tab.
     pub show: fn(&mut Ui, &Model, &mut Vec<Command>),
 }
 

@@ -80,7 +80,6 @@ impl PlotGrid {
         }
     }
 
-    /// Returns the height of all plots.
     fn height(self, room: Vec2) -> f32 {
         match self {
             Self::Whole => room.y,
@@ -202,7 +201,6 @@ const PLOTS: [(&str, &str, Content); 4] = [
     ),
 ];
 
-/// A plot with its title.
 struct Titled<'a> {
     title: &'a str,
     /// Whether the scale of the distance is shown. The plots above share the scale.

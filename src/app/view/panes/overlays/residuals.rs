@@ -8,7 +8,6 @@ use crate::app::view::theme;
 use crate::estimate::Estimate;
 use crate::geometry::{PointPair, sampson_distance};
 
-/// Magnification of a residual.
 pub(super) const MAGNIFICATION: f64 = 50.0;
 /// Largest number of residuals drawn, spread over the list, which is in the order of the corners.
 pub(super) const DRAWN: usize = 300;

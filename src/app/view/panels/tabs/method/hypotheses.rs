@@ -11,7 +11,6 @@ use crate::app::model::{Command, MethodStep, Model, Target};
 use crate::estimate::{Estimate, LineScore};
 use crate::geometry::{Frame, HomogeneousPoint, finite_point};
 
-/// All columns of the table.
 const COLUMNS: [Column; 7] = [
     Column::figures(
         "Rank",
@@ -184,7 +183,6 @@ fn key(hypothesis: &Estimate, row: usize, column: usize, frames: Option<[Frame; 
     }
 }
 
-/// Returns the figure of a column.
 fn figure(column: usize) -> Option<HypothesisFigure> {
     match column {
         1 => Some(HypothesisFigure::Support),

@@ -48,7 +48,6 @@ fn legend(ui: &mut Ui) {
 /// Width of a matrix below which its title is only the name of the point, screen points.
 const ROOM_FOR_WORDS: f32 = 130.0;
 
-/// Shows the two matrices.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(pencils) = model.open.computation.pencils() else {
         empty(
@@ -73,7 +72,6 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.advance_cursor_after_rect(area);
 }
 
-/// Shows the matrix of one click.
 fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, commands: &mut Vec<Command>) {
     let matrix = PencilMatrix::new(ui, number, pencils, model.open.computation.pencils_revision());
     let area = ui.available_rect_before_wrap();

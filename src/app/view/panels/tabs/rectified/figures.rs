@@ -93,7 +93,6 @@ fn measures(ui: &mut Ui, rectified: &Rectified, drawn: &DrawnPair) {
         .on_hover_text("Size of each exported picture. On the screen, it may be smaller.");
 }
 
-/// Shows the choice of the method.
 pub fn method_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     name(ui, "Method");
     for (method, title) in
@@ -104,7 +103,6 @@ pub fn method_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// Shows the choice of the layout.
 pub fn layout_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.x = 2.0;
     ui.spacing_mut().button_padding.x = 7.0;
@@ -116,7 +114,6 @@ pub fn layout_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// Shows the shift of the right picture.
 fn shift_chooser(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Command>) {
     name(ui, "Shift");
     let mut shift = model.open.viewing.shift;
@@ -192,7 +189,6 @@ pub fn search_range([low, high]: [f64; 2]) -> [f64; 2] {
     steps.map(|step| step * RANGE_STEP)
 }
 
-/// Formats whole pixels.
 pub fn pixels(value: f64) -> String {
     // A minus sign as wide as the plus sign, and no negative zero.
     format!("{:.0}", value.round() + 0.0).replace('-', "−")

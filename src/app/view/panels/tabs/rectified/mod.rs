@@ -36,7 +36,6 @@ pub fn show_pictures(ui: &mut Ui, stacked: bool, model: &Model, commands: &mut V
 /// Width below which the layouts and the button have a row each, screen points.
 const ROOM_FOR_ONE_ROW: f32 = 480.0;
 
-/// Shows the button of the export.
 fn saving(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let can_export = model.shown().is_some() && model.activity.writing.is_none();
     ui.add_enabled_ui(can_export, |ui| {

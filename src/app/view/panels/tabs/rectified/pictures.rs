@@ -18,7 +18,6 @@ use crate::geometry::Point;
 /// Distance within which the cursor grabs the line of a wipe, screen points.
 const WIPE_REACH: f32 = 7.0;
 
-/// A picture and its position.
 struct SheetPlace {
     sheet: RectifiedSheet,
     rect: Rect,
@@ -43,7 +42,6 @@ impl RectifiedSheet {
         }
     }
 
-    /// Returns the accessible name.
     fn name(self, layout: RectifiedLayout) -> &'static str {
         match self {
             Self::Left => "rectified left picture",
@@ -200,7 +198,6 @@ fn registering(place: &SheetPlace, model: &Model, drawn: &DrawnPair) -> Option<C
     Some(RectifiedCommand::Shift(pair.or_else(mapped)?).into())
 }
 
-/// A kept texture.
 #[derive(Debug, Clone, Copy)]
 enum Kept {
     Left,

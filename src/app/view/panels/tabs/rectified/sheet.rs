@@ -67,9 +67,7 @@ pub struct SheetCanvas<'a> {
     pub painter: &'a Painter,
     /// Transforms of the left and the right picture.
     pub transforms: &'a [Transform; 2],
-    /// The picture below.
     pub sheet: RectifiedSheet,
-    /// The rectified pair.
     pub drawn: &'a DrawnPair,
     pub model: &'a Model,
 }
@@ -80,7 +78,6 @@ impl SheetCanvas<'_> {
         &self.transforms[self.sheet.side().map_or(0, Side::index)]
     }
 
-    /// Draws everything.
     pub fn draw(&self, row: Option<&SheetRow>) {
         self.guides();
         self.true_matches();
@@ -151,7 +148,6 @@ impl SheetCanvas<'_> {
         Side::BOTH.into_iter().filter(move |side| own.is_none_or(|own| own == *side))
     }
 
-    /// Draws the clicked pairs.
     fn pairs(&self) {
         let document = &self.model.document;
         for (number, pair) in document.pairs.iter().enumerate() {
