@@ -142,24 +142,6 @@ pub fn contestants(model: &Model) -> Vec<Contestant> {
     Contestant::ALL.into_iter().filter(has_row).collect()
 }
 
-/// Returns the columns of the points table: the point, and its distance to each geometry.
-fn point_columns(contestants: &[Contestant]) -> Vec<Column> {
-    let point = Column::figures(
-        "Point",
-        84.0,
-        "The pair, or the number of the match. Point at a row to find it in both images. Click a pair to \
-         select it, or a match to inspect its lines.",
-    );
-    let distance = |contestant: &Contestant| {
-        let title = if *contestant == Contestant::Truth { "Truth" } else { contestant.name() };
-        // This title is longer than the others.
-        let width = if *contestant == Contestant::Imported { 86.0 } else { 68.0 };
-        let tooltip = "Mean distance of both points from their epipolar lines in this geometry, px.";
-        Column { title, tooltip, width, is_text: false }
-    };
-    std::iter::once(point).chain(contestants.iter().map(distance)).collect()
-}
-
 fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Vec<Command>) {
     let are_pairs = comparison.measured == PointSet::Pairs;
     // The result may be newer than the comparison and have other matches.
@@ -177,8 +159,33 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
     contestants.retain(|c| *c != Contestant::Truth || model.truth().is_some());
     // Compare tells why a geometry could not be computed.
     contestants.retain(|c| !comparison.of(*c).distances.is_empty());
-    let columns = point_columns(&contestants);
-    let distances = |column: usize| &comparison.of(contestants[column - 1]).distances;
+    let point = Column::figures(
+        "Point",
+        84.0,
+        "The pair, or the number of the match. Point at a row to find it in both images. Click a pair to \
+         select it, or a match to inspect its lines.",
+        |row| row as f64,
+        |_| String::new(),
+    );
+    let point = point.written(|row| match document.role(row) {
+        Role::Check if are_pairs => format!("{}, check", name(row)),
+        Role::Excluded if are_pairs => format!("{}, out", name(row)),
+        _ => name(row),
+    });
+    let distance = |contestant: Contestant| {
+        let title = if contestant == Contestant::Truth { "Truth" } else { contestant.name() };
+        // This title is longer than the others.
+        let width = if contestant == Contestant::Imported { 86.0 } else { 68.0 };
+        let tooltip = "Mean distance of both points from their epipolar lines in this geometry, px.";
+        let distances = &comparison.of(contestant).distances;
+        let distance = |row: usize| distances.get(row).copied().unwrap_or(f64::NAN);
+        Column::figures(title, width, tooltip, distance, px).gauged(move |row| {
+            let pair = document.pairs.get(row).filter(|_| are_pairs)?;
+            let sigma = document.parameters.click_sigma;
+            Some(Gauge::of_click(comparison.fundamental(contestant)?, pair, sigma, *distances.get(row)?))
+        })
+    };
+    let columns: Vec<Column> = std::iter::once(point).chain(contestants.into_iter().map(distance)).collect();
     let touched = Table {
         name: "residuals",
         columns: &columns,
@@ -192,22 +199,6 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
                 PointSet::TrueMatches => "True match",
             };
             format!("{kind} {}", name(row))
-        },
-        key: &|row, column| match column {
-            0 => row as f64,
-            _ => distances(column).get(row).copied().unwrap_or(f64::NAN),
-        },
-        text: &|row, column| match column {
-            0 if are_pairs && document.role(row) == Role::Check => format!("{}, check", name(row)),
-            0 if are_pairs && document.role(row) == Role::Excluded => format!("{}, out", name(row)),
-            0 => name(row),
-            _ => distances(column).get(row).map_or(String::new(), |d| px(*d)),
-        },
-        gauge: &|row, column| {
-            let contestant = contestants[column.checked_sub(1)?];
-            let pair = document.pairs.get(row).filter(|_| are_pairs)?;
-            let (sigma, distance) = (document.parameters.click_sigma, *distances(column).get(row)?);
-            Some(Gauge::of_click(comparison.fundamental(contestant)?, pair, sigma, distance))
         },
         about: &|_| None,
         look: &|row| RowLook {
