@@ -44,12 +44,6 @@ impl Inspector {
         }
     }
 
-    fn ask(&mut self, kind: MessageKind, text: String, actions: [(&'static str, SessionCommand); 2]) {
-        let actions =
-            actions.map(|(label, command)| MessageAction { label, command: command.into() }).to_vec();
-        self.model.messages.say(kind, text, actions);
-    }
-
     /// Applies a command about sessions.
     pub(super) fn apply_to_session(&mut self, command: SessionCommand) {
         match command {
@@ -85,12 +79,11 @@ impl Inspector {
 
     fn ask_before_replacing(&mut self, path: PathBuf) {
         let name = path.display();
-        let text = format!(
-            "{name} has changed since this window read it. Saving replaces its present \
-                     contents."
-        );
-        let actions = [("Replace", SessionCommand::SaveTo(path)), ("Save as", SessionCommand::SaveAs)];
-        self.ask(MessageKind::Replace, text, actions);
+        let text =
+            format!("{name} has changed since this window read it. Saving replaces its present contents.");
+        let replace = MessageAction { label: "Replace", command: SessionCommand::SaveTo(path).into() };
+        let save_as = MessageAction { label: "Save as", command: SessionCommand::SaveAs.into() };
+        self.model.messages.say(MessageKind::Replace, text, vec![replace, save_as]);
     }
 
     /// Returns the path of the session, or a suggestion.

@@ -179,15 +179,3 @@ impl OverlayId {
         self.visibility() != Visibility::Always && self != Self::CursorLine
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn steps_end_at_both_ends() {
-        assert_eq!(MethodStep::Pencils.neighbour(false), None);
-        assert_eq!(MethodStep::Pencils.neighbour(true), Some(MethodStep::Candidates));
-        assert_eq!(MethodStep::Result.neighbour(true), None);
-    }
-}

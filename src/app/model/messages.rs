@@ -224,20 +224,6 @@ mod tests {
     }
 
     #[test]
-    fn settling_removes_messages_of_one_kind() {
-        let mut messages = Messages::default();
-        let restore = MessageAction { label: "Restore", command: Command::Undo };
-        messages.say(MessageKind::LeftBehind, "Restore that work?".into(), vec![restore.clone()]);
-        messages.say(MessageKind::Replace, "Replace the file?".into(), vec![restore]);
-        messages.tell("It went wrong.");
-        messages.settle(MessageKind::Replace);
-        let kinds: Vec<_> = messages.list().iter().map(|message| message.kind).collect();
-        assert_eq!(kinds, [MessageKind::LeftBehind, MessageKind::Problem]);
-        messages.dismiss(messages.list()[1].number);
-        assert_eq!(messages.list().len(), 1);
-    }
-
-    #[test]
     fn messages_go_when_they_can_have_been_read_and_dangers_stay() {
         let mut messages = Messages::default();
         messages.say(MessageKind::Unprotected, "Save often.".into(), Vec::new());

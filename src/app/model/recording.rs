@@ -99,13 +99,8 @@ pub struct Player {
     pub silhouettes: bool,
 }
 
-/// Time offsets at which two sequences agree, best first.
-#[derive(Debug)]
-pub struct OffsetFound {
-    pub recordings: Recordings,
-    /// Agreement at each offset, or the reason why there is none.
-    pub outcome: Result<Vec<OffsetAgreement>, MotionError>,
-}
+/// Two sequences, and the time offsets at which they agree, best first, or the reason why there are none.
+pub type OffsetFound = (Recordings, Result<Vec<OffsetAgreement>, MotionError>);
 
 /// Returns a small sequence with moving objects.
 #[cfg(test)]

@@ -72,11 +72,5 @@ pub struct RepairQuestion {
 /// New place of the right point, or the reason why there is none: a sentence without its full stop.
 pub type RepairOutcome = Result<Point, String>;
 
-/// A finished repair.
-#[derive(Clone, PartialEq)]
-pub struct Repaired {
-    /// The request.
-    pub question: RepairQuestion,
-    /// The outcome.
-    pub outcome: RepairOutcome,
-}
+/// A finished repair: the request and its outcome.
+pub type Repaired = (RepairQuestion, RepairOutcome);

@@ -102,12 +102,12 @@ impl Tasks {
         let repairing =
             Task::new("repair", waker.clone(), Waiting::Newest, move |question: RepairQuestion, _| {
                 let outcome = repair(&question);
-                Some(Repaired { question, outcome })
+                Some((question, outcome))
             });
         let aligning = Task::new("offset", waker.clone(), Waiting::Newest, |recordings: Recordings, turn| {
             let both = recordings.each_ref().map(|recording| &recording.silhouettes);
             let outcome = find_offset(both, MOST_OFFSET, &turn.cancel);
-            (!turn.cancel.is_cancelled()).then_some(OffsetFound { recordings, outcome })
+            (!turn.cancel.is_cancelled()).then_some((recordings, outcome))
         });
         let rectifying =
             Task::new("rectification", waker.clone(), Waiting::Newest, |question: RectifyQuestion, turn| {

@@ -2,7 +2,8 @@
 
 use super::task::{Task, Waiting};
 use super::waker::Waker;
-use crate::app::model::thumbnails::{MadeThumbnail, Thumbnail, ThumbnailQuestion, Thumbnails};
+use crate::app::model::picture::Overview;
+use crate::app::model::thumbnails::{MadeThumbnail, SIDE, ThumbnailQuestion, Thumbnails};
 use crate::image::Picture;
 use crate::io::first_frame;
 use std::sync::Arc;
@@ -25,7 +26,7 @@ impl Thumbnailing {
                 }
                 let path = question.folder.image(view);
                 let picture = if path.is_dir() { first_frame(path).ok() } else { Picture::open(path).ok() };
-                let thumbnail = picture.map(|picture| Arc::new(Thumbnail::new(&picture)));
+                let thumbnail = picture.map(|picture| Arc::new(Overview::within(&picture, SIDE)));
                 turn.tell((Arc::clone(&question.folder), view, thumbnail));
             }
             None

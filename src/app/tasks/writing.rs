@@ -110,27 +110,12 @@ impl RectifyOrder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::model::rectified::{MatchesAtHand, RectifyQuestion};
-    use crate::app::model::sample::sample_pair;
-    use crate::app::model::shared::Shared;
+    use crate::app::model::rectified::example;
     use crate::io::{PictureFormat, RectifiedOptions};
-    use crate::rectify::RectifyMethod;
 
     fn order(folder: &Path) -> RectifyOrder {
-        let sample = sample_pair();
-        RectifyOrder {
-            question: RectifyQuestion {
-                pictures: sample.pictures.map(|opened| opened.picture),
-                fundamental: sample.truth.fundamental,
-                matches: MatchesAtHand::True(Shared::new(sample.truth)),
-                method: RectifyMethod::Auto,
-                moving: false,
-                bent: None,
-            },
-            folder: folder.to_owned(),
-            options: RectifiedOptions { format: PictureFormat::Png, guide_spacing: 40, maps: true },
-            trust: None,
-        }
+        let options = RectifiedOptions { format: PictureFormat::Png, guide_spacing: 40, maps: true };
+        RectifyOrder { question: example(), folder: folder.to_owned(), options, trust: None }
     }
 
     #[test]

@@ -174,22 +174,23 @@ impl DrawnPair {
     }
 }
 
+/// Returns the request for the rectified pair of the sample.
+#[cfg(test)]
+pub fn example() -> RectifyQuestion {
+    let sample = crate::app::model::sample::sample_pair();
+    RectifyQuestion {
+        pictures: sample.pictures.map(|opened| opened.picture),
+        fundamental: sample.truth.fundamental,
+        matches: MatchesAtHand::True(Shared::new(sample.truth)),
+        method: RectifyMethod::Auto,
+        moving: false,
+        bent: None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::model::sample::sample_pair;
-
-    fn question() -> RectifyQuestion {
-        let sample = sample_pair();
-        RectifyQuestion {
-            pictures: sample.pictures.map(|opened| opened.picture),
-            fundamental: sample.truth.fundamental,
-            matches: MatchesAtHand::True(Shared::new(sample.truth)),
-            method: RectifyMethod::Auto,
-            moving: false,
-            bent: None,
-        }
-    }
 
     #[test]
     fn pictures_are_small_while_the_geometry_moves_and_large_at_rest() {
@@ -213,9 +214,9 @@ mod tests {
             }
             drawn.frame().width * drawn.frame().height
         };
-        let small = pixels(&RectifyQuestion { moving: true, ..question() });
+        let small = pixels(&RectifyQuestion { moving: true, ..example() });
         assert!(small <= DRAFT.pixels, "{small}");
-        let large = pixels(&question());
+        let large = pixels(&example());
         assert!(large > DRAFT.pixels && large <= SHOWN.pixels, "{large}");
     }
 }

@@ -249,15 +249,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn two_files_fill_left_then_right() {
-        let mut dialog = OpenDialog::default();
-        assert_eq!(dialog.offer(Path::new("a.png"), None), None);
-        assert!(dialog.open);
-        let both = dialog.offer(Path::new("b.png"), None);
-        assert_eq!(both, Some(["a.png".into(), "b.png".into()]));
-    }
-
-    #[test]
     fn one_image_is_not_enough_and_one_session_or_folder_is() {
         let folder = tempfile::tempdir().unwrap();
         for (path, opens) in [(Path::new("a.png"), false), (Path::new("a.json"), true), (folder.path(), true)]

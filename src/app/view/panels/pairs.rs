@@ -192,26 +192,28 @@ fn line(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
                 gauge::under(ui, &text, &format!("Distance of pair {name}"), &scale);
             }
         }
+        let note = |ui: &mut Ui, text: RichText, tooltip: String| {
+            ui.add(Label::new(text).selectable(false)).on_hover_text(tooltip);
+        };
+        let caution = theme::palette(ui.visuals()).caution;
         if let Some(distance) = model.outvoted(pair) {
-            let text = RichText::new("off its line").color(theme::palette(ui.visuals()).caution);
-            ui.add(Label::new(text).selectable(false)).on_hover_text(format!(
+            let tooltip = format!(
                 "The pair misses its epipolar line by {distance:.1} px (symmetric distance), although the \
                  images support the geometry. Check that both points are the same scene point."
-            ));
-        }
-        if let Some(distance) = model.slid(pair).filter(|_| model.outvoted(pair).is_none()) {
-            let text = RichText::new("off its match").color(theme::palette(ui.visuals()).caution);
-            ui.add(Label::new(text).selectable(false)).on_hover_text(format!(
+            );
+            note(ui, RichText::new("off its line").color(caution), tooltip);
+        } else if let Some(distance) = model.slid(pair) {
+            let tooltip = format!(
                 "The images look alike {distance:.0} px from the right point, along the epipolar line. The \
                  geometry hardly depends on the place along the line. Move the point to its match if both \
                  points are not the same scene point."
-            ));
+            );
+            note(ui, RichText::new("off its match").color(caution), tooltip);
         }
         if model.unconfirmed(pair).is_some_and(|found| found.place.is_none()) {
-            ui.add(Label::new(RichText::new("?").weak()).selectable(false)).on_hover_text(
-                "The images do not show the match of the left point clearly. The distance from the line says \
-                 nothing about the place along it, so compare both points yourself.",
-            );
+            let tooltip = "The images do not show the match of the left point clearly. The distance from the line \
+                           says nothing about the place along it, so compare both points yourself.";
+            note(ui, RichText::new("?").weak(), tooltip.to_owned());
         }
         let role = match document.role(pair) {
             Role::Used => "",
