@@ -3,7 +3,6 @@
 use egui::{Theme, ThemePreference};
 
 use super::Inspector;
-use crate::app::model::command::PickPurpose;
 use crate::app::model::dock::DockLook;
 use crate::app::model::document::counted;
 use crate::app::model::exchange::ViewPart;
@@ -40,8 +39,7 @@ impl Inspector {
             Command::OpenFolder(path) => self.open_folder(path),
             Command::OpenViews(views) => self.open_views(views),
             Command::StepPair { forward } => self.step_pair(forward),
-            Command::Browse(side) => self.pick(PickPurpose::Image(side)),
-            Command::BrowseFolder => self.pick(PickPurpose::Folder),
+            Command::Browse(purpose) => self.pick(purpose),
             Command::ToggleTruth => self.toggle_truth(),
             Command::Session(command) => self.apply_to_session(command),
             Command::Exchange(command) => self.apply_to_exchange(ctx, command),

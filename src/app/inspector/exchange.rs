@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use egui::Context;
 
 use super::Inspector;
-use crate::app::model::command::PickPurpose;
 use crate::app::model::comparison::Contestant;
 use crate::app::model::document::{Checked, GIVEN_FIT, Given, Imported, counted};
 use crate::app::model::exchange::{
@@ -30,7 +29,6 @@ impl Inspector {
         match command {
             ExchangeCommand::ShowExport => self.show_file_export(None),
             ExchangeCommand::ShowPlaneExport => self.show_file_export(Some(ExportKind::Plane)),
-            ExchangeCommand::BrowseExport(suggested) => self.pick(PickPurpose::ExportFile(suggested)),
             ExchangeCommand::Export(order) => self.export_file(order),
             ExchangeCommand::CopyFundamental(notation) => {
                 if let Some(shown) = self.model.shown() {
@@ -38,7 +36,6 @@ impl Inspector {
                     self.model.open.done.tell(format!("Copied F as {}", notation.name()));
                 }
             }
-            ExchangeCommand::BrowseImport => self.pick(PickPurpose::Import),
             ExchangeCommand::Import(paths) => self.import(paths),
             ExchangeCommand::Accept { reading, with_pairs } => self.accept(reading, with_pairs),
             ExchangeCommand::Reject => self.view.dialogs.reading = None,
@@ -174,7 +171,6 @@ impl Inspector {
                 };
             }
             RectifiedCommand::ShowExport => self.show_file_export(Some(ExportKind::Rectified)),
-            RectifiedCommand::Browse => self.pick(PickPurpose::Export),
             RectifiedCommand::StopExport => self.tasks.writing.stop(),
         }
     }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::Inspector;
-use crate::app::model::command::{PickPurpose, SessionCommand};
+use crate::app::model::SessionCommand;
 use crate::app::model::exchange::result_note;
 use crate::app::model::history::History;
 use crate::app::model::left_behind::LeftBehind;
@@ -56,11 +56,6 @@ impl Inspector {
             },
             SessionCommand::SaveAs => self.show_save_dialog(),
             SessionCommand::SaveTo(path) => self.save(path),
-            SessionCommand::BrowseSave => {
-                let suggested = self.suggested_path().unwrap_or_default();
-                self.pick(PickPurpose::Session(suggested));
-            }
-            SessionCommand::BrowseLost(side) => self.pick(PickPurpose::Lost(side)),
             SessionCommand::Open(session) => self.open_session(session),
             SessionCommand::DiscardLeftBehind(path) => {
                 self.settle_left_behind(&path);

@@ -32,8 +32,8 @@ pub enum Command {
     OpenFolder(PathBuf),
     Session(SessionCommand),
     Exchange(ExchangeCommand),
-    Browse(Side),
-    BrowseFolder,
+    /// Choose a file or a folder with the dialog of the system.
+    Browse(PickPurpose),
     OpenViews([usize; 2]),
     /// Open the next or the previous pair of the open folder.
     StepPair {
@@ -150,9 +150,7 @@ pub enum SessionCommand {
     Save,
     SaveAs,
     SaveTo(PathBuf),
-    BrowseSave,
     Open(OpenSession),
-    BrowseLost(Side),
     DiscardLeftBehind(PathBuf),
 }
 
@@ -161,11 +159,8 @@ pub enum SessionCommand {
 pub enum ExchangeCommand {
     ShowExport,
     ShowPlaneExport,
-    /// Choose the file of the export with the file dialog of the system, which suggests this path.
-    BrowseExport(PathBuf),
     Export(ExportOrder),
     CopyFundamental(Notation),
-    BrowseImport,
     Import(Vec<PathBuf>),
     Accept {
         /// Reading to use, by its place in the list of the convention check. `None` takes the

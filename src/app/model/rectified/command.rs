@@ -22,8 +22,6 @@ pub enum RectifiedCommand {
     RunBlink,
     /// Show the dialog of exports, for the rectified pair.
     ShowExport,
-    /// Choose the folder with the file dialog of the system.
-    Browse,
     StopExport,
 }
 

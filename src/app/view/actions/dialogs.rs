@@ -8,13 +8,12 @@ use crate::app::model::point_table::{ChosenEdit, PointsCommand};
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::session::OpenSession;
 use crate::app::model::tones::TonesCommand;
-use crate::app::model::{Command, ExchangeCommand, LineSource, OverlayId, SessionCommand, Side};
+use crate::app::model::{Command, ExchangeCommand, LineSource, OverlayId, SessionCommand};
 use crate::camera::FocalLength;
 
 /// Returns the actions offered only on buttons of dialogs and tables.
 #[expect(clippy::too_many_lines, reason = "it is a table")]
 pub fn in_dialogs() -> Vec<Action> {
-    let browse = |command: Command, tooltip| action(command, "Browse", tooltip);
     vec![
         action(
             Command::OpenFiles(Vec::new()),
@@ -26,13 +25,11 @@ pub fn in_dialogs() -> Vec<Action> {
             "Open folder",
             "Open the first pair of this folder. You can choose another pair afterwards.",
         ),
-        browse(Command::Browse(Side::Left), "Choose the file in the system dialog."),
         action(
             Command::SetFocalLengths([FocalLength { pixels: 1.0, deviation: 0.0 }; 2]),
             "Use",
             "Use these focal lengths. The points and the geometry stay as they are.",
         ),
-        browse(Command::BrowseFolder, "Choose the folder in the system dialog."),
         action(Command::DeletePair(0), "Delete", "Remove this pair from both images."),
         action(TonesCommand::Adjust(None), "Adjust", "Choose which image the controls change."),
         action(
@@ -94,21 +91,15 @@ pub fn in_dialogs() -> Vec<Action> {
             "Save session",
             "Save points, parameters, pinned lines and views in one JSON file.",
         ),
-        browse(SessionCommand::BrowseSave.into(), "Choose where to save in the system dialog."),
         action(
             SessionCommand::Open(OpenSession::default()),
             "Open session",
             "Open this session with its images and points.",
         ),
-        browse(SessionCommand::BrowseLost(Side::Left).into(), "Choose the file in the system dialog."),
         action(
             SessionCommand::DiscardLeftBehind(PathBuf::new()),
             "Delete unsaved work",
             "Delete the unsaved work. This cannot be undone.",
-        ),
-        browse(
-            ExchangeCommand::BrowseExport(PathBuf::new()).into(),
-            "Choose where to write in the system dialog.",
         ),
         action(
             ExchangeCommand::Export(ExportOrder::default()),
@@ -136,6 +127,5 @@ pub fn in_dialogs() -> Vec<Action> {
             "Automatic",
             "Alternate the two rectified pictures automatically.",
         ),
-        browse(RectifiedCommand::Browse.into(), "Choose the folder in the system dialog."),
     ]
 }

@@ -2,6 +2,7 @@
 
 use super::action::{Action, action};
 use super::conditions::{has_rectified, has_sequences, is_published_search};
+use crate::app::model::command::PickPurpose;
 use crate::app::model::comparison::Contestant;
 use crate::app::model::dock::DockEdge;
 use crate::app::model::point_table::PointsCommand;
@@ -91,7 +92,12 @@ pub fn by_name() -> Vec<Action> {
         .listed(|_| "Find the geometry without clicks")
         .when(Model::can_find_without_clicks),
         action(
-            ExchangeCommand::BrowseImport,
+            Command::Browse(PickPurpose::Folder),
+            "Browse",
+            "Choose the file or the folder in the system dialog.",
+        ),
+        action(
+            Command::Browse(PickPurpose::Import),
             "Browse",
             "Choose a file with point pairs, matches, a fundamental matrix, two cameras or a calibration of the \
              lens distortion in the system dialog.",

@@ -1,7 +1,7 @@
 //! The sheet of a figure: both images in their places, and the shapes of the overlays.
 
 use egui::epaint::ClippedShape;
-use egui::{Color32, Rect, Vec2, pos2, vec2};
+use egui::{Color32, Rect, Shape, Vec2, pos2, vec2};
 use image::DynamicImage;
 
 use crate::app::model::exchange::{FigureChoices, trust_note};
@@ -170,12 +170,11 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
 }
 
 impl Sheet {
-    /// Returns the shapes of the overlays.
-    pub fn shapes(&self) -> impl Iterator<Item = &ClippedShape> {
-        let areas = self.places.each_ref().map(|place| place.transform.rect.expand(0.5));
-        let inside =
-            move |shape: &&ClippedShape| areas.iter().any(|area| area.contains_rect(shape.clip_rect));
-        self.drawn.iter().filter(inside)
+    /// Returns the shapes over an image.
+    pub fn shapes(&self, k: usize) -> impl Iterator<Item = &Shape> {
+        let area = self.places[k].transform.rect.expand(0.5);
+        let inside = self.drawn.iter().filter(move |drawn| area.contains_rect(drawn.clip_rect));
+        inside.map(|drawn| &drawn.shape)
     }
 
     /// Returns the visible part of an image and its place on the sheet, in points.

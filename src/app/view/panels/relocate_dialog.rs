@@ -6,6 +6,7 @@ use egui::{Button, Key, Label, TextEdit};
 
 use super::dialog::{dialog, named, path_of};
 use super::{command_button, finish_button};
+use crate::app::model::command::PickPurpose;
 use crate::app::model::session::{Lost, OpenSession, Relocation};
 use crate::app::model::{Command, SessionCommand, Side};
 
@@ -83,7 +84,7 @@ impl RelocateDialog {
                     ui.add(edit).labelled_by(label.id);
                     let label = format!("Browse for the {} image", side.name());
                     let browse = named(ui.button("Browse"), &label);
-                    finish_button(ui, browse, SessionCommand::BrowseLost(side).into(), commands);
+                    finish_button(ui, browse, Command::Browse(PickPurpose::Lost(side)), commands);
                 });
                 all_there &= !missing || path_of(typed).is_some();
             }

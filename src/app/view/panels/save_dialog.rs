@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::dialog::{PathField, dialog, ending, path_of};
+use crate::app::model::command::PickPurpose;
 use crate::app::model::command::{Command, SessionCommand};
 use crate::app::model::session::has_session_extension;
 
@@ -34,7 +35,7 @@ impl SaveDialog {
                 hint: "path of the session",
                 width: 330.0,
                 browse: "Browse for the session file",
-                command: SessionCommand::BrowseSave.into(),
+                purpose: PickPurpose::Session(path_of(&self.path).unwrap_or_default()),
             };
             let file = file.show(ui, &mut self.path, commands);
             if self.just_opened {

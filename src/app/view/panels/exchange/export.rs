@@ -8,11 +8,11 @@ use egui::{
 
 use super::super::copy_fundamental_menu;
 use super::super::dialog::{PathField, dialog, ending, path_of, row_label};
+use crate::app::model::command::PickPurpose;
 use crate::app::model::exchange::{
     ExportKind, ExportOrder, FigureFormat, PROFILE_CONVENTION, ReportFormat, ViewPart, result_note,
     trust_note,
 };
-use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::{Command, ExchangeCommand, Model, OverlayId};
 use crate::app::view::theme;
 use crate::io::{Format, PictureFormat};
@@ -135,14 +135,13 @@ impl FileExport {
             ui.separator();
             let suggested = path_of(&self.path).unwrap_or_else(|| PathBuf::from(&self.suggested));
             let is_folder = self.order.what == ExportKind::Rectified;
-            let (name, hint, browse, command) = if is_folder {
+            let (name, hint, browse, purpose) = if is_folder {
                 let hint = "path of the folder, created if missing";
-                ("Folder", hint, "Browse for the export folder", RectifiedCommand::Browse.into())
+                ("Folder", hint, "Browse for the export folder", PickPurpose::Export)
             } else {
-                let command = ExchangeCommand::BrowseExport(suggested).into();
-                ("File", "path of the file", "Browse for the export file", command)
+                ("File", "path of the file", "Browse for the export file", PickPurpose::ExportFile(suggested))
             };
-            let file = PathField { name, hint, width: 500.0, browse, command };
+            let file = PathField { name, hint, width: 500.0, browse, purpose };
             let file = file.show(ui, &mut self.path, commands);
             if self.just_opened {
                 file.request_focus();
