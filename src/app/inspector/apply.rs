@@ -32,7 +32,6 @@ impl Inspector {
             Command::ShowOpenDialog => dialogs.open.show_empty(),
             Command::TogglePalette => dialogs.palette.toggle(),
             Command::ToggleShortcuts => dialogs.shortcuts = !dialogs.shortcuts,
-            Command::OfferFile(path) => self.offer(&path),
             Command::OpenSample => self.open(Wanted::Opening(Opening::Sample)),
             Command::OpenSampleSequences => self.open(Wanted::Opening(Opening::SampleSequences)),
             Command::OpenFiles(paths) => self.open_files(paths),

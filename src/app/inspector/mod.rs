@@ -107,11 +107,10 @@ impl Inspector {
             dialog_open: self.view.dialogs.is_open(),
             suggestion: self.model.document.half.is_some() && self.model.open.suggestion.is_some(),
         };
-        let mut commands = pressed(&ctx, keyboard);
-        commands.extend(Self::dropped_files(&ctx));
-        for command in commands {
+        for command in pressed(&ctx, keyboard) {
             self.apply(&ctx, command);
         }
+        self.take_dropped(&ctx);
         self.model.open.follow_imported(&self.model.document);
         self.capture(&ctx);
         if self.model.play_on(f64::from(ctx.input(|input| input.stable_dt))) {

@@ -10,7 +10,7 @@ use crate::app::model::exchange::is_importable;
 use crate::app::model::history::History;
 use crate::app::model::picture::Opened;
 use crate::app::model::session::{OpenSession, has_session_extension};
-use crate::app::model::{Command, Document, ExchangeCommand, Model, Side, StageId};
+use crate::app::model::{Document, Model, Side, StageId};
 use crate::app::tasks::{LoadedPair, NewCalibration, Opening, OpeningFailure, Wanted};
 use crate::app::view::{FocalDialog, OpenDialog, RelocateDialog};
 use crate::camera::{CameraModel, FocalLength};
@@ -332,8 +332,8 @@ impl Inspector {
         });
     }
 
-    /// Returns commands for the files dropped since the last frame.
-    pub(super) fn dropped_files(ctx: &egui::Context) -> Vec<Command> {
+    /// Opens or imports the files dropped since the last frame.
+    pub(super) fn take_dropped(&mut self, ctx: &egui::Context) {
         let files = ctx.input(|input| {
             input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect::<Vec<_>>()
         });
@@ -343,13 +343,10 @@ impl Inspector {
         let (imports, files): (Vec<_>, Vec<_>) = files
             .into_iter()
             .partition(|path| is_importable(path) && (has_images || !has_session_extension(path)));
-        let mut commands = match <[PathBuf; 2]>::try_from(files) {
-            Ok(both) => vec![Command::OpenFiles(both.into())],
-            Err(files) => files.into_iter().take(2).map(Command::OfferFile).collect(),
-        };
-        if !imports.is_empty() {
-            commands.push(ExchangeCommand::Import(imports).into());
+        match <[PathBuf; 2]>::try_from(files) {
+            Ok(both) => self.open_files(both.into()),
+            Err(files) => files.iter().take(2).for_each(|file| self.offer(file)),
         }
-        commands
+        self.import(imports);
     }
 }

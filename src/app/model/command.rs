@@ -24,7 +24,6 @@ use crate::io::Notation;
 #[derive(Debug, Clone, PartialEq)]
 pub enum Command {
     ShowOpenDialog,
-    OfferFile(PathBuf),
     OpenSample,
     OpenSampleSequences,
     /// Open files: two images, or a folder, a session, files to import.
