@@ -33,7 +33,6 @@ use crate::geometry::PointPair;
 /// Contents of the window at the start.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Start {
-    /// Pictures to open.
     pub opening: Opening,
     /// Point pairs to place on the pictures.
     pub pairs: Vec<PointPair>,

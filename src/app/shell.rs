@@ -18,7 +18,6 @@ const APP_ID: &str = "epiline";
 /// stop.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum AppError {
-    /// There is no display.
     #[error(
         "cannot open a window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set). \
          `epiline estimate` works without a display"
@@ -29,19 +28,13 @@ pub enum AppError {
         "cannot open a window on the display {display}. Check that the display is running and that \
          you may use it. `epiline estimate` works without a display"
     )]
-    Display {
-        /// Name of the display.
-        display: String,
-    },
-    /// A library of the system is missing.
+    Display { display: String },
     #[error("cannot open a window: the library {library} is missing. Install it (on Debian: {package})")]
     Library {
-        /// The library.
         library: &'static str,
         /// The package that contains the library.
         package: &'static str,
     },
-    /// OpenGL does not work.
     #[error("cannot open a window: OpenGL does not work. Check the graphics driver (on Debian: libgl1)")]
     Graphics,
     /// The window toolkit failed.
@@ -124,7 +117,6 @@ pub fn run(start: Start, mut services: Services) -> Result<(), AppError> {
     }
 }
 
-/// Returns the display to use.
 #[cfg(all(unix, not(target_os = "macos")))]
 fn display() -> Result<String, AppError> {
     ["WAYLAND_DISPLAY", "DISPLAY"]

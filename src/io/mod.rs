@@ -55,7 +55,7 @@ pub use picture_file::{PictureError, PictureFormat};
 pub use picture_file::{described, encode_picture};
 pub use ply::cloud_as_ply;
 pub use point_pairs::{PairProblem, parse_point_pairs};
-pub use read::{IMAGE_EXTENSIONS, ReadError, has_image_extension};
+pub use read::{IMAGE_EXTENSIONS, ReadError, has_extension, has_image_extension};
 pub use rectified::{RectifiedError, RectifiedFiles, RectifiedOptions};
 pub use result_file::{ResultFile, result_in_words};
 pub use sequence_file::{

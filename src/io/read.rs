@@ -96,7 +96,7 @@ pub fn has_image_extension(path: &Path) -> bool {
 }
 
 /// Returns whether the extension is one of those given, ignoring case.
-pub(super) fn has_extension(path: &Path, known: &[&str]) -> bool {
+pub fn has_extension(path: &Path, known: &[&str]) -> bool {
     let extension = path.extension().and_then(|e| e.to_str());
     extension.is_some_and(|e| known.iter().any(|known| known.eq_ignore_ascii_case(e)))
 }

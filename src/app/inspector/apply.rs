@@ -3,13 +3,10 @@
 use egui::{Theme, ThemePreference};
 
 use super::Inspector;
-use crate::app::model::command::{Command, PickPurpose};
 use crate::app::model::dock::DockLook;
-use crate::app::model::document::{Document, Side, counted, pair_name};
+use crate::app::model::document::counted;
 use crate::app::model::exchange::ViewPart;
-use crate::app::model::focus::LineSource;
 use crate::app::model::history::EditKey;
-use crate::app::model::ids::{OverlayId, StageId, TabId};
 use crate::app::model::look::Tool;
 use crate::app::model::measuring::Measuring;
 use crate::app::model::messages::MessageKind;
@@ -17,6 +14,7 @@ use crate::app::model::pane_view::QuarterTurns;
 use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
+use crate::app::model::{Command, Document, LineSource, OverlayId, Side, StageId, TabId, pair_name};
 use crate::app::tasks::{Opening, Wanted};
 use crate::app::view::{Destination, WantedView};
 use crate::geometry::symmetric_epipolar_distance;
@@ -27,7 +25,6 @@ const NO_SCENE: &str =
     "There are no 3-D points yet. They need a geometry with at least 10 matches. Find the geometry first.";
 
 impl Inspector {
-    /// Applies a command.
     #[expect(clippy::too_many_lines, reason = "it is a table")]
     pub(super) fn apply(&mut self, ctx: &egui::Context, command: Command) {
         let (model, dialogs) = (&mut self.model, &mut self.view.dialogs);
@@ -35,15 +32,13 @@ impl Inspector {
             Command::ShowOpenDialog => dialogs.open.show_empty(),
             Command::TogglePalette => dialogs.palette.toggle(),
             Command::ToggleShortcuts => dialogs.shortcuts = !dialogs.shortcuts,
-            Command::OfferFile(path) => self.offer(&path),
             Command::OpenSample => self.open(Wanted::Opening(Opening::Sample)),
             Command::OpenSampleSequences => self.open(Wanted::Opening(Opening::SampleSequences)),
             Command::OpenFiles(paths) => self.open_files(paths),
             Command::OpenFolder(path) => self.open_folder(path),
             Command::OpenViews(views) => self.open_views(views),
             Command::StepPair { forward } => self.step_pair(forward),
-            Command::Browse(side) => self.pick(PickPurpose::Image(side)),
-            Command::BrowseFolder => self.pick(PickPurpose::Folder),
+            Command::Browse(purpose) => self.pick(purpose),
             Command::ToggleTruth => self.toggle_truth(),
             Command::Session(command) => self.apply_to_session(command),
             Command::Exchange(command) => self.apply_to_exchange(ctx, command),
@@ -262,7 +257,6 @@ impl Inspector {
             }
             PointsCommand::RequestPaste => ctx.send_viewport_cmd(egui::ViewportCommand::RequestPaste),
             PointsCommand::Paste(text) => model.paste_pairs(&text),
-            PointsCommand::ToggleNames => model.look.names = !model.look.names,
         }
     }
 
@@ -278,8 +272,7 @@ impl Inspector {
     /// Shows a match of the result in the middle of both pictures, and pins its lines.
     fn show_match(&mut self, number: usize) {
         let model = &mut self.model;
-        let found = model.open.computation.result().and_then(|(found, _)| found.matches().get(number));
-        let Some(pair) = found.map(|found| found.pair) else { return };
+        let Some(pair) = model.matched_pairs().nth(number) else { return };
         model.look.stage = StageId::Pictures;
         model.open.focus.pin(LineSource::Through { side: Side::Left, point: pair.point1 });
         for side in Side::BOTH {

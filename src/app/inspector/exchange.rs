@@ -5,15 +5,15 @@ use std::path::{Path, PathBuf};
 use egui::Context;
 
 use super::Inspector;
-use crate::app::model::command::{ExchangeCommand, PickPurpose};
 use crate::app::model::comparison::Contestant;
-use crate::app::model::document::{Checked, GIVEN_FIT, Given, Imported, Side, counted};
+use crate::app::model::document::{Checked, GIVEN_FIT, Given, Imported, counted};
 use crate::app::model::exchange::{
     ExportContent, ExportKind, ExportOrder, ImportFound, ImportQuestion, ImportSource, ImportedFile,
     ImportedMatrix, PendingImport, ViewPart, content, sources, trust_note,
 };
 use crate::app::model::rectified::{Blink, RectifiedCommand, RectifiedLayout, RectifyOrder};
 use crate::app::model::session::suggested_path;
+use crate::app::model::{ExchangeCommand, Side};
 use crate::app::tasks::saver;
 use crate::app::view::{Destination, ImagePane, ReadingDialog, WantedView, excerpt, figure, screen_as_png};
 use crate::estimate::{Match, Search};
@@ -22,8 +22,6 @@ use crate::rectify::RectifyMethod;
 
 /// Message without images.
 const NOTHING_TO_EXPORT: &str = "There is nothing to export yet: open two images first.";
-/// Message without a geometry.
-const NOTHING_TO_RECTIFY: &str = "There is nothing to rectify yet: click two point pairs first.";
 
 impl Inspector {
     /// Applies a command about files of other programs.
@@ -31,7 +29,6 @@ impl Inspector {
         match command {
             ExchangeCommand::ShowExport => self.show_file_export(None),
             ExchangeCommand::ShowPlaneExport => self.show_file_export(Some(ExportKind::Plane)),
-            ExchangeCommand::BrowseExport(suggested) => self.pick(PickPurpose::ExportFile(suggested)),
             ExchangeCommand::Export(order) => self.export_file(order),
             ExchangeCommand::CopyFundamental(notation) => {
                 if let Some(shown) = self.model.shown() {
@@ -39,7 +36,6 @@ impl Inspector {
                     self.model.open.done.tell(format!("Copied F as {}", notation.name()));
                 }
             }
-            ExchangeCommand::BrowseImport => self.pick(PickPurpose::Import),
             ExchangeCommand::Import(paths) => self.import(paths),
             ExchangeCommand::Accept { reading, with_pairs } => self.accept(reading, with_pairs),
             ExchangeCommand::Reject => self.view.dialogs.reading = None,
@@ -64,6 +60,9 @@ impl Inspector {
         if order.what == ExportKind::View {
             self.view.capture = Some(WantedView::new(Destination::File(order.path), order.part));
             return;
+        }
+        if order.what == ExportKind::Rectified {
+            return self.export_rectified(order.path, order.rectified);
         }
         if order.what == ExportKind::Figure {
             let panes = self.view.panes.each_ref().map(ImagePane::place);
@@ -135,10 +134,9 @@ impl Inspector {
             return;
         }
         let Some(pending) = self.model.imports.pop_front() else { return };
-        let Some(pictures) = &self.model.document.pictures else {
+        let Some(frames) = self.model.document.frames() else {
             return self.refuse(format!("To import {}, open its two images first.", pending.source.name()));
         };
-        let frames = pictures.each_ref().map(|picture| picture.frame);
         let matches = self.model.matches_for_import();
         let shown = self.model.open.pictures.as_ref();
         let shown = shown.map_or(frames, |pictures| pictures.each_ref().map(|opened| opened.shown().frame()));
@@ -154,7 +152,7 @@ impl Inspector {
                 model.edit(|document| document.rectification = method);
             }
             RectifiedCommand::LayOut(layout) => model.look.rectified.layout = layout,
-            RectifiedCommand::SetGuides(guides) => model.look.rectified.guides = guides,
+            RectifiedCommand::ToggleGuides => model.look.rectified.hides_guides ^= true,
             RectifiedCommand::View(view) => model.open.viewing.view = view,
             RectifiedCommand::Shift(shift) => model.open.viewing.shift = shift,
             RectifiedCommand::Wipe(at) => model.open.viewing.wipe = at.clamp(0.0, 1.0),
@@ -172,32 +170,16 @@ impl Inspector {
                     Blink::Still(_) => Blink::Running,
                 };
             }
-            RectifiedCommand::ShowExport => self.show_rectified_export(),
-            RectifiedCommand::Browse => self.pick(PickPurpose::Export),
-            RectifiedCommand::Export { folder, options } => self.export_rectified(folder, options),
+            RectifiedCommand::ShowExport => self.show_file_export(Some(ExportKind::Rectified)),
             RectifiedCommand::StopExport => self.tasks.writing.stop(),
         }
     }
 
-    /// Shows the dialog for the rectified pair. It suggests a folder named after both images.
-    fn show_rectified_export(&mut self) {
-        let Some(pictures) = self.model.open.pictures.as_ref().filter(|_| self.model.shown().is_some())
-        else {
-            return self.model.messages.tell(NOTHING_TO_RECTIFY);
-        };
-        let mut name = suggested_path(pictures).file_stem().unwrap_or_default().to_owned();
-        name.push("-rectified");
-        self.view.dialogs.rectified.show_with(name.into());
-    }
-
     fn export_rectified(&mut self, folder: PathBuf, options: RectifiedOptions) {
-        let Some(question) = self.model.rectify_question() else {
-            return self.model.messages.tell(NOTHING_TO_RECTIFY);
-        };
+        let Some(question) = self.model.rectify_question() else { return };
         let trust = trust_note(&self.model);
         if let Some(progress) = self.tasks.writing.begin(RectifyOrder { question, folder, options, trust }) {
             self.model.activity.writing = Some(progress);
-            self.view.dialogs.rectified.open = false;
         } else {
             let text = "A rectified pair is already being written. Wait for it, or stop it.";
             self.model.messages.tell(text);

@@ -13,14 +13,13 @@ use std::time::Duration;
 use egui::Ui;
 
 use super::Start;
-use super::model::Model;
-use super::model::command::{Command, PickPurpose};
-use super::model::document::Document;
+use super::model::command::PickPurpose;
 use super::model::exchange::{PendingImport, sources};
 use super::model::focus::Focus;
 use super::model::look::Look;
 use super::model::messages::MessageKind;
 use super::model::recents::Recents;
+use super::model::{Command, Document, Model};
 use super::tasks::{Picked, Services, Tasks, Wanted};
 use super::view::{KeyboardState, View, pressed};
 use crate::estimate::Estimate;
@@ -108,11 +107,10 @@ impl Inspector {
             dialog_open: self.view.dialogs.is_open(),
             suggestion: self.model.document.half.is_some() && self.model.open.suggestion.is_some(),
         };
-        let mut commands = pressed(&ctx, keyboard);
-        commands.extend(Self::dropped_files(&ctx));
-        for command in commands {
+        for command in pressed(&ctx, keyboard) {
             self.apply(&ctx, command);
         }
+        self.take_dropped(&ctx);
         self.model.open.follow_imported(&self.model.document);
         self.capture(&ctx);
         if self.model.play_on(f64::from(ctx.input(|input| input.stable_dt))) {

@@ -4,15 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::Inspector;
-use crate::app::model::Model;
 use crate::app::model::album::Album;
-use crate::app::model::command::{Command, ExchangeCommand};
-use crate::app::model::document::{Document, Imported, Side};
+use crate::app::model::document::Imported;
 use crate::app::model::exchange::is_importable;
 use crate::app::model::history::History;
-use crate::app::model::ids::StageId;
 use crate::app::model::picture::Opened;
 use crate::app::model::session::{OpenSession, has_session_extension};
+use crate::app::model::{Document, Model, Side, StageId};
 use crate::app::tasks::{LoadedPair, NewCalibration, Opening, OpeningFailure, Wanted};
 use crate::app::view::{FocalDialog, OpenDialog, RelocateDialog};
 use crate::camera::{CameraModel, FocalLength};
@@ -89,12 +87,7 @@ impl Inspector {
         let pairs = std::mem::take(&mut self.start_pairs);
         let pairs: Vec<PointPair> = pairs.iter().filter_map(|pair| self.model.open.points_of(pair)).collect();
         let document = &mut self.model.document;
-        let (inside, outside): (Vec<_>, Vec<_>) = pairs.into_iter().partition(|pair| {
-            let [frame1, frame2] = Side::BOTH.map(|side| document.frame(side));
-            pair.is_finite()
-                && frame1.is_some_and(|frame| frame.contains(pair.point1))
-                && frame2.is_some_and(|frame| frame.contains(pair.point2))
-        });
+        let (inside, outside): (Vec<_>, Vec<_>) = pairs.into_iter().partition(|pair| document.contains(pair));
         document.set_pairs(inside, PairOrigin::Imported);
         self.tell_of_pairs_outside(outside.len());
         if let Some(restored) = pair.restored {
@@ -339,8 +332,8 @@ impl Inspector {
         });
     }
 
-    /// Returns commands for the files dropped since the last frame.
-    pub(super) fn dropped_files(ctx: &egui::Context) -> Vec<Command> {
+    /// Opens or imports the files dropped since the last frame.
+    pub(super) fn take_dropped(&mut self, ctx: &egui::Context) {
         let files = ctx.input(|input| {
             input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect::<Vec<_>>()
         });
@@ -350,13 +343,10 @@ impl Inspector {
         let (imports, files): (Vec<_>, Vec<_>) = files
             .into_iter()
             .partition(|path| is_importable(path) && (has_images || !has_session_extension(path)));
-        let mut commands = match <[PathBuf; 2]>::try_from(files) {
-            Ok(both) => vec![Command::OpenFiles(both.into())],
-            Err(files) => files.into_iter().take(2).map(Command::OfferFile).collect(),
-        };
-        if !imports.is_empty() {
-            commands.push(ExchangeCommand::Import(imports).into());
+        match <[PathBuf; 2]>::try_from(files) {
+            Ok(both) => self.open_files(both.into()),
+            Err(files) => files.iter().take(2).for_each(|file| self.offer(file)),
         }
-        commands
+        self.import(imports);
     }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::Inspector;
-use crate::app::model::command::{PickPurpose, SessionCommand};
+use crate::app::model::SessionCommand;
 use crate::app::model::exchange::result_note;
 use crate::app::model::history::History;
 use crate::app::model::left_behind::LeftBehind;
@@ -44,12 +44,6 @@ impl Inspector {
         }
     }
 
-    fn ask(&mut self, kind: MessageKind, text: String, actions: [(&'static str, SessionCommand); 2]) {
-        let actions =
-            actions.map(|(label, command)| MessageAction { label, command: command.into() }).to_vec();
-        self.model.messages.say(kind, text, actions);
-    }
-
     /// Applies a command about sessions.
     pub(super) fn apply_to_session(&mut self, command: SessionCommand) {
         match command {
@@ -62,11 +56,6 @@ impl Inspector {
             },
             SessionCommand::SaveAs => self.show_save_dialog(),
             SessionCommand::SaveTo(path) => self.save(path),
-            SessionCommand::BrowseSave => {
-                let suggested = self.suggested_path().unwrap_or_default();
-                self.pick(PickPurpose::Session(suggested));
-            }
-            SessionCommand::BrowseLost(side) => self.pick(PickPurpose::Lost(side)),
             SessionCommand::Open(session) => self.open_session(session),
             SessionCommand::DiscardLeftBehind(path) => {
                 self.settle_left_behind(&path);
@@ -85,12 +74,11 @@ impl Inspector {
 
     fn ask_before_replacing(&mut self, path: PathBuf) {
         let name = path.display();
-        let text = format!(
-            "{name} has changed since this window read it. Saving replaces its present \
-                     contents."
-        );
-        let actions = [("Replace", SessionCommand::SaveTo(path)), ("Save as", SessionCommand::SaveAs)];
-        self.ask(MessageKind::Replace, text, actions);
+        let text =
+            format!("{name} has changed since this window read it. Saving replaces its present contents.");
+        let replace = MessageAction { label: "Replace", command: SessionCommand::SaveTo(path).into() };
+        let save_as = MessageAction { label: "Save as", command: SessionCommand::SaveAs.into() };
+        self.model.messages.say(MessageKind::Replace, text, vec![replace, save_as]);
     }
 
     /// Returns the path of the session, or a suggestion.

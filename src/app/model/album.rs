@@ -18,7 +18,6 @@ pub type ViewNames = [String; 2];
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Album {
     folder: PathBuf,
-    /// The open pair.
     pub open: ViewNames,
     /// Pairs with work that are not open, in the order of their names.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -60,12 +59,6 @@ impl Album {
 
     pub fn folder(&self) -> &Path {
         &self.folder
-    }
-
-    /// Returns the numbers of the open pair in the folder as read now.
-    pub fn pair_in(&self, folder: &PairFolder) -> Option<[usize; 2]> {
-        let [left, right] = &self.open;
-        Some([folder.view_named(left)?, folder.view_named(right)?]).filter(|pair| folder.is_pair(*pair))
     }
 
     /// Returns the work on the pairs that are not open.

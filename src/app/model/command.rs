@@ -24,7 +24,6 @@ use crate::io::Notation;
 #[derive(Debug, Clone, PartialEq)]
 pub enum Command {
     ShowOpenDialog,
-    OfferFile(PathBuf),
     OpenSample,
     OpenSampleSequences,
     /// Open files: two images, or a folder, a session, files to import.
@@ -32,8 +31,8 @@ pub enum Command {
     OpenFolder(PathBuf),
     Session(SessionCommand),
     Exchange(ExchangeCommand),
-    Browse(Side),
-    BrowseFolder,
+    /// Choose a file or a folder with the dialog of the system.
+    Browse(PickPurpose),
     OpenViews([usize; 2]),
     /// Open the next or the previous pair of the open folder.
     StepPair {
@@ -48,7 +47,6 @@ pub enum Command {
     /// Remove the selected pairs, or the pair of the selected point.
     DeleteSelected,
     DeletePair(usize),
-    /// Include or exclude a pair.
     IncludePair(usize, bool),
     /// Use a pair as a check only, or in the estimate.
     CheckOnly(usize, bool),
@@ -145,16 +143,13 @@ pub enum Command {
     Quit,
 }
 
-/// A command about a session.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum SessionCommand {
     /// Save to the file of the session, or ask for a file.
     Save,
     SaveAs,
     SaveTo(PathBuf),
-    BrowseSave,
     Open(OpenSession),
-    BrowseLost(Side),
     DiscardLeftBehind(PathBuf),
 }
 
@@ -163,11 +158,8 @@ pub enum SessionCommand {
 pub enum ExchangeCommand {
     ShowExport,
     ShowPlaneExport,
-    /// Choose the file of the export with the file dialog of the system, which suggests this path.
-    BrowseExport(PathBuf),
     Export(ExportOrder),
     CopyFundamental(Notation),
-    BrowseImport,
     Import(Vec<PathBuf>),
     Accept {
         /// Reading to use, by its place in the list of the convention check. `None` takes the
@@ -194,7 +186,6 @@ pub enum PickPurpose {
     Session(PathBuf),
     /// A file for an export. The dialog suggests this path.
     ExportFile(PathBuf),
-    /// A file to import.
     Import,
     /// A missing image of a session.
     Lost(Side),

@@ -12,47 +12,23 @@ use crate::geometry::{Frame, FundamentalMatrix, Matrix9, PointPair};
 use crate::io::GroundTruth;
 use crate::judge::{GivenGeometry, Judgement, LIMIT, Reference, judge};
 
-/// A geometry of the comparison.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Contestant {
-    /// The result of the estimate.
-    Result,
-    /// A geometry from a file.
-    Imported,
-    /// The seven-point algorithm.
-    SevenPoint,
-    /// The normalised eight-point algorithm.
-    EightPoint,
-    /// RANSAC with MSAC scores.
-    Ransac,
-    /// Least median of squares.
-    LeastMedian,
-    /// The true geometry.
-    Truth,
-}
+named! {
+    fn name;
 
-impl Contestant {
-    /// All contestants, in the order of their rows.
-    pub const ALL: [Self; 7] = [
-        Self::Result,
-        Self::Imported,
-        Self::SevenPoint,
-        Self::EightPoint,
-        Self::Ransac,
-        Self::LeastMedian,
-        Self::Truth,
-    ];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Result => "Result",
-            Self::SevenPoint => "7-point",
-            Self::EightPoint => "8-point",
-            Self::Ransac => "RANSAC",
-            Self::LeastMedian => "LMedS",
-            Self::Imported => "Imported",
-            Self::Truth => "Ground truth",
-        }
+    /// A geometry of the comparison, in the order of the rows.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Contestant {
+        /// The result of the estimate.
+        Result = "Result",
+        /// A geometry from a file.
+        Imported = "Imported",
+        SevenPoint = "7-point",
+        /// The normalised eight-point algorithm.
+        EightPoint = "8-point",
+        /// RANSAC with MSAC scores.
+        Ransac = "RANSAC",
+        LeastMedian = "LMedS",
+        Truth = "Ground truth",
     }
 }
 
@@ -61,7 +37,6 @@ const ENOUGH: usize = 8;
 /// Seed of the samples of robust methods.
 const SEED: u64 = 0;
 
-/// A set of point pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PointSet {
@@ -75,7 +50,6 @@ pub enum PointSet {
     TrueMatches,
 }
 
-/// A measure of distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Measure {
@@ -94,40 +68,31 @@ pub struct Subject {
     pub measured: PointSet,
     /// Points that the other methods are fitted to, if there are any of this kind.
     pub fitted: PointSet,
-    /// Measure of distance.
     pub measure: Measure,
 }
 
-/// Inputs of a comparison.
 #[derive(Clone, PartialEq)]
 pub struct ComparisonQuestion {
     pub result: Option<FundamentalMatrix>,
     /// Geometry shown by the window.
     pub shown: Option<FundamentalMatrix>,
     pub imported: Option<GivenGeometry>,
-    /// The clicked pairs.
     pub pairs: Vec<PointPair>,
     /// Places of the excluded pairs among the clicked ones.
     pub excluded: Vec<usize>,
-    /// Pairs used in the estimate.
     pub used: Vec<PointPair>,
-    /// Matches of the result.
     pub matches: Vec<PointPair>,
     /// Matches from elsewhere.
     pub given: Option<Shared<Vec<Match>>>,
-    /// Covariance of the result.
     pub covariance: Option<Matrix9>,
     /// Whether the result may contradict an imported geometry.
     pub is_trusted: bool,
-    /// Sizes of the images.
     pub frames: [Frame; 2],
     /// Ground truth, if known and in use.
     pub truth: Option<Shared<GroundTruth>>,
-    /// Points, fits and measure.
     pub subject: Subject,
 }
 
-/// One geometry of a comparison.
 #[derive(Debug, Clone)]
 pub struct Compared {
     /// The geometry, or the reason why there is none.
@@ -138,16 +103,12 @@ pub struct Compared {
     pub spread: Option<Spread>,
 }
 
-/// Result of a comparison.
 #[derive(Debug, Clone)]
 pub struct Comparison {
     /// Unique number of this comparison.
     pub number: u64,
-    /// The kind of the measured points.
     pub measured: PointSet,
-    /// The points that the other methods are fitted to.
     pub fitted: PointSet,
-    /// The measured points.
     pub points: Vec<PointPair>,
     /// Rows in the order of [`Contestant::ALL`].
     pub rows: [Compared; Contestant::ALL.len()],
@@ -165,14 +126,12 @@ impl Comparison {
         self.of(contestant).fit.as_ref().ok().map(|fit| &fit.fundamental)
     }
 
-    /// Returns the row of a contestant.
     pub fn of(&self, contestant: Contestant) -> &Compared {
         &self.rows[contestant as usize]
     }
 }
 
 impl ComparisonQuestion {
-    /// Computes the comparison.
     pub fn answer(&self) -> Comparison {
         let truth = self.truth.as_deref();
         let measured = self.present(self.subject.measured);

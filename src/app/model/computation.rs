@@ -14,7 +14,6 @@ use crate::geometry::PointPair;
 /// Inputs of an estimate. A new estimate is made only when they change.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimateRequest {
-    /// The two pictures.
     pub pictures: Pictures,
     /// The sequences, if lines are compared by motion barcodes.
     pub recordings: Option<Synchronised>,
@@ -37,20 +36,17 @@ pub enum EstimateFailure {
 /// News about a request.
 #[derive(Debug)]
 pub enum EstimateNews {
-    /// A stage has begun.
     Started(Stage),
     /// The pencils through the anchors have been compared.
     Pencils(Vec<Arc<ComparedPencils>>),
     /// A result good enough to draw; better ones follow.
     Preliminary(Box<Estimate>),
-    /// The computation has ended.
     Finished(Result<Box<Estimate>, EstimateFailure>),
 }
 
 /// Effect of a new request on the previous one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RequestChange {
-    /// The request is the same.
     None,
     /// Only the points moved. The running search may still give a geometry that can follow them.
     Moved,
@@ -81,7 +77,6 @@ impl Freshness {
     }
 }
 
-/// The result on the screen.
 #[derive(Debug, Clone)]
 struct ResultOnScreen {
     /// Number of the request. A result of an earlier request never replaces this one.

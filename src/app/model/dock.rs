@@ -17,7 +17,6 @@ const LARGEST_SHARE: f32 = 0.75;
 /// jump to and fro while the window is resized.
 const CLEARLY_LARGER: f32 = 1.06;
 
-/// Edge of the window with the dock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[expect(missing_docs, reason = "the names say all")]
@@ -83,9 +82,7 @@ impl DockLook {
 /// Arrangement of dock and pictures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
-    /// Edge of the window with the dock.
     pub edge: DockEdge,
-    /// Whether the pictures are stacked.
     pub stacked: bool,
     /// Height or width of the dock.
     pub size: f32,

@@ -10,13 +10,11 @@ use super::document::{Document, PointRef};
 /// Key of edits that are merged into one step of the history.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EditKey {
-    /// Moves of one drag.
     Drag(PointRef),
     /// A run of arrow keys.
     Nudge(PointRef),
     /// Letters of the name of a pair.
     Name(usize),
-    /// Changes of one parameter.
     Parameter(&'static str),
     /// Changes of the time offset of two sequences.
     Offset,
@@ -80,12 +78,10 @@ impl History {
         self.open.take().filter(is_under_way).and_then(|_| self.revert())
     }
 
-    /// Returns whether there is a step to undo.
     pub fn can_undo(&self) -> bool {
         !self.undo.is_empty()
     }
 
-    /// Returns whether there is a step to redo.
     pub fn can_redo(&self) -> bool {
         !self.redo.is_empty()
     }

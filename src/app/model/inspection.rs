@@ -18,7 +18,6 @@ pub struct InspectionRequest {
     pub pictures: Pictures,
     /// One line in each picture.
     pub lines: [AnchoredLine; 2],
-    /// Parameters of the stereo cost.
     pub stereo: StereoParameters,
     /// Largest disparity tried, as a fraction of the longer side of the left image.
     pub reach: f64,
@@ -63,7 +62,6 @@ fn alike(cost: f32, largest: f32) -> f32 {
     1.0 - (cost / largest).min(1.0).sqrt()
 }
 
-/// Draws the cost band.
 fn band(warped: &WarpedProfile, range: DisparityRange, stereo: &StereoParameters) -> RgbImage {
     let WarpedProfile { profile1, profile2, .. } = warped;
     let color = |cost: u16| heat::rgb(alike(cost.into(), largest(stereo)));
@@ -82,7 +80,6 @@ fn band(warped: &WarpedProfile, range: DisparityRange, stereo: &StereoParameters
 /// Two lines matched sample by sample. Sample `i` is `i` steps from the anchor of the left line.
 #[derive(Debug, Clone)]
 pub struct Inspection {
-    /// Unique number of this inspection.
     pub number: u64,
     pub lines: [AnchoredLine; 2],
     /// Distance of neighbouring samples of the left line, px.
@@ -101,7 +98,6 @@ pub struct Inspection {
 }
 
 impl Inspection {
-    /// Returns the range of sample indices.
     pub fn samples(&self) -> std::ops::Range<i32> {
         self.warped.profile1.first..self.warped.profile1.end()
     }

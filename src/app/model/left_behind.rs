@@ -15,7 +15,6 @@ pub struct LeftBehind {
     path: PathBuf,
     /// The work and its images, in one sentence.
     pub text: String,
-    /// Time of the last change.
     pub changed: Option<SystemTime>,
 }
 

@@ -37,22 +37,17 @@ pub struct Look {
     /// The stage. Every start begins with the pictures.
     #[serde(skip)]
     pub stage: StageId,
-    /// The tab of the dock.
     #[serde(serialize_with = "tab_by_title", deserialize_with = "tab_from_title")]
     pub tab: TabId,
     /// The step shown by the tab of the method.
     #[serde(skip)]
     pub step: MethodStep,
-    /// Place and size of the dock.
     pub dock: DockLook,
     /// Whether the images of the folder are shown in a drawer over the stage.
     pub drawer: bool,
-    /// Whether given names of pairs are shown in the images.
-    pub names: bool,
     /// Whether the images are stacked; `None` chooses what shows them larger.
     #[serde(rename = "stacking")]
     pub stacked: Option<bool>,
-    /// Subject of the residuals.
     pub compared: Subject,
     /// Layout and guide lines of the rectified pair.
     pub rectified: RectifiedLook,
@@ -69,7 +64,6 @@ impl Default for Look {
             step: MethodStep::default(),
             dock: DockLook::default(),
             drawer: false,
-            names: true,
             stacked: None,
             compared: Subject::default(),
             rectified: RectifiedLook::default(),
@@ -93,7 +87,7 @@ impl Look {
 
 fn shown_at_first() -> [bool; OverlayId::COUNT] {
     let mut shown = [false; OverlayId::COUNT];
-    for (overlay, shown) in OverlayId::all().zip(&mut shown) {
+    for (overlay, shown) in OverlayId::ALL.into_iter().zip(&mut shown) {
         *shown = overlay.visibility() != Visibility::OnRequest;
     }
     shown
@@ -105,7 +99,7 @@ fn overlays_by_name<S: Serializer>(
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
     let named: BTreeMap<&str, bool> =
-        OverlayId::all().map(OverlayId::name).zip(overlays.iter().copied()).collect();
+        OverlayId::ALL.into_iter().map(OverlayId::name).zip(overlays.iter().copied()).collect();
     named.serialize(serializer)
 }
 
@@ -114,7 +108,7 @@ fn overlays_from_names<'de, D: Deserializer<'de>>(
 ) -> Result<[bool; OverlayId::COUNT], D::Error> {
     let named = BTreeMap::<String, bool>::deserialize(deserializer)?;
     let mut overlays = shown_at_first();
-    for (overlay, shown) in OverlayId::all().zip(&mut overlays) {
+    for (overlay, shown) in OverlayId::ALL.into_iter().zip(&mut overlays) {
         let saved = named.get(overlay.name());
         if let Some(saved) = saved.filter(|_| overlay.visibility() != Visibility::Always) {
             *shown = *saved;

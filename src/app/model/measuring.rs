@@ -13,17 +13,7 @@ pub struct Measuring {
     pub end: Option<Point>,
 }
 
-/// Distance and direction from one place to another.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Measured {
-    /// Distance, px.
-    pub distance: f64,
-    /// Angle from the direction of x, clockwise, in (−180°, 180°], as in the charts of the method.
-    pub degrees: f64,
-}
-
 impl Measuring {
-    /// Begins at a place.
     pub fn from(side: Side, start: Point) -> Self {
         Self { side, start, end: None }
     }
@@ -37,10 +27,11 @@ impl Measuring {
         }
     }
 
-    /// Measures up to a place.
-    pub fn to(&self, end: Point) -> Measured {
+    /// Returns the distance to a place, px, and the angle from the direction of x, clockwise, in (−180°, 180°], as in
+    /// the charts of the method.
+    pub fn to(&self, end: Point) -> (f64, f64) {
         let way = end - self.start;
-        Measured { distance: way.norm(), degrees: way.y.atan2(way.x).to_degrees() }
+        (way.norm(), way.y.atan2(way.x).to_degrees())
     }
 }
 
@@ -58,10 +49,7 @@ mod tests {
             ((9.0, 10.0), 1.0, 180.0),
         ] {
             let found = origin.to(Point::new(to.0, to.1));
-            assert!(
-                (found.distance - distance).abs() < 1e-12 && (found.degrees - degrees).abs() < 1e-3,
-                "{found:?}"
-            );
+            assert!((found.0 - distance).abs() < 1e-12 && (found.1 - degrees).abs() < 1e-3, "{found:?}");
         }
     }
 }

@@ -16,14 +16,12 @@ const STAYS_LONG: f64 = 30.0;
 /// Time after which the age in a message changes, seconds.
 const MINUTE: f64 = 60.0;
 
-/// Subject of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MessageKind {
     /// A failure, or a command that cannot be carried out.
     Problem,
     /// A finished task that took some time.
     Done,
-    /// The answer to a question.
     Answer,
     /// An offer to restore unsaved work.
     LeftBehind,
@@ -58,16 +56,13 @@ impl MessageKind {
     }
 }
 
-/// A message to the user.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Message {
     /// Number for [`Command::Dismiss`].
     pub number: u64,
-    /// Subject of the message.
     pub kind: MessageKind,
     /// The fact and the action to take.
     pub text: String,
-    /// Buttons of the message.
     pub actions: Vec<MessageAction>,
     /// Time when the subject of the message last changed, if that matters.
     changed: Option<SystemTime>,
@@ -100,12 +95,9 @@ fn ago(age: Duration) -> String {
     format!("{count} {unit}{} ago", if count == 1 { "" } else { "s" })
 }
 
-/// A button of a message.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MessageAction {
-    /// Label of the button.
     pub label: &'static str,
-    /// Effect of the button.
     pub command: Command,
 }
 
@@ -127,7 +119,6 @@ impl Messages {
         self.list.iter().rev().take(MOST)
     }
 
-    /// Returns the number of hidden messages.
     pub fn below(&self) -> usize {
         self.list.len().saturating_sub(MOST)
     }
@@ -170,12 +161,10 @@ impl Messages {
         }
     }
 
-    /// Removes all messages of a kind.
     pub fn settle(&mut self, kind: MessageKind) {
         self.list.retain(|message| message.kind != kind);
     }
 
-    /// Removes a message by its number.
     pub fn dismiss(&mut self, number: u64) {
         self.list.retain(|message| message.number != number);
     }
@@ -190,7 +179,6 @@ pub struct LastDone {
 }
 
 impl LastDone {
-    /// Replaces the text.
     pub fn tell(&mut self, text: impl Into<String>) {
         *self = Self { text: Some(text.into()), seen: None };
     }
@@ -233,20 +221,6 @@ mod tests {
         messages.date(SystemTime::now().checked_sub(minutes(5)));
         assert_eq!(messages.list()[0].told(), "Not saved. Last changed 5 minutes ago.");
         assert_eq!(messages.retire(0.0), Some(MINUTE), "the window is drawn again");
-    }
-
-    #[test]
-    fn settling_removes_messages_of_one_kind() {
-        let mut messages = Messages::default();
-        let restore = MessageAction { label: "Restore", command: Command::Undo };
-        messages.say(MessageKind::LeftBehind, "Restore that work?".into(), vec![restore.clone()]);
-        messages.say(MessageKind::Replace, "Replace the file?".into(), vec![restore]);
-        messages.tell("It went wrong.");
-        messages.settle(MessageKind::Replace);
-        let kinds: Vec<_> = messages.list().iter().map(|message| message.kind).collect();
-        assert_eq!(kinds, [MessageKind::LeftBehind, MessageKind::Problem]);
-        messages.dismiss(messages.list()[1].number);
-        assert_eq!(messages.list().len(), 1);
     }
 
     #[test]

@@ -67,12 +67,16 @@ mod turning;
 mod unclicked;
 pub mod verdict;
 
+pub use command::{Command, ExchangeCommand, SessionCommand};
+pub use document::{Document, PointRef, Role, Side, pair_name};
+pub use focus::{LineSource, Target};
+pub use ids::{MethodStep, OverlayId, StageId, TabId};
+
 use album::Album;
-use document::{Document, PictureIdentity, PointRef};
+use document::PictureIdentity;
 use exchange::PendingImport;
-use focus::LineSource;
 use history::{EditKey, History};
-use ids::{OverlayId, StageId, TabId, Visibility};
+use ids::Visibility;
 use left_behind::LeftBehind;
 use look::{Look, Tool};
 use messages::{MessageKind, Messages};
@@ -95,7 +99,6 @@ use crate::similarity::LineMeasure;
 /// Work in progress that the window shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Activity {
-    /// Whether pictures are being opened.
     pub loading: bool,
     /// Whether another rectified pair is being made.
     pub rectifying: bool,
@@ -108,7 +111,6 @@ pub struct Activity {
 /// State of the window. Panes and panels read it; commands change it.
 #[derive(Default)]
 pub struct Model {
-    /// The edited state.
     pub document: Document,
     /// Earlier states, for undo.
     pub history: History,
@@ -120,19 +122,14 @@ pub struct Model {
     pub tool: Tool,
     /// The folder of the pictures, with the work on its other pairs.
     pub album: Option<Album>,
-    /// The open session.
     pub session: SessionState,
-    /// Messages that the user has not dismissed.
     pub messages: Messages,
-    /// Work in progress.
     pub activity: Activity,
     /// Imports that wait until images are open and no dialog is open.
     pub imports: std::collections::VecDeque<PendingImport>,
     /// Views of the folder that are being opened.
     pub wanted: Option<[usize; 2]>,
-    /// Small pictures of the open folder.
     pub thumbnails: Thumbnails,
-    /// Recently opened files.
     pub recents: Recents,
     /// Copies of unsaved work that can be restored, newest first.
     pub left_behind: Vec<LeftBehind>,
@@ -184,7 +181,6 @@ impl Model {
         self.history.record(before, &self.document, key);
     }
 
-    /// Returns whether there is something to undo.
     pub fn can_undo(&self) -> bool {
         self.history.can_undo() || self.history.before_lens.is_some()
     }
@@ -223,7 +219,6 @@ impl Model {
         }
     }
 
-    /// Sets the parameters of a preset.
     pub fn set_preset(&mut self, preset: Preset) {
         self.edit(|document| {
             document.parameters = document.parameters.with_preset(preset);
@@ -287,9 +282,8 @@ impl Model {
     /// Returns a sentence on whether the pictures are rectified, by the matches of the result, and whether the
     /// offsets of their rows are small enough for a map.
     pub fn judged_rows(&self) -> (String, bool) {
-        let found = self.open.computation.result().map_or(&[][..], |(estimate, _)| estimate.matches());
-        let matches: Vec<PointPair> = found.iter().map(|found| self.open.pixels_of(&found.pair)).collect();
-        let frame = self.open.shown_frame(document::Side::Right);
+        let matches: Vec<PointPair> = self.matched_pairs().map(|pair| self.open.pixels_of(&pair)).collect();
+        let frame = self.open.shown_frame(Side::Right);
         let Some(judgement) = frame.and_then(|frame| judge_rows(&matches, frame, ROW_LIMIT)) else {
             let text = "There are too few matches to compare rows. Click two point pairs, or find the geometry \
                         without clicks; then ask again.";
@@ -324,7 +318,6 @@ impl Model {
         }
     }
 
-    /// Returns the title of the window.
     pub fn title(&self) -> String {
         let Some([left, right]) = &self.document.pictures else { return "Epiline".to_owned() };
         let session = self.session.path.as_ref().and_then(|path| path.file_name()).map(|name| {

@@ -26,14 +26,11 @@ use crate::suggest::NextClick;
 /// A folder, and the numbers of the two views that are open.
 pub type OpenFolder = (Arc<PairFolder>, [usize; 2]);
 
-/// Position of the cursor in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hover {
-    /// The image under the cursor.
     pub side: Side,
     /// Position in the image, px. During a drag, the position of the dragged point.
     pub point: Point,
-    /// Whether a point is being dragged.
     pub dragging: bool,
 }
 
@@ -86,7 +83,6 @@ pub struct OpenPair {
     pub player: Player,
     /// First pair of the next range that is chosen in the list.
     pub first_chosen: Option<usize>,
-    /// The measurement in an image.
     pub measuring: Option<Measuring>,
     /// Position of the cursor: written in one frame, read in the next.
     pub hover: Option<Hover>,
@@ -155,7 +151,6 @@ impl OpenPair {
         pictures[side.index()].point(pixel)
     }
 
-    /// Returns the size of the picture on the screen.
     pub fn shown_frame(&self, side: Side) -> Option<Frame> {
         Some(self.pictures.as_ref()?[side.index()].shown().frame())
     }

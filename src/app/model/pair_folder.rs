@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use crate::io::{TruthFolder, has_image_extension};
+use crate::io::{TruthFolder, has_extension, has_image_extension};
 
 /// A folder of images, with or without ground truth.
 #[derive(Debug, Clone)]
@@ -88,9 +88,10 @@ impl PairFolder {
         &self.names
     }
 
-    /// Returns the number of a view.
-    pub fn view_named(&self, name: &str) -> Option<usize> {
-        self.names.iter().position(|other| other == name)
+    /// Returns the numbers of the two views with these names, if they are a pair.
+    pub fn pair_named(&self, names: &[String; 2]) -> Option<[usize; 2]> {
+        let view = |name: &String| self.names.iter().position(|other| other == name);
+        Some([view(&names[0])?, view(&names[1])?]).filter(|pair| self.is_pair(*pair))
     }
 
     /// Returns whether any two views are a pair.
@@ -134,9 +135,6 @@ fn is_image(path: &Path) -> bool {
 
 /// Returns whether a folder seems to have ground truth. Its errors should be reported then.
 fn claims_truth(entries: &[PathBuf]) -> bool {
-    let has_extension = |path: &Path, known: &str| {
-        path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(known))
-    };
     let stems: HashSet<&OsStr> =
         entries.iter().filter(|path| is_image(path)).filter_map(|path| path.file_stem()).collect();
     entries.iter().any(|path| {
@@ -146,7 +144,8 @@ fn claims_truth(entries: &[PathBuf]) -> bool {
             name.push(side);
             stems.contains(name.as_os_str())
         };
-        has_extension(path, "nview-corners") || has_extension(path, "txt") && (is_half("A") || is_half("B"))
+        has_extension(path, &["nview-corners"])
+            || has_extension(path, &["txt"]) && (is_half("A") || is_half("B"))
     })
 }
 

@@ -30,13 +30,11 @@ impl QuarterTurns {
         self.0
     }
 
-    /// Returns one quarter turn more.
     #[must_use]
     pub fn next(self) -> Self {
         Self::from(self.0 + 1)
     }
 
-    /// Returns the turn back.
     #[must_use]
     pub fn inverse(self) -> Self {
         Self::from(4 - self.0)
@@ -65,7 +63,6 @@ pub struct PaneView {
     pub centre: Point,
     /// Screen points per image pixel. `None` fits the image into the pane.
     pub scale: Option<f64>,
-    /// Turn of the image on the screen.
     #[serde(default)]
     pub turn: QuarterTurns,
 }
@@ -88,7 +85,6 @@ impl PaneView {
         Self { turn: self.turn.next(), ..self }
     }
 
-    /// Returns whether the image is fitted into the pane.
     pub fn fits(&self) -> bool {
         self.scale.is_none()
     }

@@ -39,9 +39,7 @@ pub struct Opened {
 /// A picture with the distortion of its lens, as it is shown.
 #[derive(Debug)]
 pub struct LensPicture {
-    /// The picture of the camera.
     pub original: Shared<Picture>,
-    /// The view without distortion.
     pub view: UndistortedView,
 }
 
@@ -87,7 +85,6 @@ impl Opened {
         Self { picture, lens: None, ..self }
     }
 
-    /// Returns the picture on the screen.
     pub fn shown(&self) -> &Shared<Picture> {
         self.lens.as_ref().map_or(&self.picture, |lens| &lens.original)
     }

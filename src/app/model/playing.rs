@@ -134,8 +134,7 @@ impl Model {
     }
 
     /// Sets the offset that was found, and reports it.
-    pub fn take_offset(&mut self, found: OffsetFound) {
-        let OffsetFound { recordings, outcome } = found;
+    pub fn take_offset(&mut self, (recordings, outcome): OffsetFound) {
         if self.recordings() != Some(recordings) {
             return;
         }

@@ -95,13 +95,13 @@ fn an_offset_of_other_sequences_is_ignored() {
     let mut model = model();
     let others = [Shared::new(example(20)), Shared::new(example(20))];
     let outcome = |offset| Ok(vec![OffsetAgreement { offset, correlation: 0.8 }]);
-    model.take_offset(OffsetFound { recordings: others, outcome: outcome(7) });
+    model.take_offset((others, outcome(7)));
     assert_eq!(model.document.offset, 0);
     let own = model.recordings().unwrap();
-    model.take_offset(OffsetFound { recordings: own.clone(), outcome: outcome(7) });
+    model.take_offset((own.clone(), outcome(7)));
     assert_eq!(model.document.offset, 7);
     assert!(model.open.done.text().is_some_and(|text| text.contains("+7 (agreement 0.80)")));
-    model.take_offset(OffsetFound { recordings: own, outcome: Ok(Vec::new()) });
+    model.take_offset((own, Ok(Vec::new())));
     assert_eq!(model.document.offset, 7);
     assert_eq!(model.messages.list().len(), 1);
 }

@@ -85,32 +85,21 @@ impl Model {
             return None;
         }
         let document = &self.document;
-        let pictures = document.pictures.as_ref()?;
         Some(ComparisonQuestion {
-            result: self.open.computation.result().map(|(estimate, _)| *estimate.fundamental()),
+            result: self.result().map(|estimate| *estimate.fundamental()),
             shown: self.shown().map(|shown| *shown.fundamental),
             imported: document.imported.as_ref().map(Imported::geometry),
             pairs: document.pairs.clone(),
             excluded: document.excluded.iter().copied().collect(),
             used: document.used().map(|pair| document.pairs[pair]).collect(),
-            matches: self.found_matches(),
+            matches: self.matched_pairs().collect(),
             given: document.given.as_ref().map(|given| given.matches.clone()),
-            covariance: self
-                .open
-                .computation
-                .result()
-                .and_then(|(found, _)| Some(found.uncertainty()?.covariance())),
-            is_trusted: self.open.computation.result().is_some_and(|(found, _)| found.may_contradict()),
-            frames: pictures.each_ref().map(|picture| picture.frame),
+            covariance: self.result().and_then(|found| Some(found.uncertainty()?.covariance())),
+            is_trusted: self.result().is_some_and(Estimate::may_contradict),
+            frames: document.frames()?,
             truth: self.truth().and(self.open.known()).map(|known| known.truth.clone()),
             subject: self.look.compared,
         })
-    }
-
-    /// Returns the matches of the result.
-    fn found_matches(&self) -> Vec<PointPair> {
-        let result = self.open.computation.result();
-        result.map_or_else(Vec::new, |(found, _)| found.matches().iter().map(|found| found.pair).collect())
     }
 
     /// Returns the request for a suggested match. None for sequences: their cameras are too far

@@ -9,7 +9,6 @@ use crate::motion::{
     BackgroundParameters, Barcode, FrameSequence, MotionError, OffsetAgreement, Silhouettes, common_frames,
 };
 
-/// The sequence of one camera.
 #[derive(Debug)]
 pub struct Recording {
     pub sequence: FrameSequence,
@@ -31,7 +30,6 @@ pub type Recordings = [Shared<Recording>; 2];
 /// Two sequences with their time offset.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Synchronised {
-    /// The sequences.
     pub recordings: Recordings,
     /// Frame `k` of the left sequence belongs with frame `k + offset` of the right one.
     pub offset: i32,
@@ -66,7 +64,6 @@ impl Synchronised {
 pub struct InspectedBarcodes {
     /// First frame, by its number in the left sequence.
     pub first: usize,
-    /// Barcodes of the left and the right line.
     pub barcodes: [Barcode; 2],
 }
 
@@ -81,18 +78,15 @@ impl InspectedBarcodes {
 /// A command about the open sequences.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlayerCommand {
-    /// Start or pause the playback.
     TogglePlay,
     /// Move forward by a number of frames, or back.
     Step(i32),
     /// Show this frame of the left sequence, and the matching frame of the right one.
     Seek(usize),
-    /// Show or hide the silhouettes.
     ToggleSilhouettes,
     /// Set the time offset: frame `k` of the left sequence belongs with frame `k + offset` of the
     /// right one.
     SetOffset(i32),
-    /// Search for the time offset.
     FindOffset,
 }
 
@@ -101,20 +95,12 @@ pub enum PlayerCommand {
 pub struct Player {
     /// Frame of the left sequence; fractional during playback.
     pub(super) position: f64,
-    /// Whether the sequences are playing.
     pub playing: bool,
-    /// Whether the silhouettes are marked.
     pub silhouettes: bool,
 }
 
-/// Time offsets at which two sequences agree, best first.
-#[derive(Debug)]
-pub struct OffsetFound {
-    /// The sequences.
-    pub recordings: Recordings,
-    /// Agreement at each offset, or the reason why there is none.
-    pub outcome: Result<Vec<OffsetAgreement>, MotionError>,
-}
+/// Two sequences, and the time offsets at which they agree, best first, or the reason why there are none.
+pub type OffsetFound = (Recordings, Result<Vec<OffsetAgreement>, MotionError>);
 
 /// Returns a small sequence with moving objects.
 #[cfg(test)]

@@ -67,8 +67,8 @@ impl Model {
     }
 
     /// Moves the point of a refined pair and reports it, unless the pair changed meanwhile.
-    pub fn take_repair(&mut self, repaired: Repaired) {
-        let Repaired { question: RepairQuestion { pictures, pair, points, .. }, outcome } = repaired;
+    pub fn take_repair(&mut self, (question, outcome): Repaired) {
+        let RepairQuestion { pictures, pair, points, .. } = question;
         if self.document.pairs.get(pair) != Some(&points) || self.open.pictures() != Some(pictures) {
             return;
         }

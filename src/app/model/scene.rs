@@ -33,9 +33,7 @@ const DISTANCES: [f64; 2] = [0.05, 1e5];
 pub struct SceneQuestion {
     /// The left view, for colours.
     pub left: Shared<Picture>,
-    /// The result.
     pub found: Shared<Estimate>,
-    /// Views of the calibrated cameras.
     pub views: ViewPair,
 }
 
@@ -44,7 +42,6 @@ pub struct Scene {
     question: SceneQuestion,
     /// Pose of camera 2, fitted to the matches.
     pub fit: PoseFit,
-    /// Scene points and cameras.
     pub cloud: PointCloud,
 }
 
@@ -70,7 +67,6 @@ impl Scene {
         views.iter().filter_map(|view| view.camera().focal_deviation()).fold(0.0, f64::max)
     }
 
-    /// Returns the scene point of a match.
     pub fn point(&self, number: usize) -> Option<&CloudPoint> {
         let place = self.cloud.points.binary_search_by_key(&number, |point| point.number).ok()?;
         self.cloud.points.get(place)

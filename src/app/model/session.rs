@@ -15,7 +15,7 @@ use super::picture::Opened;
 use super::sample::SAMPLE_SEQUENCES;
 use crate::camera::CameraModel;
 use crate::geometry::Frame;
-use crate::io::{ImageReference, ImageSource, SessionFile, relative, resolve};
+use crate::io::{ImageReference, ImageSource, SessionFile, has_extension, relative, resolve};
 use crate::synthetic::Sample;
 
 /// Maximum number of pairs of a session, far more than anybody clicks. Each is drawn and listed.
@@ -105,14 +105,11 @@ impl Work {
     }
 }
 
-/// A session to open.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct OpenSession {
-    /// The file.
     pub path: PathBuf,
     /// Images that replace the images named by the session.
     pub images: [Option<PathBuf>; 2],
-    /// Whether changed images are accepted.
     pub accepts_changed: bool,
     /// Whether the file is the program's own copy of unsaved work.
     pub recovers: bool,
@@ -124,7 +121,6 @@ impl From<PathBuf> for OpenSession {
     }
 }
 
-/// Problem with an image of a session.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Lost {
     /// The file does not exist.
@@ -145,7 +141,6 @@ pub struct Relocation {
 #[derive(Debug, Clone)]
 pub struct Restored {
     pub session: OpenSession,
-    /// The saved work.
     pub work: Work,
     /// Parts that could not be restored, one sentence each.
     pub notes: Vec<String>,
@@ -162,7 +157,6 @@ pub struct SessionState {
     pub on_disk: Option<(SystemTime, u64)>,
     /// Work in the program's own copy.
     pub copied: Option<Work>,
-    /// Time of the last copy.
     pub last_copy: Option<Instant>,
 }
 
@@ -241,5 +235,5 @@ pub fn suggested_path(pictures: &[Opened; 2]) -> PathBuf {
 
 /// Returns whether a file may be a session, by its extension.
 pub fn has_session_extension(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
+    has_extension(path, &["json"])
 }

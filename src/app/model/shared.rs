@@ -8,7 +8,6 @@ use std::sync::Arc;
 pub struct Shared<T>(Arc<T>);
 
 impl<T> Shared<T> {
-    /// Wraps a value.
     pub fn new(value: T) -> Self {
         Self(Arc::new(value))
     }

@@ -7,7 +7,7 @@ use super::document::Side;
 use super::focus::{LineSource, Pin};
 use super::pair_folder::PairFolder;
 use super::verdict::Tone;
-use crate::estimate::{Construction, Estimate, Reason, lines_at};
+use crate::estimate::{Construction, Estimate, Reason, RefinedMatch, lines_at};
 use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair, symmetric_epipolar_distance};
 use crate::io::GroundTruth;
 
@@ -26,17 +26,14 @@ pub struct ShownGeometry<'a> {
     pub freshness: Freshness,
 }
 
-/// The inspected line pair.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InspectedLines {
-    /// Origin of the lines.
     pub source: LineSource,
     /// One line per image, with matching directions and anchors at nearly the same scene point.
     pub lines: [AnchoredLine; 2],
 }
 
 impl ShownGeometry<'_> {
-    /// Returns whether the geometry is the result itself.
     pub fn is_result(&self) -> bool {
         self.hypothesis.is_none() && self.contestant.is_none()
     }
@@ -110,8 +107,19 @@ impl Model {
         (freshness == Freshness::Final && self.tone() != Tone::Bad).then(|| estimate.fundamental())
     }
 
-    pub fn has_result(&self) -> bool {
-        self.open.computation.result().is_some()
+    /// Returns the latest result, even while a newer one is being computed.
+    pub fn result(&self) -> Option<&Estimate> {
+        self.open.computation.result().map(|(estimate, _)| estimate)
+    }
+
+    /// Returns the matches of the latest result.
+    pub fn matches(&self) -> &[RefinedMatch] {
+        self.result().map_or(&[], Estimate::matches)
+    }
+
+    /// Returns the pairs of the matches of the latest result.
+    pub fn matched_pairs(&self) -> impl ExactSizeIterator<Item = PointPair> + '_ {
+        self.matches().iter().map(|found| found.pair)
     }
 
     /// Returns the ground truth in use.

@@ -6,10 +6,8 @@ use super::verdict::line_score_text;
 use crate::estimate::Stage;
 use crate::features::FeatureViews;
 
-/// Progress of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StepProgress {
-    /// Not begun.
     Waiting,
     Running,
     /// Done, with the seconds if known.

@@ -8,10 +8,8 @@ use crate::estimate::Estimate;
 use crate::geometry::{Point, PointPair};
 use crate::suggest::{SuggestError, Suggestions};
 
-/// Request for a suggested match.
 #[derive(Clone, PartialEq)]
 pub struct SuggestQuestion {
-    /// The two pictures.
     pub pictures: Pictures,
     /// The first click.
     pub half: HalfPair,
@@ -27,18 +25,15 @@ pub type Suggested = Result<Suggestions, SuggestError>;
 /// Request for the most useful next click, for a doubtful result.
 #[derive(Clone, PartialEq)]
 pub struct NextClickQuestion {
-    /// The two pictures.
     pub pictures: Pictures,
     /// The result and its rivals.
     pub found: Shared<Estimate>,
-    /// The pairs placed so far.
     pub placed: Vec<PointPair>,
 }
 
 /// Request for the distortion of a lens that explains the matches clearly better than a result.
 #[derive(Clone, PartialEq)]
 pub struct LensQuestion {
-    /// The two pictures.
     pub pictures: Pictures,
     /// The result without a lens.
     pub found: Shared<Estimate>,
@@ -48,18 +43,15 @@ pub struct LensQuestion {
 /// whether a pair is there.
 #[derive(Clone, PartialEq)]
 pub struct PlacesQuestion {
-    /// The two pictures.
     pub pictures: Pictures,
     /// The result, which is not unreliable.
     pub found: Shared<Estimate>,
-    /// The pairs.
     pub pairs: Vec<PointPair>,
 }
 
 /// What the images tell about the place of a pair along its epipolar line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaceFound {
-    /// The pair.
     pub pair: PointPair,
     /// Place of the match of the left point in the right image, px, if it is clear.
     pub place: Option<Point>,
@@ -70,11 +62,8 @@ pub struct PlaceFound {
 /// Request to align the right point of a pair to a fraction of a pixel near its place.
 #[derive(Clone, PartialEq)]
 pub struct RepairQuestion {
-    /// The two pictures.
     pub pictures: Pictures,
-    /// Number of the pair.
     pub pair: usize,
-    /// Points of the pair.
     pub points: PointPair,
     /// The final result, unless it is unreliable.
     pub found: Option<Shared<Estimate>>,
@@ -83,11 +72,5 @@ pub struct RepairQuestion {
 /// New place of the right point, or the reason why there is none: a sentence without its full stop.
 pub type RepairOutcome = Result<Point, String>;
 
-/// A finished repair.
-#[derive(Clone, PartialEq)]
-pub struct Repaired {
-    /// The request.
-    pub question: RepairQuestion,
-    /// The outcome.
-    pub outcome: RepairOutcome,
-}
+/// A finished repair: the request and its outcome.
+pub type Repaired = (RepairQuestion, RepairOutcome);

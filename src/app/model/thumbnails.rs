@@ -5,46 +5,26 @@ use std::sync::Arc;
 
 use super::pair_folder::PairFolder;
 use super::picture::Overview;
-use crate::image::Picture;
 
 /// Longest side of a small picture, px.
-const SIDE: u32 = 160;
+pub const SIDE: u32 = 160;
 /// Maximum number of kept pictures, about 20 MB.
 const KEPT: usize = 256;
 
-/// A small picture of one view.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Thumbnail {
-    /// Width and height, px.
-    pub size: [usize; 2],
-    /// Red, green, blue and alpha of each pixel, with premultiplied colours.
-    pub pixels: Vec<u8>,
-}
-
-impl Thumbnail {
-    /// Reduces a picture.
-    pub fn new(picture: &Picture) -> Self {
-        let Overview { size, pixels, .. } = Overview::within(picture, SIDE);
-        Self { size, pixels }
-    }
-}
-
-/// Request for small pictures.
 #[derive(Debug, Clone)]
 pub struct ThumbnailQuestion {
     pub folder: Arc<PairFolder>,
-    /// Numbers of the views.
     pub views: Vec<usize>,
 }
 
 /// A finished picture, with folder and view; `None` for an unreadable image.
-pub type MadeThumbnail = (Arc<PairFolder>, usize, Option<Arc<Thumbnail>>);
+pub type MadeThumbnail = (Arc<PairFolder>, usize, Option<Arc<Overview>>);
 
 /// The finished small pictures.
 #[derive(Debug, Clone, Default)]
 pub struct Thumbnails {
     folder: Option<Arc<PairFolder>>,
-    made: HashMap<usize, Option<Arc<Thumbnail>>>,
+    made: HashMap<usize, Option<Arc<Overview>>>,
     /// Numbers of the views in the order of their pictures.
     order: Vec<usize>,
 }
@@ -77,7 +57,7 @@ impl Thumbnails {
 
     /// Returns the picture of a view: `None` while it is missing, `Some(None)` for an unreadable
     /// image.
-    pub fn of(&self, view: usize) -> Option<Option<&Arc<Thumbnail>>> {
+    pub fn of(&self, view: usize) -> Option<Option<&Arc<Overview>>> {
         self.made.get(&view).map(Option::as_ref)
     }
 }
@@ -85,11 +65,12 @@ impl Thumbnails {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::Picture;
 
     fn made(folder: &Arc<PairFolder>, view: usize) -> MadeThumbnail {
         let pixels = image::DynamicImage::new_luma8(1000, 10);
         let picture = Picture::from_pixels("a".into(), None, pixels).unwrap();
-        (Arc::clone(folder), view, Some(Arc::new(Thumbnail::new(&picture))))
+        (Arc::clone(folder), view, Some(Arc::new(Overview::within(&picture, SIDE))))
     }
 
     #[test]

@@ -12,34 +12,19 @@ const CLIPPED: f32 = 0.005;
 /// Maximum number of pixels sampled by a stretch.
 const SAMPLED: usize = 200_000;
 
-/// Visible channel of a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Channel {
-    /// All channels in colour.
-    #[default]
-    Colour,
-    /// Red alone, as grey.
-    Red,
-    /// Green alone, as grey.
-    Green,
-    /// Blue alone, as grey.
-    Blue,
-    /// Brightness, the input of all computations.
-    Grey,
-}
+named! {
+    fn name;
 
-impl Channel {
-    /// All channels.
-    pub const ALL: [Self; 5] = [Self::Colour, Self::Red, Self::Green, Self::Blue, Self::Grey];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Colour => "Colour",
-            Self::Red => "Red",
-            Self::Green => "Green",
-            Self::Blue => "Blue",
-            Self::Grey => "Grey",
-        }
+    /// Visible channel of a picture. A single channel is shown as grey.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+    pub enum Channel {
+        #[default]
+        Colour = "Colour",
+        Red = "Red",
+        Green = "Green",
+        Blue = "Blue",
+        /// Brightness, the input of all computations.
+        Grey = "Grey",
     }
 }
 
@@ -52,7 +37,6 @@ pub struct Rendition {
     pub contrast: f32,
     /// Gamma. Above 1 brightens the dark parts most.
     pub gamma: f32,
-    /// Visible channel.
     pub channel: Channel,
     /// Values shown as black and as white before the other settings, 0 to 1.
     pub range: [f32; 2],
@@ -142,7 +126,6 @@ impl Rendition {
 /// Appearance of both pictures. It is discarded with the pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tones {
-    /// The left and the right picture.
     pub of: [Rendition; 2],
     /// The adjusted picture; `None` adjusts both.
     pub alone: Option<Side>,
@@ -157,7 +140,6 @@ pub enum TonesCommand {
     Set(Rendition),
     /// Stretch the adjusted pictures from black to white.
     Stretch,
-    /// Reset both pictures.
     Reset,
 }
 
@@ -167,7 +149,6 @@ impl Tones {
         self.of[self.alone.map_or(0, Side::index)]
     }
 
-    /// Applies a command.
     pub fn apply(&mut self, command: TonesCommand, pictures: Option<&Pictures>) {
         let alone = self.alone;
         let wanted = |side: Side| alone.is_none_or(|alone| alone == side);

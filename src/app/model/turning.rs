@@ -34,7 +34,6 @@ impl Work {
 }
 
 impl Model {
-    /// Returns the work on the open pair.
     fn open_part(&self, views: ViewNames) -> KeptPair {
         let (document, pins) = (self.document.clone(), self.pins().collect());
         KeptPair { views, document, pins, cameras: self.open.cameras() }
@@ -76,13 +75,12 @@ impl Model {
 
     /// Restores the work on the pair that has just been opened.
     fn take_kept(&mut self, KeptPair { mut document, pins, .. }: KeptPair) {
-        let pictures = self.document.pictures.take();
-        if let Some(pictures) = &pictures {
-            document.keep_within(pictures.each_ref().map(|picture| picture.frame));
+        if let Some(frames) = self.document.frames() {
+            document.keep_within(frames);
         }
         // The truth comes from the folder as read now.
         document.truth = document.truth.and(self.document.truth.take());
-        self.document = Document { pictures, ..document };
+        self.document = Document { pictures: self.document.pictures.take(), ..document };
         for pin in pins {
             self.open.focus.pin(pin);
         }
@@ -124,10 +122,7 @@ impl Model {
     /// Returns the pairs of the folder with work that are not open, by number.
     pub fn kept_pairs(&self) -> Vec<[usize; 2]> {
         let (Some((folder, _)), Some(album)) = (self.folder(), &self.album) else { return Vec::new() };
-        let views = album.pairs().iter().map(|kept| &kept.views);
-        let pairs =
-            views.filter_map(|[left, right]| Some([folder.view_named(left)?, folder.view_named(right)?]));
-        pairs.filter(|pair| folder.is_pair(*pair)).collect()
+        album.pairs().iter().filter_map(|kept| folder.pair_named(&kept.views)).collect()
     }
 
     /// Returns whether pictures belong to the open folder, and not to a folder that was opened

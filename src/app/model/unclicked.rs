@@ -48,7 +48,7 @@ impl Model {
     /// Changes which pairs are used. If too few are left under a result of patches, the images decide
     /// alone: leaving out a misplaced pair must not lose the geometry that the images support.
     pub fn edit_roles(&mut self, change: impl FnOnce(&mut Document)) {
-        let keeps = self.has_result() && self.document.parameters.search == Search::Patches;
+        let keeps = self.result().is_some() && self.document.parameters.search == Search::Patches;
         self.edit(|document| {
             change(document);
             document.unclicked |= keeps && document.used().count() < document.pairs_needed();
@@ -64,21 +64,20 @@ impl Model {
 
     /// Returns the matches that replace clicks in the result; none for an estimate from clicks.
     pub fn standing_in(&self) -> Vec<PointPair> {
-        let result = self.open.computation.result().filter(|_| self.document.is_unclicked());
-        result.and_then(|(estimate, _)| Some(estimate.trace.as_ref()?.clicks.chosen())).unwrap_or_default()
+        let result = self.result().filter(|_| self.document.is_unclicked());
+        result.and_then(|estimate| Some(estimate.trace.as_ref()?.clicks.chosen())).unwrap_or_default()
     }
 
     /// Returns the matches that become point pairs on request: in each ninth of the left image, the match of
     /// the most similar patches. Without matches, those that replace the clicks.
     pub fn telling_matches(&self) -> Vec<PointPair> {
         let stand_ins = self.standing_in();
-        let result = self.open.computation.result().filter(|_| !stand_ins.is_empty());
-        let Some(((estimate, _), frame)) = result.zip(self.document.frame(Side::Left)) else {
+        let Some(frame) = self.document.frame(Side::Left).filter(|_| !stand_ins.is_empty()) else {
             return stand_ins;
         };
         let part = |at: f64, size: usize| ((at / size as f64 * 3.0).max(0.0) as usize).min(2);
         let mut best: [Option<RefinedMatch>; 9] = [None; 9];
-        for found in estimate.matches() {
+        for found in self.matches() {
             let point = found.pair.point1;
             let cell = &mut best[3 * part(point.y, frame.height) + part(point.x, frame.width)];
             if cell.is_none_or(|known| found.correlation > known.correlation) {

@@ -20,7 +20,6 @@ const LONGEST: Duration = Duration::from_hours(90 * 24);
 pub struct Autosave {
     folder: PathBuf,
     path: PathBuf,
-    /// The lock of the slot.
     lock: File,
     /// Copies left behind, newest first. Their locks keep other windows from offering them.
     left_behind: Vec<(PathBuf, File)>,

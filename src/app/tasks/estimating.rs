@@ -13,14 +13,12 @@ use crate::estimate::{Estimate, Monitor, Progress};
 /// Number of a search, its request, and the geometries to start from.
 type FollowQuestion = (u64, EstimateRequest, Vec<Arc<Estimate>>);
 
-/// The estimating threads.
 pub struct Estimating {
     search: Task<EstimateRequest, EstimateNews>,
     follower: Task<FollowQuestion, (u64, Option<Estimate>)>,
 }
 
 impl Estimating {
-    /// Starts the threads.
     pub fn new(mut estimate: Box<EstimateFn>, mut follow: Box<FollowFn>, waker: &Waker) -> Self {
         let search = Task::new("estimate", waker.clone(), Waiting::Newest, move |request, turn| {
             let monitor = Monitor::new(turn.cancel.clone(), |progress| match progress {

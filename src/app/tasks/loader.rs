@@ -25,7 +25,6 @@ pub enum Wanted {
     Opening(Opening),
     /// Two views of a folder, with the cameras of the work on them. Images that are already open are not read again.
     Views(Arc<PairFolder>, [usize; 2], Option<Box<[CameraModel; 2]>>),
-    /// A session with its pictures.
     Session(OpenSession),
     /// Open pictures, with their calibrated cameras.
     Calibrated(Box<([Opened; 2], NewCalibration)>),
@@ -64,12 +63,10 @@ pub struct Loader {
 }
 
 impl Loader {
-    /// Creates an idle loader.
     pub fn new(waker: Waker) -> Self {
         Self { waker, task: None, open: Vec::new() }
     }
 
-    /// Returns whether pictures are being opened.
     pub fn is_busy(&self) -> bool {
         self.task.is_some()
     }

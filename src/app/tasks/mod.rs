@@ -45,11 +45,8 @@ use saver::{SaveJob, Written};
 use task::{Following, Task, Waiting};
 use thumbnails::Thumbnailing;
 
-/// All tasks.
 pub struct Tasks {
-    /// Handle that wakes the window.
     pub waker: Waker,
-    /// Estimates of the geometry.
     pub estimating: Estimating,
     preparing: Following<Pictures, ()>,
     comparing: Following<ComparisonQuestion, Comparison>,
@@ -58,32 +55,23 @@ pub struct Tasks {
     advising: Following<NextClickQuestion, Option<NextClick>>,
     straightening: Following<LensQuestion, (LensQuestion, Option<DivisionFit>)>,
     checking: Following<PlacesQuestion, (PlacesQuestion, Vec<PlaceFound>)>,
-    /// Repair of pairs.
     pub repairing: Task<RepairQuestion, Repaired>,
-    /// Search for the time offset of sequences.
     pub aligning: Task<Recordings, OffsetFound>,
     rectifying: Following<RectifyQuestion, Rectified>,
     triangulating: Following<SceneQuestion, Option<Scene>>,
-    /// Opening of pictures.
     pub loader: Loader,
-    /// Small pictures of the folder.
     pub thumbnailing: Thumbnailing,
-    /// Import of files.
     pub importing: Task<ImportQuestion, Result<ImportedFile, String>>,
-    /// Writing of the rectified pair.
     pub writing: Writing,
-    /// Writing of sessions and exports.
     pub saver: Task<SaveJob, Written>,
     /// Slot for copies of unsaved work, if available.
     pub autosave: Option<Autosave>,
     /// Reason why no slot is available, although one should be.
     pub no_autosave: Option<String>,
-    /// Dialogs of the system.
     pub picking: Task<PickPurpose, Picked>,
 }
 
 impl Tasks {
-    /// Starts the threads.
     pub fn new(services: Services) -> Self {
         let Services {
             mut prepare,
@@ -114,12 +102,12 @@ impl Tasks {
         let repairing =
             Task::new("repair", waker.clone(), Waiting::Newest, move |question: RepairQuestion, _| {
                 let outcome = repair(&question);
-                Some(Repaired { question, outcome })
+                Some((question, outcome))
             });
         let aligning = Task::new("offset", waker.clone(), Waiting::Newest, |recordings: Recordings, turn| {
             let both = recordings.each_ref().map(|recording| &recording.silhouettes);
             let outcome = find_offset(both, MOST_OFFSET, &turn.cancel);
-            (!turn.cancel.is_cancelled()).then_some(OffsetFound { recordings, outcome })
+            (!turn.cancel.is_cancelled()).then_some((recordings, outcome))
         });
         let rectifying =
             Task::new("rectification", waker.clone(), Waiting::Newest, |question: RectifyQuestion, turn| {
@@ -224,7 +212,6 @@ impl Tasks {
         self.importing.forget();
     }
 
-    /// Returns whether a rectified pair is being made.
     pub fn is_rectifying(&self) -> bool {
         self.rectifying.is_busy()
     }

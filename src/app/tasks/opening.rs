@@ -17,13 +17,10 @@ use crate::geometry::PointPair;
 use crate::image::Picture;
 use crate::io::{TruthError, is_sequence, read_sequence};
 
-/// A thing to open.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Opening {
-    /// The built-in pair.
     #[default]
     Sample,
-    /// The built-in sequences.
     SampleSequences,
     /// Two files, left and right, or two folders of frames.
     Files(PathBuf, PathBuf),
@@ -32,7 +29,6 @@ pub enum Opening {
     Session(PathBuf),
 }
 
-/// Calibration of open pictures.
 #[derive(Clone)]
 pub struct NewCalibration {
     /// Name of its file, if it has one.
@@ -43,15 +39,12 @@ pub struct NewCalibration {
     pub pose: Option<RelativePose>,
 }
 
-/// Result of an opening.
 pub struct LoadedPair {
-    /// The two pictures.
     pub pictures: [Opened; 2],
     /// Point pairs for "Show me", if the pictures have any.
     pub show_me: Option<[PointPair; 2]>,
     /// Ground truth of the pictures, if known.
     pub known: Option<KnownTruth>,
-    /// Folder of the pictures.
     pub folder: Option<OpenFolder>,
     /// Whether to use the ground truth from the start.
     pub uses_truth: bool,
@@ -68,9 +61,7 @@ pub struct LoadedPair {
 pub enum OpeningFailure {
     /// Message with the fact and the action.
     Text(String),
-    /// The file is not a session.
     NoSession {
-        /// Path of the file.
         path: PathBuf,
         /// Message that the file is not a session.
         problem: String,
@@ -140,7 +131,6 @@ impl PairReading {
         }
     }
 
-    /// Reads two sequences of frames.
     fn sequences(&mut self, [left, right]: [&Path; 2]) -> Result<[Opened; 2], OpeningFailure> {
         let pair = [self.sequence(left, Side::Left)?, self.sequence(right, Side::Right)?];
         let counts = pair.each_ref().map(|opened| opened.recording.as_ref().map_or(0, |r| r.sequence.len()));
@@ -205,7 +195,6 @@ impl From<OpenedSample> for LoadedPair {
     }
 }
 
-/// Loads the built-in pair.
 pub fn sample() -> LoadedPair {
     sample_pair().into()
 }
@@ -219,13 +208,11 @@ pub fn sample_sequences(reading: &PairReading) -> Result<LoadedPair, OpeningFail
     })
 }
 
-/// Opens the first pair of a folder.
 pub fn open_folder(path: &Path, reading: &mut PairReading) -> Result<LoadedPair, OpeningFailure> {
     let folder = PairFolder::open(path).map_err(|problem| unchanged(&problem))?;
     open_views(&Arc::new(folder), [0, 1], reading)
 }
 
-/// Opens two views of a folder.
 pub fn open_views(
     folder: &Arc<PairFolder>,
     pair: [usize; 2],

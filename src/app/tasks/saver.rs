@@ -14,9 +14,7 @@ pub type SaveJob = Box<dyn FnOnce() -> Option<Written> + Send>;
 
 /// Outcome of a job.
 pub enum Written {
-    /// A session.
     Session {
-        /// Path of the session.
         path: PathBuf,
         /// The saved work, or the reason why it was not written.
         result: Result<Box<Work>, String>,
@@ -25,7 +23,6 @@ pub enum Written {
     Copy(Result<(), String>),
     /// A file for other programs.
     Export {
-        /// Path of the file.
         path: PathBuf,
         /// Description of the file, or the reason why it was not written.
         result: Result<String, String>,

@@ -39,14 +39,8 @@ pub type FollowFn = dyn FnMut(&EstimateRequest, &[&Estimate]) -> Option<Estimate
 /// Prepares data that depends on the pictures only.
 pub type PrepareFn = dyn FnMut(&Pictures, &CancelFlag) + Send;
 
-/// Finds the most useful place for one more pair.
-pub type NextClickFn = dyn FnMut(&NextClickQuestion) -> Option<NextClick> + Send;
-
-/// Looks for the matches of pairs along their lines.
-pub type PlacesFn = dyn FnMut(&PlacesQuestion) -> Vec<PlaceFound> + Send;
-
-/// Finds the distortion of the lens.
-pub type LensFn = dyn FnMut(&LensQuestion) -> Option<DivisionFit> + Send;
+/// A computation that answers questions.
+pub type AnswerFn<Q, A> = dyn FnMut(&Q) -> A + Send;
 
 /// Asks for a path with a dialog of the system, and returns when the dialog is closed.
 pub type PickFn = dyn Fn() -> Option<PathBuf> + Send + Sync;
@@ -54,24 +48,22 @@ pub type PickFn = dyn Fn() -> Option<PathBuf> + Send + Sync;
 /// Asks for a path to write to, with a dialog of the system that suggests a path.
 pub type SavePickFn = dyn Fn(&Path) -> Option<PathBuf> + Send + Sync;
 
-/// Computations and system dialogs.
 pub struct Services {
     /// Preparation of data that depends on the pictures only, as soon as they are open.
     pub prepare: Box<PrepareFn>,
-    /// Search for a geometry.
     pub estimate: Box<EstimateFn>,
     /// Refit to moved points while the search goes on.
     pub follow: Box<FollowFn>,
     /// Suggestion for the second click of a pair, within some hundredths of a second.
-    pub suggest: Box<dyn FnMut(&SuggestQuestion) -> Suggested + Send>,
+    pub suggest: Box<AnswerFn<SuggestQuestion, Suggested>>,
     /// Most useful place for one more pair, within milliseconds.
-    pub next_click: Box<NextClickFn>,
+    pub next_click: Box<AnswerFn<NextClickQuestion, Option<NextClick>>>,
     /// Distortion of the lens, within some tenths of a second.
-    pub lens: Box<LensFn>,
+    pub lens: Box<AnswerFn<LensQuestion, Option<DivisionFit>>>,
     /// Matches of the pairs along their lines, within some hundredths of a second for each.
-    pub places: Box<PlacesFn>,
+    pub places: Box<AnswerFn<PlacesQuestion, Vec<PlaceFound>>>,
     /// Better place for a placed pair, within some hundredths of a second.
-    pub repair: Box<dyn FnMut(&RepairQuestion) -> RepairOutcome + Send>,
+    pub repair: Box<AnswerFn<RepairQuestion, RepairOutcome>>,
     /// System dialog for a file; `None` when cancelled or unable to open.
     pub pick_file: Arc<PickFn>,
     /// System dialog for a folder; `None` when cancelled or unable to open.

@@ -4,18 +4,17 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::opening::{LoadedPair, OpeningFailure, PairReading, calibrated, sample, sample_sequences};
-use crate::app::model::album::Album;
+use crate::app::model::album::ViewNames;
 use crate::app::model::document::TruthSource;
 use crate::app::model::open_pair::OpenFolder;
 use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::sample::SAMPLE_SEQUENCES;
 use crate::app::model::session::{Lost, OpenSession, Relocation, Restored, Work};
 use crate::app::model::truth::KnownTruth;
-use crate::foreign::{excerpt, shown_path};
-use crate::io::{ImageReference, ImageSource, Located, SessionError, SessionFile, TruthFolder, sha256_of};
+use crate::foreign::shown_path;
+use crate::io::{ImageReference, ImageSource, Located, SessionError, SessionFile, sha256_of};
 use crate::synthetic::Sample;
 
-/// Opens a session with its pictures.
 pub fn open_session(session: OpenSession, reading: &mut PairReading) -> Result<LoadedPair, OpeningFailure> {
     let path = session.path.clone();
     let unchanged = |text: &str| {
@@ -73,7 +72,7 @@ pub fn open_session(session: OpenSession, reading: &mut PairReading) -> Result<L
         ));
     }
     if let Some(TruthSource::Folder { folder, views }) = &work.document.truth {
-        match known(folder, views) {
+        match open_folder(folder, views).and_then(|folder| Ok((known(&folder)?, folder))) {
             Ok((known, folder)) => (pair.known, pair.folder) = (Some(known), Some(folder)),
             Err(problem) => {
                 notes.push(format!("The ground truth of the session is left out: {problem}."));
@@ -82,8 +81,8 @@ pub fn open_session(session: OpenSession, reading: &mut PairReading) -> Result<L
         }
     }
     if let Some(album) = work.album.as_ref().filter(|_| pair.folder.is_none()) {
-        match views(album) {
-            Ok((known, folder)) => (pair.known, pair.folder) = (known, Some(folder)),
+        match open_folder(album.folder(), &album.open) {
+            Ok(folder) => (pair.known, pair.folder) = (known(&folder).ok(), Some(folder)),
             Err(problem) => notes.push(format!(
                 "The other images of the session cannot be shown: {problem}. The work on them \
                  stays in the session."
@@ -115,23 +114,15 @@ fn sample_of(image: &ImageReference) -> Option<&str> {
     }
 }
 
-/// Opens the folder of a session, with the ground truth of the open pair.
-fn views(album: &Album) -> Result<(Option<KnownTruth>, OpenFolder), String> {
-    let folder = PairFolder::open(album.folder())?;
-    let missing = || format!("{} does not contain the images that were open", shown_path(album.folder()));
-    let pair = album.pair_in(&folder).ok_or_else(missing)?;
-    let known = folder.known().and_then(|truths| KnownTruth::of_views(truths, pair).ok());
-    Ok((known, (Arc::new(folder), pair)))
+fn open_folder(path: &Path, views: &ViewNames) -> Result<OpenFolder, String> {
+    let folder = PairFolder::open(path)?;
+    let missing = || format!("{} does not contain the images that were open", shown_path(path));
+    let pair = folder.pair_named(views).ok_or_else(missing)?;
+    Ok((Arc::new(folder), pair))
 }
 
-/// Opens the ground truth of two views of a folder.
-fn known(folder: &Path, views: &[String; 2]) -> Result<(KnownTruth, OpenFolder), String> {
-    let truths = TruthFolder::open(folder).map_err(|error| error.to_string())?;
-    let number = |view: &String| {
-        let position = truths.names().iter().position(|name| name == view);
-        position.ok_or_else(|| format!("{} has no view {}", shown_path(folder), excerpt(view)))
-    };
-    let pair = [number(&views[0])?, number(&views[1])?];
-    let known = KnownTruth::of_views(&truths, pair).map_err(|error| error.to_string())?;
-    Ok((known, (Arc::new(truths.into()), pair)))
+/// Returns the ground truth of the open pair of a folder.
+fn known((folder, pair): &OpenFolder) -> Result<KnownTruth, String> {
+    let truths = folder.known().ok_or_else(|| format!("{} has none", shown_path(folder.path())))?;
+    KnownTruth::of_views(truths, *pair).map_err(|error| error.to_string())
 }

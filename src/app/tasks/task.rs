@@ -86,7 +86,6 @@ pub struct Turn<'a, A> {
 }
 
 impl<A> Turn<'_, A> {
-    /// Sends intermediate news.
     pub fn tell(&self, news: A) {
         (self.tell)(news);
     }
@@ -263,7 +262,6 @@ fn run<Q: Send, A: Send>(
     }
 }
 
-/// Returns the message of a panic.
 pub fn panic_text(payload: &(dyn Any + Send)) -> String {
     let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
     text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no reason given".into())
@@ -310,14 +308,12 @@ impl<Q: Clone + PartialEq + Send + 'static, A: Send + 'static> Following<Q, A> {
         self.asked = None;
     }
 
-    /// Stores a new answer.
     pub fn take(&mut self, answer: &mut Option<A>) {
         if let Some(found) = self.task.latest() {
             *answer = Some(found);
         }
     }
 
-    /// Returns whether an answer is awaited.
     pub fn is_busy(&self) -> bool {
         self.task.is_busy()
     }

@@ -2,7 +2,8 @@
 
 use super::task::{Task, Waiting};
 use super::waker::Waker;
-use crate::app::model::thumbnails::{MadeThumbnail, Thumbnail, ThumbnailQuestion, Thumbnails};
+use crate::app::model::picture::Overview;
+use crate::app::model::thumbnails::{MadeThumbnail, SIDE, ThumbnailQuestion, Thumbnails};
 use crate::image::Picture;
 use crate::io::first_frame;
 use std::sync::Arc;
@@ -15,7 +16,6 @@ pub struct Thumbnailing {
 }
 
 impl Thumbnailing {
-    /// Starts the thread.
     pub fn new(waker: Waker) -> Self {
         let task = Task::new("thumbnails", waker, Waiting::Newest, |question: ThumbnailQuestion, turn| {
             // Other views may be visible now. The current picture is finished anyway.
@@ -26,7 +26,7 @@ impl Thumbnailing {
                 }
                 let path = question.folder.image(view);
                 let picture = if path.is_dir() { first_frame(path).ok() } else { Picture::open(path).ok() };
-                let thumbnail = picture.map(|picture| Arc::new(Thumbnail::new(&picture)));
+                let thumbnail = picture.map(|picture| Arc::new(Overview::within(&picture, SIDE)));
                 turn.tell((Arc::clone(&question.folder), view, thumbnail));
             }
             None
@@ -34,7 +34,6 @@ impl Thumbnailing {
         Self { task, asked: Vec::new() }
     }
 
-    /// Stores finished pictures.
     pub fn take(&mut self, thumbnails: &mut Thumbnails) {
         while let Some((_, made)) = self.task.poll() {
             if let Ok(made) = made {
@@ -58,7 +57,6 @@ impl Thumbnailing {
         self.asked.clear();
     }
 
-    /// Returns whether pictures are being made.
     pub fn is_busy(&self) -> bool {
         self.task.is_busy()
     }

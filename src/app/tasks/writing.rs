@@ -24,7 +24,6 @@ enum WritingNews {
 pub struct Writing(Task<RectifyOrder, WritingNews>);
 
 impl Writing {
-    /// Starts the thread.
     pub fn new(waker: Waker) -> Self {
         Self(Task::new("writing", waker, Waiting::Newest, |order: RectifyOrder, turn| {
             let report = |progress| turn.tell(WritingNews::Progress(progress));
@@ -41,12 +40,10 @@ impl Writing {
         Some(WritingProgress { done: 0, all: STEPS_BEFORE, what: "Rectifying" })
     }
 
-    /// Requests the running job to stop.
     pub fn stop(&self) {
         self.0.stop();
     }
 
-    /// Returns whether a pair is being written.
     pub fn is_busy(&self) -> bool {
         self.0.is_busy()
     }
@@ -113,27 +110,12 @@ impl RectifyOrder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::model::rectified::{MatchesAtHand, RectifyQuestion};
-    use crate::app::model::sample::sample_pair;
-    use crate::app::model::shared::Shared;
+    use crate::app::model::rectified::example;
     use crate::io::{PictureFormat, RectifiedOptions};
-    use crate::rectify::RectifyMethod;
 
     fn order(folder: &Path) -> RectifyOrder {
-        let sample = sample_pair();
-        RectifyOrder {
-            question: RectifyQuestion {
-                pictures: sample.pictures.map(|opened| opened.picture),
-                fundamental: sample.truth.fundamental,
-                matches: MatchesAtHand::True(Shared::new(sample.truth)),
-                method: RectifyMethod::Auto,
-                moving: false,
-                bent: None,
-            },
-            folder: folder.to_owned(),
-            options: RectifiedOptions { format: PictureFormat::Png, guide_spacing: 40, maps: true },
-            trust: None,
-        }
+        let options = RectifiedOptions { format: PictureFormat::Png, guide_spacing: 40, maps: true };
+        RectifyOrder { question: example(), folder: folder.to_owned(), options, trust: None }
     }
 
     #[test]

@@ -13,10 +13,8 @@ use crate::io::{PictureFormat, TrustNote, described, encode_picture};
 /// Longest wait for the picture of the screen.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Destination of a screenshot.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Destination {
-    /// A PNG file.
     File(PathBuf),
     Clipboard,
 }

@@ -5,30 +5,21 @@ use std::path::Path;
 use egui::Context;
 
 use super::panels::{
-    CommandPalette, ExportDialog, FileExport, FocalDialog, OpenDialog, ReadingDialog, RelocateDialog,
-    SaveDialog, shortcuts,
+    CommandPalette, FileExport, FocalDialog, OpenDialog, ReadingDialog, RelocateDialog, SaveDialog, shortcuts,
 };
-use crate::app::model::Model;
-use crate::app::model::command::{Command, PickPurpose};
+use crate::app::model::command::PickPurpose;
+use crate::app::model::{Command, Model};
 
-/// All dialogs, open or closed.
 #[derive(Default)]
 pub struct Dialogs {
-    /// Dialog for opening files.
     pub open: OpenDialog,
-    /// Dialog for saving the session.
     pub save: Option<SaveDialog>,
     /// Dialog for the images of a session that are missing or have changed.
     pub relocate: Option<RelocateDialog>,
-    /// Dialog for writing the rectified pair.
-    pub rectified: ExportDialog,
-    /// Dialog for exports to other programs.
     pub export: FileExport,
     /// Dialog for the convention of an imported matrix.
     pub reading: Option<ReadingDialog>,
-    /// Dialog for focal lengths.
     pub focal: Option<FocalDialog>,
-    /// The list of all commands.
     pub palette: CommandPalette,
     /// The list of keys and mouse actions.
     pub shortcuts: bool,
@@ -38,7 +29,6 @@ impl Dialogs {
     /// Returns whether a dialog that takes keyboard input is open.
     pub fn is_open(&self) -> bool {
         self.open.open
-            || self.rectified.open
             || self.export.open
             || self.palette.open
             || self.save.is_some()
@@ -55,7 +45,6 @@ impl Dialogs {
             || std::mem::take(&mut self.open.open)
             || self.reading.take().is_some()
             || self.focal.take().is_some()
-            || std::mem::take(&mut self.rectified.open)
             || std::mem::take(&mut self.export.open)
             || std::mem::take(&mut self.shortcuts)
     }
@@ -66,19 +55,16 @@ impl Dialogs {
             PickPurpose::Image(side) => drop(self.open.offer(path, Some(*side))),
             PickPurpose::Folder => self.open.offer_folder(path),
             PickPurpose::Import => self.open.offer_import(path),
-            PickPurpose::Export => self.rectified.offer(path),
-            PickPurpose::ExportFile(_) => self.export.offer(path),
+            PickPurpose::Export | PickPurpose::ExportFile(_) => self.export.offer(path),
             PickPurpose::Session(_) => self.save.iter_mut().for_each(|dialog| dialog.offer(path)),
             PickPurpose::Lost(side) => self.relocate.iter_mut().for_each(|dialog| dialog.offer(*side, path)),
         }
     }
 
-    /// Shows the open dialogs.
     pub fn show(&mut self, ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
         self.open.show(ctx, model, commands);
         self.save.take_if(|dialog| !dialog.show(ctx, commands));
         self.relocate.take_if(|dialog| !dialog.show(ctx, commands));
-        self.rectified.show(ctx, commands);
         self.export.show(ctx, model, commands);
         self.reading.take_if(|dialog| !dialog.show(ctx, commands));
         self.focal.take_if(|dialog| !dialog.show(ctx, commands));

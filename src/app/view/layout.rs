@@ -8,13 +8,10 @@ use super::dialogs::Dialogs;
 use super::panels;
 use super::panes::{ImagePane, halves, scene};
 use super::theme;
-use crate::app::model::Model;
-use crate::app::model::command::Command;
 use crate::app::model::dock::{DockEdge, Placement, placed};
-use crate::app::model::document::Side;
-use crate::app::model::ids::StageId;
 use crate::app::model::open_pair::Hover;
 use crate::app::model::pane_view::PaneView;
+use crate::app::model::{Command, Model, Side, StageId};
 use crate::geometry::Frame as FrameSize;
 
 /// Ratio of aspects from which a rectified pair is arranged on its own.
@@ -24,13 +21,9 @@ const PLAYER: f32 = 36.0;
 
 /// State of the screen outside the model: panes, dialogs and the screenshot in progress.
 pub struct View {
-    /// The two images.
     pub panes: [ImagePane; 2],
-    /// The dialogs in front of the images.
     pub dialogs: Dialogs,
-    /// The screenshot in progress.
     pub capture: Option<WantedView>,
-    /// The thumbnails of the folder.
     pub strip: panels::FilmStrip,
     /// Area of both images in the window, screen points.
     pub images: Option<Rect>,

@@ -121,22 +121,17 @@ pub fn pin_color(number: usize) -> Color32 {
 /// Colours of the window around the images.
 #[derive(Debug, Clone, Copy)]
 pub struct Palette {
-    /// Background of the images.
     pub canvas: Color32,
     /// The element that needs attention next.
     pub accent: Color32,
     /// Text on the accent colour.
     pub on_accent: Color32,
-    /// Success.
     pub good: Color32,
     pub caution: Color32,
-    /// Error.
     pub bad: Color32,
-    /// Background of a message.
     pub message_fill: Color32,
 }
 
-/// Returns the palette of the theme in use.
 pub fn palette(visuals: &Visuals) -> Palette {
     if visuals.dark_mode {
         Palette {

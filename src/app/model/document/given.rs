@@ -14,7 +14,6 @@ pub const GIVEN_FIT: f64 = crate::judge::LIMIT;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Written", into = "Written")]
 pub struct Given {
-    /// Name of the file.
     pub file: String,
     pub matches: Shared<Vec<Match>>,
 }

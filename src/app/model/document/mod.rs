@@ -22,7 +22,7 @@ use crate::rectify::RectifyMethod;
 pub use given::{GIVEN_FIT, Given};
 pub use parts::{
     Checked, HalfPair, Imported, PairNote, PictureIdentity, PointRef, Role, Side, TruthSource, counted,
-    pair_name, sides_named,
+    is_inside, pair_name, sides_named,
 };
 
 /// Everything that a person can change and undo.
@@ -47,7 +47,6 @@ pub struct Document {
     pub unclicked: bool,
     /// The pair whose second click is due.
     pub half: Option<HalfPair>,
-    /// Parameters of the estimate.
     pub parameters: Parameters,
     /// Time offset: frame `k` of the left sequence belongs with frame `k + offset` of the right
     /// one.
@@ -82,22 +81,31 @@ impl Document {
         Self { pictures: Some(pictures), parameters, ..Self::default() }
     }
 
-    /// Returns the size of a picture.
-    pub fn frame(&self, side: Side) -> Option<Frame> {
-        self.pictures.as_ref().map(|pictures| pictures[side.index()].frame)
+    /// Returns the sizes of the pictures.
+    pub fn frames(&self) -> Option<[Frame; 2]> {
+        self.pictures.as_ref().map(|pictures| pictures.each_ref().map(|picture| picture.frame))
     }
 
-    /// Returns a point of a finished pair or of the unfinished one.
+    pub fn frame(&self, side: Side) -> Option<Frame> {
+        Some(self.frames()?[side.index()])
+    }
+
+    /// Returns whether both points of a pair are inside the pictures.
+    pub fn contains(&self, pair: &PointPair) -> bool {
+        self.frames().is_some_and(|frames| is_inside(pair, frames))
+    }
+
     /// Returns the hint for a picture too small for lines to be compared, whatever is clicked.
     pub fn too_small(&self) -> Option<String> {
         let is_small = |frame: Frame| frame.width.min(frame.height) < SMALLEST_SIDE;
-        self.pictures.iter().flatten().any(|picture| is_small(picture.frame)).then(|| {
+        self.frames()?.into_iter().any(is_small).then(|| {
             format!(
                 "These images are too small for a geometry. Open images of at least {SMALLEST_SIDE} × {SMALLEST_SIDE} px."
             )
         })
     }
 
+    /// Returns a point of a finished pair or of the unfinished one.
     pub fn point(&self, at: PointRef) -> Option<Point> {
         if at.pair == self.pairs.len() {
             return self.half.filter(|half| half.side == at.side).map(|half| half.point);
@@ -193,7 +201,6 @@ impl Document {
         self.unclicked = false;
     }
 
-    /// Includes or excludes a pair.
     pub fn include(&mut self, pair: usize, included: bool) {
         if included {
             self.excluded.remove(&pair);
@@ -214,7 +221,6 @@ impl Document {
         }
     }
 
-    /// Returns the pairs that are not excluded.
     pub fn included(&self) -> impl Iterator<Item = PointPair> + '_ {
         (0..self.pairs.len()).filter(|pair| !self.excluded.contains(pair)).map(|pair| self.pairs[pair])
     }

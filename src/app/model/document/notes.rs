@@ -16,12 +16,10 @@ impl Document {
         self.given_name(pair).map_or_else(|| pair_name(pair), str::to_owned)
     }
 
-    /// Returns the origin of the points of a pair.
     pub fn origin(&self, pair: usize) -> PairOrigin {
         self.notes.get(&pair).map_or(PairOrigin::Clicked, |note| note.origin)
     }
 
-    /// Sets the origin of the points of a pair.
     pub fn set_origin(&mut self, pair: usize, origin: PairOrigin) {
         self.note(pair, |note| note.origin = origin);
     }
@@ -49,7 +47,6 @@ impl Document {
         included.map(|pair| PairLabel { name: self.name(pair), origin: self.origin(pair) })
     }
 
-    /// Removes several pairs.
     pub fn remove_all(&mut self, pairs: impl IntoIterator<Item = usize>) {
         let mut pairs: Vec<_> = pairs.into_iter().collect();
         pairs.sort_unstable();

@@ -13,9 +13,7 @@ use crate::judge::GivenGeometry;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Side {
-    /// Image 1.
     Left,
-    /// Image 2.
     Right,
 }
 
@@ -70,7 +68,6 @@ impl Side {
     }
 }
 
-/// Identity of a picture of a document.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PictureIdentity {
     /// File name, or the name of a built-in sample.
@@ -118,7 +115,6 @@ pub struct Imported {
 }
 
 impl Imported {
-    /// Returns the geometry to be judged.
     pub fn geometry(&self) -> GivenGeometry {
         GivenGeometry { fundamental: self.fundamental, cameras: self.cameras }
     }
@@ -127,7 +123,6 @@ impl Imported {
 /// Check of an imported geometry by matches.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Checked {
-    /// Number of matches.
     pub matches: usize,
     /// Description of the matches.
     pub of: String,
@@ -162,17 +157,14 @@ pub enum Role {
     Used,
     /// The pair only checks the geometry.
     Check,
-    /// The pair is excluded.
     Excluded,
 }
 
-/// Notes about a pair.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PairNote {
     /// Given name; without one, the pair has the name of its place.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Origin of the points.
     #[serde(default)]
     pub origin: PairOrigin,
 }
@@ -185,6 +177,11 @@ pub fn pair_name(pair: usize) -> String {
         2 => "r".to_owned(),
         more => (more + 1).to_string(),
     }
+}
+
+/// Returns whether both points of a pair are inside images of these sizes.
+pub fn is_inside(pair: &PointPair, [frame1, frame2]: [Frame; 2]) -> bool {
+    frame1.contains(pair.point1) && frame2.contains(pair.point2)
 }
 
 /// Names the images in a sentence of the library as the window does.

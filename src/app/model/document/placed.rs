@@ -1,6 +1,6 @@
 //! A document in other coordinates: those of another calibration.
 
-use super::{Document, Given, Side};
+use super::{Document, Given};
 use crate::estimate::Match;
 use crate::geometry::PointPair;
 
@@ -9,14 +9,8 @@ impl Document {
     /// pictures are removed. An imported geometry belongs to the old coordinates and is removed, too.
     #[must_use]
     pub fn placed(mut self, place: impl Fn(&PointPair) -> Option<PointPair>) -> Self {
-        let [frame1, frame2] = Side::BOTH.map(|side| self.frame(side));
-        let inside = |pair: &PointPair| {
-            pair.is_finite()
-                && frame1.is_some_and(|frame| frame.contains(pair.point1))
-                && frame2.is_some_and(|frame| frame.contains(pair.point2))
-        };
         let places: Vec<Option<PointPair>> =
-            self.pairs.iter().map(|pair| place(pair).filter(inside)).collect();
+            self.pairs.iter().map(|pair| place(pair).filter(|place| self.contains(place))).collect();
         for (pair, place) in self.pairs.iter_mut().zip(&places) {
             *pair = place.unwrap_or(*pair);
         }

@@ -26,15 +26,16 @@ impl ExportKind {
                 "The result is not limited to one plane or a rotation of the camera.",
             ),
             Self::Pairs | Self::Table => (!model.document.pairs.is_empty(), "There are no point pairs yet."),
-            Self::Report => {
-                (model.open.computation.result().is_some(), "There is no result yet: click two point pairs.")
-            }
+            Self::Report => (model.result().is_some(), "There is no result yet: click two point pairs."),
             Self::Profile => (
                 model.inspected_barcodes().is_some()
                     || model.open.inspection.as_ref().is_some_and(|found| !found.samples().is_empty()),
                 "No line pair is inspected: click two point pairs, or pin a line pair with the inspect tool (I).",
             ),
             Self::Figure | Self::View => (model.document.pictures.is_some(), "No images are open."),
+            Self::Rectified => {
+                (model.shown().is_some(), "There is nothing to rectify yet: click two point pairs first.")
+            }
         };
         (!there).then_some(why)
     }
@@ -48,8 +49,8 @@ impl ExportKind {
 /// A function that composes the bytes of a file.
 pub type ExportContent = Box<dyn FnOnce() -> Result<Vec<u8>, String> + Send>;
 
-/// Returns the composer of a file, and a short description of the file. Figures and pictures of the
-/// screen are made elsewhere. `rectified` supplies the rectifying homographies. The error says why
+/// Returns the composer of a file, and a short description of the file. Figures, pictures of the
+/// screen and rectified pairs are made elsewhere. `rectified` supplies the rectifying homographies. The error says why
 /// there is nothing to export.
 pub fn content(
     order: &ExportOrder,
@@ -122,13 +123,15 @@ pub fn content(
                 "the profile of the inspected line pair".to_owned(),
             )
         }
-        ExportKind::Figure | ExportKind::View => return Err("This is drawn, not composed.".to_owned()),
+        ExportKind::Figure | ExportKind::View | ExportKind::Rectified => {
+            return Err("This is drawn, not composed.".to_owned());
+        }
     })
 }
 
 /// Returns the homography of the plane, if only that is certain.
 fn plane(model: &Model) -> Option<PlaneHomography> {
-    model.open.computation.result().and_then(|(estimate, _)| estimate.assessment.plane)
+    model.result().and_then(|estimate| estimate.assessment.plane)
 }
 
 fn notes(model: &Model) -> Option<[ImageNote; 2]> {
@@ -138,15 +141,13 @@ fn notes(model: &Model) -> Option<[ImageNote; 2]> {
 
 /// Returns the pairs that are not excluded, followed by the matches of the result if wanted.
 fn pairs(model: &Model, with_matches: bool) -> Vec<PointPair> {
-    let found = model.open.computation.result().filter(|_| with_matches);
-    let found = found.into_iter().flat_map(|(estimate, _)| estimate.matches().iter().map(|m| m.pair));
+    let found = model.matched_pairs().filter(|_| with_matches);
     model.document.included().chain(found).collect()
 }
 
 /// Returns names and origins of the exported pairs, in the same order.
 fn labels(model: &Model, with_matches: bool) -> Vec<PairLabel> {
-    let found = model.open.computation.result().filter(|_| with_matches);
-    let found = found.map_or(0, |(estimate, _)| estimate.matches().len());
+    let found = if with_matches { model.matches().len() } else { 0 };
     let automatic = PairLabel { name: String::new(), origin: PairOrigin::Automatic };
     model.document.labels().chain(std::iter::repeat_n(automatic, found)).collect()
 }
@@ -159,7 +160,7 @@ fn homographies(question: &RectifyQuestion) -> Option<[nalgebra::Matrix3<f64>; 2
 }
 
 fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Option<String> {
-    let (estimate, _) = model.open.computation.result()?;
+    let estimate = model.result()?;
     let pairs = pairs(model, false);
     Some(match reported {
         ReportFormat::Json => {

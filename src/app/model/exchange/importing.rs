@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{ImportSource, is_archive};
-use crate::app::model::document::sides_named;
+use crate::app::model::document::{is_inside, sides_named};
 use crate::app::model::rectified::MatchesAtHand;
 use crate::convention::{ConventionCheck, FEWEST_MATCHES, check_convention};
 use crate::estimate::{Match, estimate_fundamental};
@@ -16,10 +16,8 @@ const MOST_PAIRS: usize = 300;
 /// Maximum number of pairs listed in a message.
 const MOST_NAMED: usize = 5;
 
-/// An import that waits.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PendingImport {
-    /// The files.
     pub source: ImportSource,
     /// Message that the file is not a session, if it was first opened as one.
     pub prelude: Option<String>,
@@ -31,22 +29,16 @@ impl From<ImportSource> for PendingImport {
     }
 }
 
-/// Content of imported files.
 #[derive(Debug, Clone)]
 pub enum ImportedFile {
     /// A geometry or point pairs.
     Geometry(Box<ImportFound>),
     /// The calibrated cameras of the open pictures.
-    Calibration {
-        name: String,
-        /// Cameras of both pictures.
-        cameras: Box<[CalibratedCamera; 2]>,
-    },
+    Calibration { name: String, cameras: Box<[CalibratedCamera; 2]> },
 }
 
 /// Request to import files.
 pub struct ImportQuestion {
-    /// The files.
     pub pending: PendingImport,
     /// Sizes of the open images.
     pub frames: [Frame; 2],
@@ -56,7 +48,6 @@ pub struct ImportQuestion {
     pub matches: MatchesAtHand,
 }
 
-/// A matrix from a file.
 #[derive(Debug, Clone)]
 pub struct ImportedMatrix {
     /// The matrix as its format defines it.
@@ -67,22 +58,16 @@ pub struct ImportedMatrix {
     pub check: Option<ConventionCheck>,
     /// Name of the matches.
     pub matches: &'static str,
-    /// Number of matches.
     pub count: usize,
 }
 
-/// Contents of an imported file.
 #[derive(Debug, Clone)]
 pub struct ImportFound {
-    /// The name of the file.
     pub name: String,
-    /// Name of the format of the file.
     pub format: &'static str,
-    /// Point pairs on the images.
     pub pairs: Vec<PointPair>,
     /// Matches to search with, not to edit.
     pub matches: Vec<Match>,
-    /// The geometry.
     pub matrix: Option<ImportedMatrix>,
     /// Warnings, one sentence each.
     pub notes: Vec<String>,
@@ -175,9 +160,7 @@ impl ImportQuestion {
     fn matches_of(&self, path: &Path) -> Result<ImportFound, String> {
         let name = self.pending.source.name();
         let all = read_matches(path).map_err(|error| error.to_string())?;
-        let lies_on = |found: &Match| {
-            self.shown[0].contains(found.pair.point1) && self.shown[1].contains(found.pair.point2)
-        };
+        let lies_on = |found: &Match| is_inside(&found.pair, self.shown);
         let matches: Vec<Match> = all.iter().copied().filter(lies_on).collect();
         if matches.is_empty() {
             return Err("none of its matches lies on the open images".to_owned());
@@ -224,7 +207,7 @@ impl ImportQuestion {
 
 /// Returns the pairs on the images, and a message about the others.
 fn on_the_images(pairs: &[PointPair], frames: [Frame; 2], name: &str) -> (Vec<PointPair>, Option<String>) {
-    let lies_on = |pair: &PointPair| frames[0].contains(pair.point1) && frames[1].contains(pair.point2);
+    let lies_on = |pair: &PointPair| is_inside(pair, frames);
     let outside: Vec<usize> = (0..pairs.len()).filter(|k| !lies_on(&pairs[*k])).collect();
     let inside: Vec<PointPair> = pairs.iter().copied().filter(lies_on).collect();
     if outside.is_empty() {

@@ -3,9 +3,8 @@
 use std::path::PathBuf;
 
 use crate::app::model::ids::OverlayId;
-use crate::io::Format;
+use crate::io::{Format, PictureFormat, RectifiedOptions};
 
-/// Kind of export.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum ExportKind {
     /// F and epipoles of the shown geometry, point pairs and rectifying homographies.
@@ -27,11 +26,13 @@ pub enum ExportKind {
     Figure,
     /// Picture of the screen.
     View,
+    /// The rectified pair: a folder with both pictures.
+    Rectified,
 }
 
 impl ExportKind {
     /// All kinds in the order of the dialog: names, endings of suggested file names, tooltips.
-    const TABLE: [(Self, &'static str, &'static str, &'static str); 9] = [
+    const TABLE: [(Self, &'static str, &'static str, &'static str); 10] = [
         (
             Self::Geometry,
             "Geometry",
@@ -73,9 +74,15 @@ impl ExportKind {
             "Both images with the visible overlays, for a paper: SVG or PDF with lines and text.",
         ),
         (Self::View, "Picture", "view", "A picture of the screen."),
+        (
+            Self::Rectified,
+            "Rectified pair",
+            "rectified",
+            "A folder with both rectified pictures at full size, one picture of both with guide lines, and \
+             rectification.json.",
+        ),
     ];
 
-    /// Number of kinds.
     pub const COUNT: usize = Self::TABLE.len();
 
     /// Returns all kinds, in the order of the dialog.
@@ -97,7 +104,6 @@ impl ExportKind {
     }
 }
 
-/// Part of the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ViewPart {
     /// Both images with their overlays.
@@ -106,7 +112,6 @@ pub enum ViewPart {
     Window,
 }
 
-/// Format of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FigureFormat {
     /// SVG with embedded PNG images, vector lines and text.
@@ -126,13 +131,11 @@ impl FigureFormat {
     }
 }
 
-/// Contents of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FigureChoices {
     pub format: FigureFormat,
     /// Whether points and lines are labelled.
     pub labels: bool,
-    /// Whether the background is dark.
     pub dark: bool,
     /// Whether only the visible part of the images is included.
     pub seen: bool,
@@ -161,7 +164,6 @@ impl Default for FigureChoices {
     }
 }
 
-/// Format of the report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ReportFormat {
     /// Sentences for people.
@@ -171,10 +173,9 @@ pub enum ReportFormat {
     Json,
 }
 
-/// An order to export.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExportOrder {
-    /// Path of the file.
+    /// Path of the file, or of the folder of a rectified pair.
     pub path: PathBuf,
     pub what: ExportKind,
     /// Format of geometry and point pairs.
@@ -184,8 +185,8 @@ pub struct ExportOrder {
     pub reported: ReportFormat,
     /// Part of the window for a picture.
     pub part: ViewPart,
-    /// Contents of a figure.
     pub figure: FigureChoices,
+    pub rectified: RectifiedOptions,
 }
 
 impl Default for ExportOrder {
@@ -198,6 +199,7 @@ impl Default for ExportOrder {
             reported: ReportFormat::default(),
             part: ViewPart::default(),
             figure: FigureChoices::default(),
+            rectified: RectifiedOptions { format: PictureFormat::Png, guide_spacing: 40, maps: false },
         }
     }
 }

@@ -35,13 +35,13 @@ pub fn barcodes_csv(inspected: &InspectedBarcodes, offset: i32, trust: Option<&T
 }
 
 /// Returns the comment lines: title, meaning of the columns, and verdict on the geometry.
-fn heading(what: &str, convention: &[&str], trust: Option<&TrustNote>) -> String {
+pub(super) fn heading(what: &str, convention: &[&str], trust: Option<&TrustNote>) -> String {
     let mut text = format!("# {what}, written by epiline {}\n", env!("CARGO_PKG_VERSION"));
     for sentence in convention {
         let _ = writeln!(text, "# {sentence}");
     }
     if let Some(trust) = trust {
-        let _ = writeln!(text, "# The shown geometry, from which the lines may come, is {}.", trust.verdict);
+        let _ = writeln!(text, "# The geometry shown is {}.", trust.verdict);
         for reason in &trust.reasons {
             let _ = writeln!(text, "#   {reason}");
         }

@@ -2,9 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::io::Format;
+use crate::io::{Format, has_extension};
 
-/// Files of one import.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ImportSource {
     /// A file of any format.
@@ -34,20 +33,16 @@ impl ImportSource {
 pub fn is_importable(path: &Path) -> bool {
     // The import refuses XML and suggests a way around.
     const OTHERS: [&str; 6] = ["csv", "tsv", "dat", "npy", "xml", "toml"];
-    let extension = |known: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(known));
-    Format::of_path(path).is_some()
-        || is_camera(path)
-        || is_archive(path)
-        || OTHERS.into_iter().any(extension)
+    Format::of_path(path).is_some() || is_camera(path) || is_archive(path) || has_extension(path, &OTHERS)
 }
 
 /// Returns whether a file is a NumPy archive, by its name.
 pub fn is_archive(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz"))
+    has_extension(path, &["npz"])
 }
 
 fn is_camera(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("p"))
+    has_extension(path, &["p"])
 }
 
 /// Groups files into imports. Two cameras in a row belong together.

@@ -2,24 +2,22 @@
 
 use std::fmt::Write;
 
+use super::profile::heading;
 use super::trust::trust_note;
 use crate::app::model::Model;
 use crate::app::model::document::Role;
+
+/// Meaning of the columns, one sentence per line.
+const CONVENTION: [&str; 2] = [
+    "Pixels: x to the right, y down; the centre of the upper left pixel is (0, 0).",
+    "distance: symmetric distance from the epipolar lines of the geometry shown, px.",
+];
 
 /// Returns comma-separated values, one row per pair that is not excluded, in the order of the list.
 /// Every reader of point pairs accepts the first four columns. Comment lines begin with `#`.
 pub fn csv(model: &Model) -> String {
     let document = &model.document;
-    let mut text = String::from("# Point pairs of two images, written by epiline ");
-    text.push_str(env!("CARGO_PKG_VERSION"));
-    text.push_str(".\n# Pixels: x to the right, y down; the centre of the upper left pixel is (0, 0).\n");
-    if let Some(trust) = trust_note(model) {
-        text.push_str("# distance: symmetric distance from the epipolar lines of the geometry shown, px.\n");
-        let _ = writeln!(text, "# That geometry is {}.", trust.verdict);
-        for reason in &trust.reasons {
-            let _ = writeln!(text, "#   {reason}");
-        }
-    }
+    let mut text = heading("Point pairs of two images", &CONVENTION, trust_note(model).as_ref());
     text.push_str("x1,y1,x2,y2,name,origin,role,distance\n");
     for (pair, points) in model.pairs_in_pictures().into_iter().enumerate() {
         let role = match document.role(pair) {

@@ -25,7 +25,6 @@ pub fn trust_note(model: &Model) -> Option<TrustNote> {
     result_note(model)
 }
 
-/// Returns the verdict on the result.
 pub fn result_note(model: &Model) -> Option<TrustNote> {
     let (estimate, freshness) = model.open.computation.result()?;
     let judged = estimate.assessment.trust.is_some();

@@ -14,26 +14,18 @@ pub enum Choosing {
 /// Edit of all selected pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ChosenEdit {
-    /// Remove the pairs.
     Delete,
-    /// Use the pairs in the estimate.
     Use,
-    /// Use the pairs as checks only.
     CheckOnly,
-    /// Exclude the pairs.
     Exclude,
 }
 
 /// A command about the list.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum PointsCommand {
-    /// Select rows.
     Choose(usize, Choosing),
-    /// Select all rows.
     ChooseAll,
-    /// Edit the selected pairs.
     Edit(ChosenEdit),
-    /// Name a pair.
     Rename(usize, String),
     /// Copy the selected pairs, or all, as a table.
     Copy,
@@ -41,6 +33,4 @@ pub enum PointsCommand {
     RequestPaste,
     /// Add the pairs of a table.
     Paste(String),
-    /// Show given names in the images, or only letters.
-    ToggleNames,
 }

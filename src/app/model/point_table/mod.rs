@@ -11,7 +11,7 @@ pub use kinds::{Choosing, ChosenEdit, PointsCommand};
 use pasting::{is_name_of_a_place, parse_table};
 
 use super::Model;
-use super::document::counted;
+use super::document::{counted, is_inside};
 use super::history::EditKey;
 use super::verdict::Gauge;
 use crate::geometry::{PointPair, symmetric_epipolar_distance};
@@ -30,7 +30,6 @@ impl Model {
         Some(Gauge::of_click(self.shown()?.fundamental, self.document.pairs.get(pair)?, sigma, distance))
     }
 
-    /// Selects rows of the list.
     pub fn choose_pair(&mut self, pair: usize, how: Choosing) {
         if pair >= self.document.pairs.len() {
             return;
@@ -60,7 +59,6 @@ impl Model {
         self.history.close_step();
     }
 
-    /// Selects all rows.
     pub fn choose_all_pairs(&mut self) {
         self.document.chosen = (0..self.document.pairs.len()).collect();
     }
@@ -112,13 +110,12 @@ impl Model {
             Ok(rows) => rows,
             Err(problem) => return self.messages.tell(problem),
         };
-        let Some(pictures) = &self.document.pictures else { return };
-        let frames = pictures.each_ref().map(|picture| picture.frame);
+        let Some(frames) = self.document.frames() else { return };
         let total = rows.len();
         // Rows are places in the pictures.
         let points = |(name, pair): (_, PointPair)| Some((name, self.open.points_of(&pair)?));
         let mut inside: Vec<_> = rows.into_iter().filter_map(points).collect();
-        inside.retain(|(_, pair)| frames[0].contains(pair.point1) && frames[1].contains(pair.point2));
+        inside.retain(|(_, pair)| is_inside(pair, frames));
         let (count, outside) = (inside.len(), total - inside.len());
         if outside > 0 {
             let were = if outside == 1 { "lies" } else { "lie" };

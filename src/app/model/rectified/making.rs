@@ -41,7 +41,6 @@ impl MatchesAtHand {
         }
     }
 
-    /// Returns the name of this kind of matches.
     pub fn name(&self) -> &'static str {
         match self {
             Self::True(_) => "true matches",
@@ -58,7 +57,6 @@ pub struct RectifyQuestion {
     pub fundamental: FundamentalMatrix,
     /// Matches for the measures.
     pub matches: MatchesAtHand,
-    /// Method of rectification.
     pub method: RectifyMethod,
     /// Whether the geometry is moving, so that another request follows soon.
     pub moving: bool,
@@ -115,7 +113,6 @@ impl RectifyQuestion {
         Ok(Some(DrawnPair { full, shown, pictures, disparity, number: revision::fresh() }))
     }
 
-    /// Draws both pictures.
     fn pictures_of(&self, shown: &Rectification, cancel: &CancelFlag) -> Option<[Opened; 2]> {
         let (pictures, maps) = self.sources(shown.clone());
         let [left, right] =
@@ -126,7 +123,6 @@ impl RectifyQuestion {
     }
 }
 
-/// Outcome of a rectification.
 pub struct Rectified {
     pub fundamental: FundamentalMatrix,
     /// Name of the matches behind the measures.
@@ -141,24 +137,19 @@ pub struct DrawnPair {
     pub full: Rectification,
     /// Rectification as drawn, possibly smaller. Positions in the pictures refer to its pixels.
     pub shown: Rectification,
-    /// Left and right picture.
     pub pictures: [Opened; 2],
     /// Disparity map and its picture. `None` while the geometry moves, and without any match.
     pub disparity: Option<(DisparityMap, Opened)>,
-    /// Unique number of this pair.
     pub number: u64,
 }
 
 /// One of the pictures of a [`DrawnPair`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RectifiedSheet {
-    /// The rectified left image.
     Left,
-    /// The rectified right image.
     Right,
     /// Both images in one place.
     Both,
-    /// The disparity map.
     Disparity,
 }
 
@@ -183,22 +174,23 @@ impl DrawnPair {
     }
 }
 
+/// Returns the request for the rectified pair of the sample.
+#[cfg(test)]
+pub fn example() -> RectifyQuestion {
+    let sample = crate::app::model::sample::sample_pair();
+    RectifyQuestion {
+        pictures: sample.pictures.map(|opened| opened.picture),
+        fundamental: sample.truth.fundamental,
+        matches: MatchesAtHand::True(Shared::new(sample.truth)),
+        method: RectifyMethod::Auto,
+        moving: false,
+        bent: None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::model::sample::sample_pair;
-
-    fn question() -> RectifyQuestion {
-        let sample = sample_pair();
-        RectifyQuestion {
-            pictures: sample.pictures.map(|opened| opened.picture),
-            fundamental: sample.truth.fundamental,
-            matches: MatchesAtHand::True(Shared::new(sample.truth)),
-            method: RectifyMethod::Auto,
-            moving: false,
-            bent: None,
-        }
-    }
 
     #[test]
     fn pictures_are_small_while_the_geometry_moves_and_large_at_rest() {
@@ -222,9 +214,9 @@ mod tests {
             }
             drawn.frame().width * drawn.frame().height
         };
-        let small = pixels(&RectifyQuestion { moving: true, ..question() });
+        let small = pixels(&RectifyQuestion { moving: true, ..example() });
         assert!(small <= DRAFT.pixels, "{small}");
-        let large = pixels(&question());
+        let large = pixels(&example());
         assert!(large > DRAFT.pixels && large <= SHOWN.pixels, "{large}");
     }
 }

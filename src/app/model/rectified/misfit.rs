@@ -23,7 +23,7 @@ impl Model {
         let tells = matches!(matches, MatchesAtHand::True(_)) || verdict == Some(Verdict::Reliable);
         let other = match (shown.hypothesis, shown.contestant) {
             (Some((number, _)), _) => format!("hypothesis {}", number + 1),
-            (None, Some(Contestant::Imported)) if !self.has_result() => {
+            (None, Some(Contestant::Imported)) if self.result().is_none() => {
                 return "the imported geometry does not fit. Check that it belongs to these images, and check the pairs."
                     .to_owned();
             }

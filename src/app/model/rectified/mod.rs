@@ -7,5 +7,7 @@ mod misfit;
 mod viewing;
 
 pub use command::{RectifiedCommand, RectifyOrder, WritingProgress};
+#[cfg(test)]
+pub use making::example;
 pub use making::{DrawnPair, MatchesAtHand, Rectified, RectifiedSheet, RectifyQuestion};
-pub use viewing::{Blink, Guides, RectifiedLayout, RectifiedLook, RectifiedView, Viewing};
+pub use viewing::{Blink, RectifiedLayout, RectifiedLook, RectifiedView, Viewing, guide_spacing};

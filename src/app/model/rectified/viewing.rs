@@ -8,14 +8,13 @@ use crate::geometry::Frame;
 
 /// Time that each picture is shown in a blink, seconds.
 const BLINK: f64 = 0.6;
-/// Minimum distance of automatic guide lines, screen points.
+/// Minimum distance of guide lines, screen points.
 const GUIDE_GAP: f64 = 30.0;
 
 /// Layout of the two pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RectifiedLayout {
-    /// The pictures side by side.
     #[default]
     SideBySide,
     /// The pictures in one place, in turn.
@@ -64,64 +63,24 @@ impl RectifiedLayout {
     ];
 }
 
-/// Horizontal lines over the pictures, for comparing rows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Guides {
-    /// No lines.
-    Hidden,
-    /// As many lines as the zoom has room for, at round numbers of rows.
-    #[default]
-    Automatic,
-    /// One line per this number of rows.
-    Every(u16),
-}
-
-impl Guides {
-    /// All choices of guide lines.
-    pub const ALL: [Self; 6] =
-        [Self::Automatic, Self::Every(10), Self::Every(25), Self::Every(50), Self::Every(100), Self::Hidden];
-
-    /// Returns the name of the choice.
-    pub fn name(self) -> String {
-        match self {
-            Self::Hidden => "None".into(),
-            Self::Automatic => "Automatic".into(),
-            Self::Every(rows) => format!("Every {rows} rows"),
-        }
-    }
-
-    /// Returns the number of rows between lines, for rows of `scale` screen points; `None` without
-    /// lines. Lines that would merge on the screen are thinned out.
-    pub fn spacing(self, scale: f64) -> Option<f64> {
-        let wanted = GUIDE_GAP / scale.max(1e-9);
-        match self {
-            Self::Hidden => None,
-            Self::Automatic => {
-                let power = 10f64.powf(wanted.log10().floor());
-                let round = [1.0, 2.0, 5.0].into_iter().map(|k| k * power).find(|s| *s >= wanted);
-                Some(round.unwrap_or(10.0 * power).max(1.0))
-            }
-            Self::Every(rows) => {
-                let rows = f64::from(rows.max(1));
-                // Lines closer than a tenth of the minimum distance cannot be told apart.
-                Some(rows * (0.1 * wanted / rows).ceil().max(1.0))
-            }
-        }
-    }
+/// Returns the number of rows between the guide lines over the pictures, for rows of `scale` screen points: a round
+/// number, as small as the zoom has room for.
+pub fn guide_spacing(scale: f64) -> f64 {
+    let wanted = GUIDE_GAP / scale.max(1e-9);
+    let power = 10f64.powf(wanted.log10().floor());
+    let round = [1.0, 2.0, 5.0].into_iter().map(|k| k * power).find(|s| *s >= wanted);
+    round.unwrap_or(10.0 * power).max(1.0)
 }
 
 /// View settings kept between runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct RectifiedLook {
-    /// Layout of the pictures.
     pub layout: RectifiedLayout,
-    /// Lines over the pictures.
-    pub guides: Guides,
+    /// Whether the horizontal lines for comparing rows are hidden.
+    pub hides_guides: bool,
 }
 
-/// Visible picture of a blink.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Blink {
     /// The pictures alternate by the clock.
@@ -149,7 +108,6 @@ impl Blink {
 pub struct RectifiedView {
     /// Size of the pictures when the part was chosen.
     pub frame: Frame,
-    /// Visible part.
     pub view: PaneView,
 }
 
@@ -158,7 +116,6 @@ pub struct RectifiedView {
 pub struct Viewing {
     /// Visible part, the same of both pictures; `None` shows all.
     pub view: Option<RectifiedView>,
-    /// Visible picture of a blink.
     pub blink: Blink,
     /// Shift of the right picture to the right, px of the written pictures.
     pub shift: f64,
@@ -179,13 +136,10 @@ mod tests {
     #[test]
     fn guide_lines_keep_their_distance_at_every_zoom() {
         for scale in [0.01, 0.1, 0.37, 1.0, 3.3, 64.0] {
-            let spacing = Guides::Automatic.spacing(scale).unwrap();
+            let spacing = guide_spacing(scale);
             assert!(spacing >= 1.0 && spacing * scale >= GUIDE_GAP - 1e-9, "{spacing} at {scale}");
             assert!(spacing * scale <= 2.6 * GUIDE_GAP || spacing <= 1.0, "{spacing} at {scale}");
-            assert!(Guides::Every(10).spacing(scale).unwrap() * scale >= 2.9);
         }
-        assert_eq!(Guides::Every(25).spacing(1.0), Some(25.0));
-        assert_eq!(Guides::Hidden.spacing(1.0), None);
     }
 
     #[test]

@@ -13,9 +13,7 @@ pub const USE_LENS: &str = "Correct the lens distortion";
 /// A button of the verdict.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CardAction {
-    /// Text of the button.
     pub label: String,
-    /// Command of the button.
     pub command: Command,
     /// Whether it can help. A disabled button keeps its place, so that nothing jumps once a match is found.
     pub enabled: bool,
@@ -41,7 +39,7 @@ impl Model {
                 return Some(CardAction::new("Compute again", Command::Recompute));
             }
             let find = || CardAction::new("Find without clicks", Command::FindWithoutClicks);
-            return (!self.has_result() && self.can_find_without_clicks()).then(find);
+            return (self.result().is_none() && self.can_find_without_clicks()).then(find);
         };
         let reasons = estimate.assessment.trust.iter().flat_map(|trust| &trust.reasons);
         let off = reasons.clone().find_map(|reason| match reason {
@@ -97,15 +95,14 @@ impl Model {
 
     /// Returns the switch of the lines of an unreliable geometry.
     pub fn lines_switch(&self) -> Option<CardAction> {
-        let is_bad = self.has_result() && self.tone() == Tone::Bad;
+        let is_bad = self.result().is_some() && self.tone() == Tone::Bad;
         let label = if self.open.lines_anyway { "Hide lines" } else { "Show lines anyway" };
         is_bad.then(|| CardAction::new(label, Command::ToggleUnreliableLines))
     }
 
     /// Returns whether the matches determine the lines near them, but no epipole.
     pub fn epipole_is_open(&self) -> bool {
-        let trust = self.open.computation.result().and_then(|(found, _)| found.assessment.trust.as_ref());
-        trust.is_some_and(Trust::says_one_plane)
+        self.result().and_then(|found| found.assessment.trust.as_ref()).is_some_and(Trust::says_one_plane)
     }
 
     /// Returns whether the state of the estimate is good or bad news.
@@ -117,7 +114,7 @@ impl Model {
     pub fn doubt(&self) -> Option<(&'static str, LineLook)> {
         match self.line_look() {
             LineLook::Solid => None,
-            look @ LineLook::Other if self.has_result() && self.shows_another() => {
+            look @ LineLook::Other if self.result().is_some() && self.shows_another() => {
                 Some(("Not the result", look))
             }
             look @ LineLook::Other => Some(("Not checked", look)),

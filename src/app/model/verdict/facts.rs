@@ -19,11 +19,8 @@ use crate::presentation::{Scale, interval_in_words};
 /// A figure with its name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fact {
-    /// Name of the figure.
     pub name: &'static str,
-    /// Value with its unit.
     pub value: String,
-    /// Explanation of the figure.
     pub tooltip: &'static str,
     /// Quality of the value, if there is a rule for it.
     pub tone: Option<Tone>,
@@ -51,7 +48,6 @@ impl Fact {
     }
 }
 
-/// Returns the figures of an imported geometry.
 pub fn import_facts(imported: &Imported) -> Vec<Fact> {
     let check = imported.check.as_ref();
     let median =
@@ -96,7 +92,6 @@ pub fn lens_fact(lens: &DivisionFit, frames: [Frame; 2]) -> Fact {
     )
 }
 
-/// Returns the distortion that is corrected.
 pub fn corrected_fact([left, right]: [f64; 2]) -> Fact {
     let same = (left - right).abs() < 1e-9;
     let coefficients = if same { format!("{left:.3}") } else { format!("{left:.3} and {right:.3}") };
@@ -108,7 +103,6 @@ pub fn corrected_fact([left, right]: [f64; 2]) -> Fact {
     )
 }
 
-/// Returns the figures of a result.
 pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> Vec<Fact> {
     if matches!(freshness, Freshness::Followed | Freshness::Stale) {
         // The other figures belong to earlier points.
@@ -241,7 +235,7 @@ pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate, of: Option<&
 /// Returns the positions of the epipoles of a geometry, and their 95 % intervals if it is that of
 /// `estimate`.
 pub fn epipoles(document: &Document, f: &FundamentalMatrix, estimate: Option<&Estimate>) -> Vec<Fact> {
-    let frames = document.pictures.as_ref().map(|pictures| [0, 1].map(|k| pictures[k].frame));
+    let frames = document.frames();
     let bearings = estimate.zip(frames).and_then(|(estimate, frames)| estimate.epipole_bearings(frames));
     let determined = estimate.zip(frames).and_then(|(estimate, frames)| estimate.determined(frames));
     let value = |k: usize, epipole: &HomogeneousPoint| match (frames, bearings) {
@@ -259,7 +253,6 @@ const EPIPOLE: &str = "Image of the other camera, where all epipolar lines of th
                        side, and its distance from the middle of the image. The 95 % interval, if there is one, follows \
                        from the matches.";
 
-/// Returns the figures of a relative pose.
 pub fn pose_facts(fit: &PoseFit) -> Vec<Fact> {
     let deviation = |of: fn(&PoseUncertainty) -> f64| {
         fit.uncertainty.as_ref().map_or_else(String::new, |u| format!(" ± {:.2}°", of(u).to_degrees()))

@@ -66,7 +66,6 @@ impl Gauge {
     }
 }
 
-/// Figures of a hypothesis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HypothesisFigure {
     /// Support by matching corners.
@@ -157,7 +156,6 @@ impl HypothesisScales {
         Self { ends, support, line_score, kind }
     }
 
-    /// Returns the bar of a figure of a hypothesis.
     pub fn gauge(&self, figure: HypothesisFigure, value: f64) -> Option<Gauge> {
         let scale = match figure {
             HypothesisFigure::Support => self.support,

@@ -27,13 +27,11 @@ pub use tone::Tone;
 /// Description of the state of the estimate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerdictInWords {
-    /// Good or bad news.
     pub tone: Tone,
     /// The verdict in one or two words.
     pub word: &'static str,
     /// The main reason, or the next step.
     pub sentence: String,
-    /// Figures behind the verdict.
     pub facts: Vec<Fact>,
     /// All reasons, the main one first.
     pub warnings: Vec<String>,
@@ -136,7 +134,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     let of_clicks = assessment.trust.as_ref().is_some_and(Trust::doubts_clicks_alone);
     let states = is_final && checked.is_none() && !of_clicks && tone != Tone::Bad;
     let likely = Some(assessment).filter(|_| states).and_then(|assessment| {
-        let frames = document.pictures.as_ref()?.each_ref().map(|picture| picture.frame);
+        let frames = document.frames()?;
         let side = frames[0].longer_side().max(frames[1].longer_side());
         let percent = (100.0 * assessment.probability_within_one_percent()?).round();
         let open = assessment.trust.as_ref().is_some_and(Trust::says_one_plane);

@@ -54,27 +54,24 @@ fn a_clean_result_is_good_and_one_with_warnings_is_not() {
 }
 
 #[test]
-fn margins_are_always_in_percent() {
+fn margins_are_in_percent_and_the_one_after_refinement_decides() {
     let (document, computation) = computed(|e| {
         e.assessment.margin = Some(0.054);
         let reasons = vec![Reason::Ambiguous { margin: 0.054 }];
         e.assessment.trust = Some(Trust { verdict: estimate::Verdict::Doubtful, reasons });
     });
+    let margin = |told: &VerdictInWords| {
+        let margin = told.facts.iter().find(|fact| fact.name == "Lead over rival").unwrap();
+        (margin.value.clone(), margin.tone)
+    };
     let doubtful = verdict(&document, &computation);
     assert!(doubtful.sentence.contains("(margin 5 %)"), "{}", doubtful.sentence);
-    let margin = doubtful.facts.iter().find(|fact| fact.name == "Lead over rival").unwrap();
-    assert_eq!((margin.value.as_str(), margin.tone), ("5 %", Some(Tone::Caution)));
-}
-
-#[test]
-fn the_margin_after_refinement_decides() {
+    assert_eq!(margin(&doubtful), ("5 %".to_owned(), Some(Tone::Caution)));
     let (document, computation) = computed(|e| {
         e.assessment.margin = Some(0.054);
         e.assessment.refined_margin = Some(0.62);
     });
-    let good = verdict(&document, &computation);
-    let margin = good.facts.iter().find(|fact| fact.name == "Lead over rival").unwrap();
-    assert_eq!((margin.value.as_str(), margin.tone), ("62 %", Some(Tone::Good)));
+    assert_eq!(margin(&verdict(&document, &computation)), ("62 %".to_owned(), Some(Tone::Good)));
 }
 
 #[test]

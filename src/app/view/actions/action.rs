@@ -2,18 +2,14 @@
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::ids::TabId;
+use crate::app::model::{Command, Model, TabId};
 
 /// An action that can be offered to the user.
 pub struct Action {
     /// The command. An entry whose command carries data stands for all commands of that kind that
     /// have no entry of their own.
     pub command: Command,
-    /// Text of its button.
     pub name: &'static str,
-    /// One-sentence description.
     pub tooltip: &'static str,
     /// Keyboard shortcuts; the first one is displayed.
     pub keys: Vec<KeyboardShortcut>,
@@ -27,7 +23,6 @@ pub struct Action {
 }
 
 impl Action {
-    /// Adds a shortcut.
     pub fn key(mut self, modifiers: Modifiers, key: Key) -> Self {
         self.keys.push(KeyboardShortcut::new(modifiers, key));
         self

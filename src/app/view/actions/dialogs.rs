@@ -3,24 +3,17 @@
 use std::path::PathBuf;
 
 use super::action::{Action, action};
-use crate::app::model::command::{Command, ExchangeCommand, SessionCommand};
-use crate::app::model::document::Side;
 use crate::app::model::exchange::ExportOrder;
-use crate::app::model::focus::LineSource;
-use crate::app::model::ids::OverlayId;
 use crate::app::model::point_table::{ChosenEdit, PointsCommand};
-use crate::app::model::rectified::{Guides, RectifiedCommand};
+use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::session::OpenSession;
 use crate::app::model::tones::TonesCommand;
+use crate::app::model::{Command, ExchangeCommand, LineSource, OverlayId, SessionCommand};
 use crate::camera::FocalLength;
-use crate::io::{PictureFormat, RectifiedOptions};
 
 /// Returns the actions offered only on buttons of dialogs and tables.
 #[expect(clippy::too_many_lines, reason = "it is a table")]
 pub fn in_dialogs() -> Vec<Action> {
-    let browse = |command: Command, tooltip| action(command, "Browse", tooltip);
-    let options = RectifiedOptions { format: PictureFormat::Png, guide_spacing: 0, maps: false };
-    let rectified = RectifiedCommand::Export { folder: PathBuf::new(), options };
     vec![
         action(
             Command::OpenFiles(Vec::new()),
@@ -32,13 +25,11 @@ pub fn in_dialogs() -> Vec<Action> {
             "Open folder",
             "Open the first pair of this folder. You can choose another pair afterwards.",
         ),
-        browse(Command::Browse(Side::Left), "Choose the file in the system dialog."),
         action(
             Command::SetFocalLengths([FocalLength { pixels: 1.0, deviation: 0.0 }; 2]),
             "Use",
             "Use these focal lengths. The points and the geometry stay as they are.",
         ),
-        browse(Command::BrowseFolder, "Choose the folder in the system dialog."),
         action(Command::DeletePair(0), "Delete", "Remove this pair from both images."),
         action(TonesCommand::Adjust(None), "Adjust", "Choose which image the controls change."),
         action(
@@ -100,26 +91,20 @@ pub fn in_dialogs() -> Vec<Action> {
             "Save session",
             "Save points, parameters, pinned lines and views in one JSON file.",
         ),
-        browse(SessionCommand::BrowseSave.into(), "Choose where to save in the system dialog."),
         action(
             SessionCommand::Open(OpenSession::default()),
             "Open session",
             "Open this session with its images and points.",
         ),
-        browse(SessionCommand::BrowseLost(Side::Left).into(), "Choose the file in the system dialog."),
         action(
             SessionCommand::DiscardLeftBehind(PathBuf::new()),
             "Delete unsaved work",
             "Delete the unsaved work. This cannot be undone.",
         ),
-        browse(
-            ExchangeCommand::BrowseExport(PathBuf::new()).into(),
-            "Choose where to write in the system dialog.",
-        ),
         action(
             ExchangeCommand::Export(ExportOrder::default()),
             "Export file",
-            "Write the file. An existing file of that name is replaced.",
+            "Write the file, or the files of a rectified pair. Existing files of the same names are replaced.",
         ),
         action(
             ExchangeCommand::Import(Vec::new()),
@@ -133,20 +118,14 @@ pub fn in_dialogs() -> Vec<Action> {
         ),
         action(ExchangeCommand::Reject, "Cancel", "Import nothing from this file."),
         action(
-            RectifiedCommand::SetGuides(Guides::Automatic),
+            RectifiedCommand::ToggleGuides,
             "Guide lines",
-            "Draw horizontal lines over the rectified pictures, for comparing rows.",
+            "Draw horizontal lines over the rectified pictures, for comparing rows, or hide them.",
         ),
         action(
             RectifiedCommand::RunBlink,
             "Automatic",
             "Alternate the two rectified pictures automatically.",
-        ),
-        browse(RectifiedCommand::Browse.into(), "Choose the folder in the system dialog."),
-        action(
-            rectified,
-            "Export rectified pair",
-            "Write the files. Existing files of the same names are replaced.",
         ),
     ]
 }

@@ -4,11 +4,9 @@ use egui::{Key, Modifiers};
 
 use super::action::{Action, action, tab};
 use super::conditions::{has_neighbour, has_sequences, has_strip};
-use crate::app::model::Model;
-use crate::app::model::command::{Command, ExchangeCommand, SessionCommand};
-use crate::app::model::ids::{StageId, TabId};
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
+use crate::app::model::{Command, ExchangeCommand, Model, SessionCommand, StageId, TabId};
 
 const NONE: Modifiers = Modifiers::NONE;
 const COMMAND: Modifiers = Modifiers::COMMAND;

@@ -2,16 +2,15 @@
 
 use super::action::{Action, action};
 use super::conditions::{has_rectified, has_sequences, is_published_search};
-use crate::app::model::Model;
-use crate::app::model::command::{Command, ExchangeCommand};
+use crate::app::model::command::PickPurpose;
 use crate::app::model::comparison::Contestant;
 use crate::app::model::dock::DockEdge;
-use crate::app::model::document::Side;
 use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::{RectifiedCommand, RectifiedLayout};
 use crate::app::model::tones::TonesCommand;
 use crate::app::model::verdict::USE_LENS;
+use crate::app::model::{Command, ExchangeCommand, Model, Side};
 use crate::estimate::{Method, Preset};
 use crate::io::Notation;
 use crate::rectify::RectifyMethod;
@@ -93,7 +92,12 @@ pub fn by_name() -> Vec<Action> {
         .listed(|_| "Find the geometry without clicks")
         .when(Model::can_find_without_clicks),
         action(
-            ExchangeCommand::BrowseImport,
+            Command::Browse(PickPurpose::Folder),
+            "Browse",
+            "Choose the file or the folder in the system dialog.",
+        ),
+        action(
+            Command::Browse(PickPurpose::Import),
             "Browse",
             "Choose a file with point pairs, matches, a fundamental matrix, two cameras or a calibration of the \
              lens distortion in the system dialog.",
@@ -188,12 +192,6 @@ pub fn by_name() -> Vec<Action> {
         action(PointsCommand::ChooseAll, "Choose all", "Choose all point pairs of the table (Ctrl+A).")
             .listed(|_| "Choose all point pairs")
             .when(|model| !model.document.pairs.is_empty()),
-        action(
-            PointsCommand::ToggleNames,
-            "Names in the images",
-            "Label points with the names you gave the pairs, or only with their letters.",
-        )
-        .listed(|_| "Show the names of pairs in the images"),
         action(Command::Stop, "Stop", "Stop the computation. A first result is kept.")
             .listed(|_| "Stop the computation")
             .when(|model| model.open.computation.is_running()),

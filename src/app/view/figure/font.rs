@@ -27,7 +27,6 @@ pub struct Fonts {
     faces: Vec<Face>,
 }
 
-/// One font.
 struct Face {
     data: Arc<FontData>,
     letters: Vec<(char, GlyphId)>,
@@ -36,7 +35,6 @@ struct Face {
 /// Consecutive letters written with one font.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Run {
-    /// Index of the font.
     font: usize,
     /// Numbers of the letters in the font, two bytes each.
     pub codes: Vec<u8>,
@@ -98,7 +96,6 @@ impl Fonts {
     }
 }
 
-/// Returns the name of a font on the page.
 fn name(number: usize) -> String {
     format!("Font{number}")
 }

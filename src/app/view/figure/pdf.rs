@@ -28,7 +28,6 @@ const IMAGES: [Ref; 2] = [Ref::new(6), Ref::new(7)];
 const OPACITIES: i32 = 8;
 const IMAGE_NAMES: [Name; 2] = [Name(b"Left"), Name(b"Right")];
 
-/// Returns the whole file.
 pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
     let mut pdf = Pdf::new();
     let fonts = Fonts::new(theme::fonts());
@@ -46,8 +45,8 @@ pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
         // A PDF image fills the unit square upright, so this undoes the flip of the page.
         page.content.save_state().transform([rect.width(), 0.0, 0.0, -rect.height(), rect.min.x, rect.max.y]);
         page.content.x_object(IMAGE_NAMES[k]).restore_state();
-        for clipped in sheet.shapes().filter(|clipped| area.expand(0.5).contains_rect(clipped.clip_rect)) {
-            take_apart(&clipped.shape, &mut |piece| page.piece(piece));
+        for shape in sheet.shapes(k) {
+            take_apart(shape, &mut |piece| page.piece(piece));
         }
         page.content.restore_state();
     }

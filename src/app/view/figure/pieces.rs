@@ -5,29 +5,22 @@ use egui::{Color32, Pos2, Shape, Stroke};
 
 /// A primitive shape. Colours with alpha 0 are invisible.
 pub enum Piece<'a> {
-    /// A straight line.
     Line([Pos2; 2], Stroke),
-    /// A filled circle.
     Circle(&'a CircleShape),
     /// A rectangle, all of whose corners are rounded alike.
     Rect(&'a RectShape),
-    /// A polygon or a polyline.
     Path {
-        /// Corners of the path.
         points: &'a [Pos2],
         /// Whether the last corner is joined to the first.
         closed: bool,
         fill: Color32,
-        /// Stroke of the path.
         stroke: Stroke,
     },
     /// Text in one row.
     Letters {
         /// Start of the text on the baseline.
         at: Pos2,
-        /// Font size.
         size: f32,
-        /// Text colour.
         color: Color32,
         words: String,
     },

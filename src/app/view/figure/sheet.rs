@@ -1,16 +1,14 @@
 //! The sheet of a figure: both images in their places, and the shapes of the overlays.
 
 use egui::epaint::ClippedShape;
-use egui::{Color32, Rect, Vec2, pos2, vec2};
+use egui::{Color32, Rect, Shape, Vec2, pos2, vec2};
 use image::DynamicImage;
 
-use crate::app::model::Model;
-use crate::app::model::document::Side;
 use crate::app::model::exchange::{FigureChoices, trust_note};
-use crate::app::model::ids::OverlayId;
 use crate::app::model::pane_view::{PaneView, QuarterTurns};
 use crate::app::model::picture::Pictures;
 use crate::app::model::tones::Rendition;
+use crate::app::model::{Model, OverlayId, Side};
 use crate::app::view::panes::overlays::{Canvas, Labels, OVERLAYS};
 use crate::app::view::panes::{PanePlace, Transform};
 use crate::app::view::theme;
@@ -31,11 +29,8 @@ const MOST_A_POINT: f32 = 8.0;
 pub struct Placed {
     /// Position of its pixels on the sheet.
     pub transform: Transform,
-    /// First visible pixel.
     pub first: [u32; 2],
-    /// Number of visible pixels.
     pub count: [u32; 2],
-    /// Brightness and channels of the image.
     pub rendition: Rendition,
 }
 
@@ -56,20 +51,15 @@ impl Placed {
 
 /// The whole content of a figure.
 pub struct Sheet {
-    /// Both pictures.
     pub pictures: Pictures,
     /// Frames of sequences, shown instead of the pictures.
     pub frames: Option<[DynamicImage; 2]>,
-    /// Positions of the pictures.
     pub places: [Placed; 2],
-    /// Size in points.
     pub size: Vec2,
     pub background: Color32,
     /// Shapes of the overlays, each clipped to its image.
     pub drawn: Vec<ClippedShape>,
-    /// Reliability of the geometry.
     pub trust: Option<TrustNote>,
-    /// Names of the images.
     pub title: String,
 }
 
@@ -180,12 +170,11 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
 }
 
 impl Sheet {
-    /// Returns the shapes of the overlays.
-    pub fn shapes(&self) -> impl Iterator<Item = &ClippedShape> {
-        let areas = self.places.each_ref().map(|place| place.transform.rect.expand(0.5));
-        let inside =
-            move |shape: &&ClippedShape| areas.iter().any(|area| area.contains_rect(shape.clip_rect));
-        self.drawn.iter().filter(inside)
+    /// Returns the shapes over an image.
+    pub fn shapes(&self, k: usize) -> impl Iterator<Item = &Shape> {
+        let area = self.places[k].transform.rect.expand(0.5);
+        let inside = self.drawn.iter().filter(move |drawn| area.contains_rect(drawn.clip_rect));
+        inside.map(|drawn| &drawn.shape)
     }
 
     /// Returns the visible part of an image and its place on the sheet, in points.

@@ -10,7 +10,6 @@ use super::pieces::{Piece, take_apart};
 use super::sheet::Sheet;
 use crate::io::{PictureFormat, encode_picture};
 
-/// Returns the whole file.
 pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
     let (width, height) = (sheet.size.x, sheet.size.y);
     let mut text = format!(
@@ -34,8 +33,8 @@ pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
             placed(rect, 3),
             STANDARD.encode(png)
         );
-        for clipped in sheet.shapes().filter(|clipped| area.expand(0.5).contains_rect(clipped.clip_rect)) {
-            take_apart(&clipped.shape, &mut |piece| write_piece(&mut text, piece));
+        for shape in sheet.shapes(k) {
+            take_apart(shape, &mut |piece| write_piece(&mut text, piece));
         }
         text.push_str("</g>\n");
     }

@@ -9,16 +9,14 @@ use super::dialog::named;
 use super::gauge::{self, tone_color};
 use super::menus::copy_fundamental_menu;
 use super::{busy, command_button, finish_button, main_button};
-use crate::app::model::Model;
-use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::comparison::Contestant;
 use crate::app::model::guide::guide;
-use crate::app::model::ids::OverlayId;
 use crate::app::model::messages::MessageKind;
 use crate::app::model::verdict::{
     CardAction, Fact, Tone, VerdictInWords, card_facts, corrected_fact, epipoles, hypothesis_facts,
     import_facts, import_warning, lens_fact, pose_facts, verdict,
 };
+use crate::app::model::{Command, ExchangeCommand, Model, OverlayId};
 use crate::app::view::theme;
 
 /// Shows the card in all available space. The details scroll.
@@ -86,7 +84,6 @@ pub fn offers(model: &Model) -> bool {
     model.is_at_start() && !model.look.dock.folded && !model.open.alone
 }
 
-/// Shows the offers to restore unsaved work.
 fn unsaved_work(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     for message in model.messages.on_top().filter(|message| message.kind == MessageKind::LeftBehind) {
         ui.add_space(6.0);
@@ -122,7 +119,7 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
         other => format!("the {} geometry", other.name()),
     };
     heading(ui, None, contestant.name());
-    if model.has_result() {
+    if model.result().is_some() {
         another_shown(ui, model, &name, commands);
     } else {
         let text =
@@ -143,14 +140,13 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
             let remove = ui.button("Remove it");
             finish_button(ui, remove, ExchangeCommand::RemoveImported.into(), commands);
         }
-        if !model.has_result() && model.can_find_without_clicks() {
+        if model.result().is_none() && model.can_find_without_clicks() {
             command_button(ui, Command::FindWithoutClicks, true, commands);
         }
     });
     true
 }
 
-/// Shows the verdict on the result.
 fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let VerdictInWords { tone, word, sentence, facts, warnings, likely } =
         verdict(&model.document, &model.open.computation);
@@ -181,13 +177,12 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         });
     }
     let pose = model.scene().map(|scene| pose_facts(&scene.fit)).unwrap_or_default();
-    let frames = model.document.pictures.as_ref().map(|pictures| pictures.each_ref().map(|of| of.frame));
-    let lens = model.offered_lens().zip(frames).map(|(lens, frames)| lens_fact(lens, frames));
+    let lens =
+        model.offered_lens().zip(model.document.frames()).map(|(lens, frames)| lens_fact(lens, frames));
     let lens = lens.or(model.open.corrected_lens().map(corrected_fact));
     // The lens moves the epipoles by more than the matches tell.
-    let bent = model.offered_lens().and(model.open.computation.result());
-    let bent =
-        bent.map_or_else(Vec::new, |(estimate, _)| epipoles(&model.document, estimate.fundamental(), None));
+    let bent = model.offered_lens().and(model.result());
+    let bent = bent.map_or_else(Vec::new, |estimate| epipoles(&model.document, estimate.fundamental(), None));
     let facts = facts.into_iter().filter(|fact| bent.iter().all(|other| other.name != fact.name));
     let facts: Vec<Fact> =
         true_error(model).into_iter().chain(facts).chain(bent.clone()).chain(pose).chain(lens).collect();

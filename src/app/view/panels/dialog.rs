@@ -8,6 +8,7 @@ use egui::{
 
 use super::{command_button, finish_button, main_button};
 use crate::app::model::command::Command;
+use crate::app::model::command::PickPurpose;
 
 /// Width of the labels, screen points. Equal widths align the fields.
 const LABEL_WIDTH: f32 = 84.0;
@@ -41,8 +42,7 @@ pub struct PathField<'a> {
     pub width: f32,
     /// Accessible name of the button.
     pub browse: &'a str,
-    /// Command of the button.
-    pub command: Command,
+    pub purpose: PickPurpose,
 }
 
 impl PathField<'_> {
@@ -69,7 +69,7 @@ impl PathField<'_> {
     /// Shows the button in the reserved room.
     pub fn show_browse(self, ui: &mut Ui, place: Rect, commands: &mut Vec<Command>) -> Response {
         let button = ui.place(place, Button::new("Browse").min_size(place.size()));
-        finish_button(ui, named(button, self.browse), self.command, commands)
+        finish_button(ui, named(button, self.browse), Command::Browse(self.purpose), commands)
     }
 }
 

@@ -4,10 +4,8 @@
 use egui::{CursorIcon, Rect, Sense, Stroke, Ui, UiBuilder, Vec2, vec2};
 
 use super::{card, pairs, tabs};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
 use crate::app::model::dock::DockEdge;
-use crate::app::model::ids::StageId;
+use crate::app::model::{Command, Model, StageId};
 use crate::app::view::theme;
 
 /// Height of the folded dock at the bottom, screen points.
@@ -25,7 +23,6 @@ const CARD: f32 = 208.0;
 const UNFOLDED: f32 = 190.0;
 const HINT: f32 = 80.0;
 
-/// Shows the dock in its area.
 pub fn show(ui: &mut Ui, area: Rect, edge: DockEdge, model: &Model, commands: &mut Vec<Command>) {
     ui.painter().rect_filled(area, 0.0, ui.visuals().panel_fill);
     let line = Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color);

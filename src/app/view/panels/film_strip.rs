@@ -10,11 +10,11 @@ use egui::{
     StrokeKind, TextureHandle, TextureOptions, Ui, UiBuilder, pos2, vec2,
 };
 
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::document::{Side, counted};
+use crate::app::model::document::counted;
 use crate::app::model::pair_folder::PairFolder;
-use crate::app::model::thumbnails::{Thumbnail, ThumbnailQuestion};
+use crate::app::model::picture::Overview;
+use crate::app::model::thumbnails::ThumbnailQuestion;
+use crate::app::model::{Command, Model, Side};
 use crate::app::view::theme;
 
 /// Width of a thumbnail, screen points.
@@ -35,7 +35,7 @@ const AHEAD: usize = 3;
 /// On-screen state of the strip.
 #[derive(Default)]
 pub struct FilmStrip {
-    textures: HashMap<usize, (Arc<Thumbnail>, TextureHandle)>,
+    textures: HashMap<usize, (Arc<Overview>, TextureHandle)>,
     visible: Range<usize>,
     /// The pair last scrolled into view.
     shown: Option<[usize; 2]>,

@@ -3,8 +3,7 @@
 use egui::{Context, Label, TextEdit};
 
 use super::dialog::{dialog, ending, row_label};
-use crate::app::model::command::Command;
-use crate::app::model::document::Side;
+use crate::app::model::{Command, Side};
 use crate::camera::FocalLength;
 
 /// Relative standard deviation proposed for typed focal lengths, as for those of EXIF data. A chosen value:

@@ -23,7 +23,6 @@ fn label(response: &Response, name: &str, gauge: &Gauge) {
     });
 }
 
-/// Draws a bar.
 pub fn draw(painter: &Painter, visuals: &Visuals, bar: Rect, gauge: &Gauge) {
     let at = |place: f32| egui::lerp(bar.x_range(), place);
     let part = |from: f32, to: f32| Rect::from_min_max(pos2(at(from), bar.min.y), pos2(at(to), bar.max.y));
@@ -52,7 +51,6 @@ pub fn draw(painter: &Painter, visuals: &Visuals, bar: Rect, gauge: &Gauge) {
     );
 }
 
-/// Returns the colour of a tone.
 pub fn tone_color(visuals: &Visuals, tone: Tone) -> Color32 {
     let palette = theme::palette(visuals);
     match tone {

@@ -8,7 +8,6 @@ use egui::{
 
 use crate::app::view::theme;
 
-/// An icon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Icon {
     Open,
@@ -23,7 +22,6 @@ pub enum Icon {
     Search,
 }
 
-/// Size of a button with an icon.
 pub const ICON: egui::Vec2 = vec2(28.0, 26.0);
 /// Half of the side of an icon, screen points.
 const HALF: f32 = 7.0;
@@ -116,7 +114,6 @@ fn menu_mark(painter: &Painter, centre: Pos2, color: Color32) {
     painter.add(Shape::convex_polygon(corners.to_vec(), color, Stroke::NONE));
 }
 
-/// Adds a button with an icon.
 pub fn icon_button(ui: &mut Ui, icon: Icon, enabled: bool, on: bool) -> Response {
     let response = ui.add_enabled(enabled, Button::selectable(on, "").min_size(ICON));
     let color = ui.style().interact_selectable(&response, on).text_color();
@@ -125,7 +122,6 @@ pub fn icon_button(ui: &mut Ui, icon: Icon, enabled: bool, on: bool) -> Response
     response
 }
 
-/// Shows a button that opens a menu.
 pub fn menu_button(
     ui: &mut Ui,
     title: RichText,

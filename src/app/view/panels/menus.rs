@@ -2,14 +2,10 @@
 
 use egui::{Button, RichText, Ui};
 
-use super::command_button;
+use super::menu_entry;
 use super::tabs::describe_lines;
-use crate::app::model::Model;
-use crate::app::model::command::{Command, ExchangeCommand};
-use crate::app::model::document::{Role, Side, pair_name};
-use crate::app::model::focus::LineSource;
-use crate::app::model::ids::TabId;
 use crate::app::model::point_table::{ChosenEdit, PointsCommand};
+use crate::app::model::{Command, ExchangeCommand, LineSource, Model, Role, Side, TabId, pair_name};
 use crate::geometry::Point;
 use crate::io::Notation;
 
@@ -19,28 +15,24 @@ pub fn pair_menu(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Com
     let chosen = document.chosen.len();
     let together = chosen > 1 && document.chosen.contains(&pair);
     ui.weak(if together { format!("{chosen} chosen pairs") } else { format!("Pair {}", pair_name(pair)) });
-    let mut offer = |ui: &mut Ui, command: Command, enabled: bool| {
-        if command_button(ui, command, enabled, commands).clicked() {
-            ui.close();
-        }
-    };
     if together {
         for edit in [ChosenEdit::Use, ChosenEdit::CheckOnly, ChosenEdit::Exclude, ChosenEdit::Delete] {
-            offer(ui, PointsCommand::Edit(edit).into(), true);
+            menu_entry(ui, PointsCommand::Edit(edit).into(), true, commands);
         }
         return;
     }
     if pair < document.pairs.len() {
-        offer(ui, Command::Refine(pair), model.repair_question(pair).is_some());
-        offer(ui, Command::MoveToMatch(pair), model.better_place(pair).is_some());
+        menu_entry(ui, Command::Refine(pair), model.repair_question(pair).is_some(), commands);
+        menu_entry(ui, Command::MoveToMatch(pair), model.better_place(pair).is_some(), commands);
         ui.separator();
         let only = document.role(pair) == Role::Used;
-        offer(ui, Command::CheckOnly(pair, only), only || document.can_be_used(pair));
-        offer(ui, Command::IncludePair(pair, document.role(pair) == Role::Excluded), true);
-        offer(ui, Command::Pin(LineSource::Pair(pair)), model.shown().is_some());
+        menu_entry(ui, Command::CheckOnly(pair, only), only || document.can_be_used(pair), commands);
+        let is_out = document.role(pair) == Role::Excluded;
+        menu_entry(ui, Command::IncludePair(pair, is_out), true, commands);
+        menu_entry(ui, Command::Pin(LineSource::Pair(pair)), model.shown().is_some(), commands);
         ui.separator();
     }
-    offer(ui, Command::DeletePair(pair), true);
+    menu_entry(ui, Command::DeletePair(pair), true, commands);
 }
 
 /// Shows the menu of the pinned line pair with this number.
@@ -57,9 +49,7 @@ pub fn pin_menu(ui: &mut Ui, model: &Model, number: usize, commands: &mut Vec<Co
         commands.extend([Command::Inspect(place), Command::ShowTab(TabId::Profiles)]);
         ui.close();
     }
-    if command_button(ui, Command::Unpin(place), true, commands).clicked() {
-        ui.close();
-    }
+    menu_entry(ui, Command::Unpin(place), true, commands);
 }
 
 /// Shows the menu of a place in an image without a point or a pinned line.
@@ -102,8 +92,8 @@ pub fn place_menu(ui: &mut Ui, model: &Model, side: Side, point: Point, commands
         (ExchangeCommand::RemoveGiven.into(), document.given.is_some()),
         (Command::RemoveCalibration, model.open.views().is_some()),
     ] {
-        if is_there && command_button(ui, command, true, commands).clicked() {
-            ui.close();
+        if is_there {
+            menu_entry(ui, command, true, commands);
         }
     }
 }
@@ -113,11 +103,7 @@ pub fn copy_fundamental_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Comm
     ui.add_enabled_ui(model.shown().is_some(), |ui| {
         ui.menu_button("Copy F as", |ui| {
             for notation in Notation::ALL {
-                if command_button(ui, ExchangeCommand::CopyFundamental(notation).into(), true, commands)
-                    .clicked()
-                {
-                    ui.close();
-                }
+                menu_entry(ui, ExchangeCommand::CopyFundamental(notation).into(), true, commands);
             }
         });
     });

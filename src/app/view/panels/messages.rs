@@ -3,9 +3,8 @@
 use egui::{Align, Align2, Area, Frame, Id, Label, Layout, Margin, Order, Rect, RichText, Stroke, vec2};
 
 use super::card;
-use crate::app::model::Model;
-use crate::app::model::command::Command;
 use crate::app::model::messages::{Message, MessageKind};
+use crate::app::model::{Command, Model};
 use crate::app::view::theme;
 
 /// Distance from the top of a button to its text, screen points.

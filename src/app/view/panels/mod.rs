@@ -6,7 +6,6 @@ mod card;
 mod dialog;
 pub mod dock;
 mod exchange;
-mod export_dialog;
 mod film_strip;
 mod focal_dialog;
 mod gauge;
@@ -35,7 +34,6 @@ use crate::app::view::keyboard::key_text;
 use crate::app::view::theme;
 
 pub use exchange::{FileExport, ReadingDialog};
-pub use export_dialog::ExportDialog;
 pub use film_strip::FilmStrip;
 pub use focal_dialog::FocalDialog;
 pub use menus::{copy_fundamental_menu, pair_menu, pin_menu, place_menu};
@@ -55,6 +53,13 @@ pub use top_bar::show as top_bar;
 fn command_button(ui: &mut Ui, command: Command, enabled: bool, commands: &mut Vec<Command>) -> Response {
     let response = ui.add_enabled(enabled, Button::new(command.name()));
     finish_button(ui, response, command, commands)
+}
+
+/// Shows a command's button in a menu. A click, or a key on it, closes the menu.
+fn menu_entry(ui: &mut Ui, command: Command, enabled: bool, commands: &mut Vec<Command>) {
+    if command_button(ui, command, enabled, commands).clicked() {
+        ui.close();
+    }
 }
 
 /// Shows a button in the accent colour.

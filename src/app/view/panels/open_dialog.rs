@@ -6,17 +6,15 @@ use egui::{Button, Key, Label, RichText, ScrollArea, Ui};
 
 use super::dialog::{PathField, dialog, path_of};
 use super::{busy, command_button, finish_button};
-use crate::app::model::Model;
-use crate::app::model::command::{Command, ExchangeCommand};
-use crate::app::model::document::Side;
+use crate::app::model::command::PickPurpose;
 use crate::app::model::exchange::is_importable;
 use crate::app::model::recents::recent_name;
+use crate::app::model::{Command, ExchangeCommand, Model, Side};
 use crate::app::view::theme;
 
 /// Greatest height of the list of unsaved work, screen points.
 const UNSAVED: f32 = 96.0;
 
-/// Content of the dialog.
 #[derive(Debug, Clone, Default)]
 pub struct OpenDialog {
     pub open: bool,
@@ -130,7 +128,7 @@ impl OpenDialog {
                 ("Right image", "Browse for the right image", Side::Right),
             ];
             let rows = rows.map(|(name, browse, side)| {
-                let row = field(name, "path of the image", browse, Command::Browse(side));
+                let row = field(name, "path of the image", browse, PickPurpose::Image(side));
                 let (field, place) = row.show_field(ui, &mut self.paths[side.index()]);
                 if self.just_opened && side == Side::Left {
                     field.request_focus();
@@ -147,7 +145,7 @@ impl OpenDialog {
                  or pairs NAMEA.*, NAMEB.* with NAME.txt or NAME_F.txt), results can be compared with it.",
             );
             ui.add_space(2.0);
-            let row = field("Folder", "path of the folder", "Browse for the folder", Command::BrowseFolder);
+            let row = field("Folder", "path of the folder", "Browse for the folder", PickPurpose::Folder);
             let (_, place) = row.show_field(ui, &mut self.folder);
             elsewhere |= row.show_browse(ui, place, commands).has_focus();
             ui.add_space(6.0);
@@ -156,9 +154,8 @@ impl OpenDialog {
                  ones, in any known format.",
             );
             ui.add_space(2.0);
-            let hint = "path of the file";
-            let browse = ExchangeCommand::BrowseImport.into();
-            let row = field("Import", hint, "Browse for a file to import", browse);
+            let browse = "Browse for a file to import";
+            let row = field("Import", "path of the file", browse, PickPurpose::Import);
             let (_, place) = row.show_field(ui, &mut self.import);
             elsewhere |= row.show_browse(ui, place, commands).has_focus();
             ui.add_space(6.0);
@@ -243,22 +240,13 @@ fn recents(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
     focused
 }
 
-fn field<'a>(name: &'a str, hint: &'a str, browse: &'a str, command: Command) -> PathField<'a> {
-    PathField { name, hint, width: 330.0, browse, command }
+fn field<'a>(name: &'a str, hint: &'a str, browse: &'a str, purpose: PickPurpose) -> PathField<'a> {
+    PathField { name, hint, width: 330.0, browse, purpose }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn two_files_fill_left_then_right() {
-        let mut dialog = OpenDialog::default();
-        assert_eq!(dialog.offer(Path::new("a.png"), None), None);
-        assert!(dialog.open);
-        let both = dialog.offer(Path::new("b.png"), None);
-        assert_eq!(both, Some(["a.png".into(), "b.png".into()]));
-    }
 
     #[test]
     fn one_image_is_not_enough_and_one_session_or_folder_is() {

@@ -6,14 +6,11 @@ use egui::{RichText, ScrollArea, Sense, Ui, vec2};
 use super::dialog::named;
 use super::finish_button;
 use super::icons::menu_button;
-use crate::app::model::Model;
-use crate::app::model::command::Command;
 use crate::app::model::dock::DockEdge;
 use crate::app::model::ids::OverlayGroup;
-use crate::app::model::point_table::PointsCommand;
+use crate::app::model::{Command, Model, OverlayId};
 use crate::app::view::panes::overlays::OVERLAYS;
 
-/// Shows the button of the menu.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let menu = menu_button(ui, RichText::new("Overlays"), None, |ui| {
         let room = (ui.ctx().content_rect().height() - 80.0).max(100.0);
@@ -28,9 +25,9 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 fn content(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.y = 1.0;
     ui.spacing_mut().interact_size.y = 20.0;
-    for (group, title) in OverlayGroup::ALL {
-        ui.weak(title);
-        let of_group = |id: crate::app::model::ids::OverlayId| id.group() == group && model.offers(id);
+    for group in OverlayGroup::ALL {
+        ui.weak(group.title());
+        let of_group = |id: OverlayId| id.group() == group && model.offers(id);
         for overlay in OVERLAYS.iter().filter(|overlay| of_group(overlay.id)) {
             ui.horizontal(|ui| {
                 let (swatch, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
@@ -57,13 +54,12 @@ fn content(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
     ui.weak("View");
     let look = &model.look;
-    for (command, name, mut on) in [
-        (Command::ToggleLink, Command::ToggleLink.name(), look.linked),
-        (Command::ToggleLoupe, Command::ToggleLoupe.name(), look.loupe),
-        (PointsCommand::ToggleNames.into(), "Pair names", look.names),
-        (Command::ToggleStacked, Command::ToggleStacked.name(), look.stacked.unwrap_or(false)),
+    for (command, mut on) in [
+        (Command::ToggleLink, look.linked),
+        (Command::ToggleLoupe, look.loupe),
+        (Command::ToggleStacked, look.stacked.unwrap_or(false)),
     ] {
-        let entry = ui.checkbox(&mut on, name);
+        let entry = ui.checkbox(&mut on, command.name());
         finish_button(ui, entry, command, commands);
     }
     ui.horizontal(|ui| {

@@ -5,10 +5,9 @@ use egui::{Button, ComboBox, ScrollArea, Ui};
 use super::dialog::named;
 use super::finish_button;
 use super::icons::{Icon, icon_button};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::document::{Side, counted};
+use crate::app::model::document::counted;
 use crate::app::model::pair_folder::PairFolder;
+use crate::app::model::{Command, Model, Side};
 use crate::app::view::actions::conditions::has_strip;
 
 /// Shows the choice of the pair, and the button of the drawer with all images.

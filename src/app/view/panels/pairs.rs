@@ -10,12 +10,9 @@ use egui::{
 use super::dialog::named;
 use super::gauge;
 use super::{command_button, finish_button, pair_menu};
-use crate::app::model::Model;
-use crate::app::model::command::{Command, ExchangeCommand};
-use crate::app::model::document::{PointRef, Role, Side, pair_name};
-use crate::app::model::focus::Target;
 use crate::app::model::point_table::{Choosing, ChosenEdit, PointsCommand};
 use crate::app::model::residuals::check_summary;
+use crate::app::model::{Command, ExchangeCommand, Model, PointRef, Role, Side, Target, pair_name};
 use crate::app::view::theme;
 use crate::geometry::Point;
 
@@ -195,26 +192,28 @@ fn line(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
                 gauge::under(ui, &text, &format!("Distance of pair {name}"), &scale);
             }
         }
+        let note = |ui: &mut Ui, text: RichText, tooltip: String| {
+            ui.add(Label::new(text).selectable(false)).on_hover_text(tooltip);
+        };
+        let caution = theme::palette(ui.visuals()).caution;
         if let Some(distance) = model.outvoted(pair) {
-            let text = RichText::new("off its line").color(theme::palette(ui.visuals()).caution);
-            ui.add(Label::new(text).selectable(false)).on_hover_text(format!(
+            let tooltip = format!(
                 "The pair misses its epipolar line by {distance:.1} px (symmetric distance), although the \
                  images support the geometry. Check that both points are the same scene point."
-            ));
-        }
-        if let Some(distance) = model.slid(pair).filter(|_| model.outvoted(pair).is_none()) {
-            let text = RichText::new("off its match").color(theme::palette(ui.visuals()).caution);
-            ui.add(Label::new(text).selectable(false)).on_hover_text(format!(
+            );
+            note(ui, RichText::new("off its line").color(caution), tooltip);
+        } else if let Some(distance) = model.slid(pair) {
+            let tooltip = format!(
                 "The images look alike {distance:.0} px from the right point, along the epipolar line. The \
                  geometry hardly depends on the place along the line. Move the point to its match if both \
                  points are not the same scene point."
-            ));
+            );
+            note(ui, RichText::new("off its match").color(caution), tooltip);
         }
         if model.unconfirmed(pair).is_some_and(|found| found.place.is_none()) {
-            ui.add(Label::new(RichText::new("?").weak()).selectable(false)).on_hover_text(
-                "The images do not show the match of the left point clearly. The distance from the line says \
-                 nothing about the place along it, so compare both points yourself.",
-            );
+            let tooltip = "The images do not show the match of the left point clearly. The distance from the line \
+                           says nothing about the place along it, so compare both points yourself.";
+            note(ui, RichText::new("?").weak(), tooltip.to_owned());
         }
         let role = match document.role(pair) {
             Role::Used => "",
@@ -229,7 +228,6 @@ fn line(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     });
 }
 
-/// Shows the actions for several chosen pairs.
 fn chosen_edits(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
         ui.weak(format!("{} chosen", model.document.chosen.len()));
@@ -286,7 +284,6 @@ fn name_field(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Comman
     }
 }
 
-/// Shows the choice of the role.
 fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     let document = &model.document;
     let now = document.role(pair);

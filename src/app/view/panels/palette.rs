@@ -3,9 +3,7 @@
 use egui::{Align2, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window, vec2};
 
 use super::finish_button;
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::ids::OverlayId;
+use crate::app::model::{Command, Model, OverlayId};
 use crate::app::view::actions::ACTIONS;
 use crate::app::view::keyboard::key_text;
 
@@ -30,7 +28,6 @@ impl CommandPalette {
         *self = Self { open: !self.open, just_opened: true, ..Self::default() };
     }
 
-    /// Shows the list if open.
     pub fn show(&mut self, ctx: &egui::Context, model: &Model, commands: &mut Vec<Command>) {
         if !self.open {
             return;
@@ -116,7 +113,7 @@ fn entries(model: &Model) -> Vec<PaletteEntry> {
         };
         Some(PaletteEntry { title: title.to_owned(), command: action.command.clone() })
     });
-    let overlays = OverlayId::all().filter(|overlay| model.offers(*overlay)).map(|overlay| {
+    let overlays = OverlayId::ALL.into_iter().filter(|overlay| model.offers(*overlay)).map(|overlay| {
         let verb = if model.look.shows(overlay) { "Hide" } else { "Show" };
         let title = format!("{verb} {}", overlay.name().to_lowercase());
         PaletteEntry { title, command: Command::ToggleOverlay(overlay) }

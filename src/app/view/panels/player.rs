@@ -3,14 +3,12 @@
 use egui::{Align, Button, DragValue, Layout, Slider, Ui};
 
 use super::{busy, command_button, finish_button};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
 use crate::app::model::recording::PlayerCommand;
+use crate::app::model::{Command, Model};
 
 /// Width kept free beside the slider, screen points.
 const BESIDE: f32 = 40.0;
 
-/// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let (Some(playable), Some([left, right]), Some(synchronised)) =
         (model.playable(), model.shown_frames(), model.synchronised())

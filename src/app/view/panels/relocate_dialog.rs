@@ -6,9 +6,9 @@ use egui::{Button, Key, Label, TextEdit};
 
 use super::dialog::{dialog, named, path_of};
 use super::{command_button, finish_button};
-use crate::app::model::command::{Command, SessionCommand};
-use crate::app::model::document::Side;
+use crate::app::model::command::PickPurpose;
 use crate::app::model::session::{Lost, OpenSession, Relocation};
+use crate::app::model::{Command, SessionCommand, Side};
 
 /// The missing images and the typed paths.
 #[derive(Debug, Clone)]
@@ -22,7 +22,6 @@ impl RelocateDialog {
         Self { relocation, paths: [String::new(), String::new()] }
     }
 
-    /// Fills in a chosen path.
     pub fn offer(&mut self, side: Side, path: &Path) {
         self.paths[side.index()] = path.display().to_string();
     }
@@ -85,7 +84,7 @@ impl RelocateDialog {
                     ui.add(edit).labelled_by(label.id);
                     let label = format!("Browse for the {} image", side.name());
                     let browse = named(ui.button("Browse"), &label);
-                    finish_button(ui, browse, SessionCommand::BrowseLost(side).into(), commands);
+                    finish_button(ui, browse, Command::Browse(PickPurpose::Lost(side)), commands);
                 });
                 all_there &= !missing || path_of(typed).is_some();
             }

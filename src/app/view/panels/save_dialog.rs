@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use super::dialog::{PathField, dialog, ending, path_of};
+use crate::app::model::command::PickPurpose;
 use crate::app::model::command::{Command, SessionCommand};
 use crate::app::model::session::has_session_extension;
 
-/// Content of the dialog.
 #[derive(Debug, Clone)]
 pub struct SaveDialog {
     path: String,
@@ -14,12 +14,10 @@ pub struct SaveDialog {
 }
 
 impl SaveDialog {
-    /// Creates the dialog with a suggested path.
     pub fn new(path: &Path) -> Self {
         Self { path: path.display().to_string(), just_opened: true }
     }
 
-    /// Fills in a chosen path.
     pub fn offer(&mut self, path: &Path) {
         self.path = path.display().to_string();
     }
@@ -37,7 +35,7 @@ impl SaveDialog {
                 hint: "path of the session",
                 width: 330.0,
                 browse: "Browse for the session file",
-                command: SessionCommand::BrowseSave.into(),
+                purpose: PickPurpose::Session(path_of(&self.path).unwrap_or_default()),
             };
             let file = file.show(ui, &mut self.path, commands);
             if self.just_opened {

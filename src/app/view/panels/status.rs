@@ -3,11 +3,9 @@
 use egui::{Align, Label, Layout, RichText, Ui};
 
 use super::{busy, command_button};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
 use crate::app::model::guide::guide;
-use crate::app::model::ids::StageId;
 use crate::app::model::rectified::RectifiedCommand;
+use crate::app::model::{Command, Model, StageId};
 use crate::app::view::theme;
 use crate::estimate::Preset;
 
@@ -20,7 +18,6 @@ const ORBIT: &str = "Drag turns · scroll zooms · right drag moves · double cl
 /// What the mouse does on a rectified pair.
 const ROWS: &str = "Point at a picture to see its row in both · scroll zooms · drag pans · double click fits";
 
-/// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.spacing_mut().interact_size.y = theme::STATUS_BAR - 6.0;
     let small = |text: String| RichText::new(text).size(theme::CAPTION);
@@ -76,8 +73,7 @@ fn time_and_seed(model: &Model) -> Option<String> {
     if let Some(elapsed) = model.open.computation.elapsed() {
         return Some(format!("{:.0} s so far", elapsed.as_secs_f64()));
     }
-    let (estimate, _) = model.open.computation.result()?;
-    let trace = estimate.trace.as_ref()?;
+    let trace = model.result()?.trace.as_ref()?;
     let preset = match trace.preset {
         Preset::Robust => "robust",
         Preset::Paper => "as published",

@@ -12,28 +12,58 @@ use super::gauge;
 use crate::app::model::verdict::Gauge;
 use crate::app::view::theme;
 
-/// A column.
-#[derive(Clone)]
-pub struct Column {
-    pub title: &'static str,
+/// A column: its heading, and what its cells hold.
+pub struct Column<'a> {
+    title: &'static str,
     /// One sentence about the column.
-    pub tooltip: &'static str,
+    tooltip: &'static str,
     /// Relative width.
-    pub width: f32,
+    width: f32,
     /// Whether the column holds text instead of figures. Text is left-aligned, and may continue
     /// over the following columns where they are empty.
-    pub is_text: bool,
+    is_text: bool,
+    /// Value by which a row is sorted; NaN comes last.
+    key: Box<dyn Fn(usize) -> f64 + 'a>,
+    text: Box<dyn Fn(usize) -> String + 'a>,
+    gauge: Box<dyn Fn(usize) -> Option<Gauge> + 'a>,
 }
 
-impl Column {
-    /// Creates a column of figures.
-    pub const fn figures(title: &'static str, width: f32, tooltip: &'static str) -> Self {
-        Self { title, tooltip, width, is_text: false }
+impl<'a> Column<'a> {
+    /// Creates a column of figures. NaN stands for a missing one.
+    pub fn figures(
+        title: &'static str,
+        width: f32,
+        tooltip: &'static str,
+        figure: impl Fn(usize) -> f64 + Clone + 'a,
+        format: impl Fn(f64) -> String + 'a,
+    ) -> Self {
+        let own = figure.clone();
+        let text = move |row: usize| {
+            let figure = own(row);
+            if figure.is_nan() { String::new() } else { format(figure) }
+        };
+        Self { is_text: false, key: Box::new(figure), ..Self::words(title, width, tooltip, text) }
     }
 
-    /// Creates a column of text.
-    pub const fn words(title: &'static str, width: f32, tooltip: &'static str) -> Self {
-        Self { title, tooltip, width, is_text: true }
+    /// Creates a column of text, in the order of the rows.
+    pub fn words(
+        title: &'static str,
+        width: f32,
+        tooltip: &'static str,
+        text: impl Fn(usize) -> String + 'a,
+    ) -> Self {
+        let (key, gauge) = (Box::new(|row| row as f64), Box::new(|_| None));
+        Self { title, tooltip, width, is_text: true, key, text: Box::new(text), gauge }
+    }
+
+    /// Writes other texts than the figures.
+    pub fn written(self, text: impl Fn(usize) -> String + 'a) -> Self {
+        Self { text: Box::new(text), ..self }
+    }
+
+    /// Adds gauges beside the figures.
+    pub fn gauged(self, gauge: impl Fn(usize) -> Option<Gauge> + 'a) -> Self {
+        Self { gauge: Box::new(gauge), ..self }
     }
 }
 
@@ -45,7 +75,6 @@ pub struct Sort {
     pub descending: bool,
 }
 
-/// Appearance of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RowLook {
     pub chosen: bool,
@@ -62,27 +91,17 @@ pub struct Touched {
     pub clicked: Option<usize>,
 }
 
-/// A table to show.
 pub struct Table<'a> {
     /// Name, used for stored state and by screen readers.
     pub name: &'static str,
-    /// Columns from left to right.
-    pub columns: &'a [Column],
-    /// Number of rows.
+    pub columns: &'a [Column<'a>],
     pub rows: usize,
     /// Revision of the figures; a change triggers sorting.
     pub revision: u64,
     /// Accessible name of a row.
     pub row_name: &'a dyn Fn(usize) -> String,
-    /// Value by which a row is sorted in a column; NaN comes last.
-    pub key: &'a dyn Fn(usize, usize) -> f64,
-    /// Text of a cell.
-    pub text: &'a dyn Fn(usize, usize) -> String,
-    /// Gauge of a cell, if it has one.
-    pub gauge: &'a dyn Fn(usize, usize) -> Option<Gauge>,
     /// Tooltip of a row, if it has one.
     pub about: &'a dyn Fn(usize) -> Option<String>,
-    /// Appearance of a row.
     pub look: &'a dyn Fn(usize) -> RowLook,
 }
 
@@ -144,7 +163,7 @@ impl Table<'_> {
         let total: f32 = self.columns.iter().map(|column| column.width).sum();
         // In a wide window, columns spread out only as far as a row stays readable.
         let scale = (available / total).min(1.6);
-        let right = |sum: &mut f32, column: &Column| {
+        let right = |sum: &mut f32, column: &Column<'_>| {
             *sum += column.width * scale;
             Some(*sum)
         };
@@ -165,8 +184,8 @@ impl Table<'_> {
     }
 
     fn order(&self, sort: Sort) -> Vec<usize> {
-        let mut keyed: Vec<(f64, usize)> =
-            (0..self.rows).map(|row| ((self.key)(row, sort.column), row)).collect();
+        let key = &self.columns[sort.column].key;
+        let mut keyed: Vec<(f64, usize)> = (0..self.rows).map(|row| (key(row), row)).collect();
         keyed.sort_by(|(a, _), (b, _)| match (a.is_nan(), b.is_nan()) {
             (false, false) if sort.descending => b.total_cmp(a),
             (false, false) => a.total_cmp(b),
@@ -242,16 +261,16 @@ impl Table<'_> {
         let painter = ui.painter().with_clip_rect(area.intersect(ui.clip_rect()));
         let mut left = 0.0;
         let mut words = None;
-        for ((number, right), column) in edges.iter().enumerate().zip(self.columns) {
+        for (right, column) in edges.iter().zip(self.columns) {
             let (start, end) = (area.min.x + left + INSET, area.min.x + right - 14.0);
-            let text = (self.text)(row, number);
+            let text = (column.text)(row);
             if column.is_text {
                 let at = pos2(start, area.center().y);
                 painter.text(at, Align2::LEFT_CENTER, text, font.clone(), color);
             } else {
                 let text =
                     painter.text(pos2(end, area.center().y), Align2::RIGHT_CENTER, text, font.clone(), color);
-                if let Some(bar) = (self.gauge)(row, number) {
+                if let Some(bar) = (column.gauge)(row) {
                     let place =
                         Rect::from_min_max(pos2(start, area.min.y), pos2(text.min.x - 8.0, area.max.y));
                     let place = Rect::from_center_size(
@@ -293,12 +312,9 @@ mod tests {
         let figures = [3.0, f64::NAN, 1.0, 2.0];
         let table = Table {
             name: "test",
-            columns: &[],
+            columns: &[Column::figures("", 1.0, "", |row| figures[row], |figure| figure.to_string())],
             rows: figures.len(),
             row_name: &|_| String::new(),
-            key: &|row, _| figures[row],
-            text: &|_, _| String::new(),
-            gauge: &|_, _| None,
             about: &|_| None,
             look: &|_| RowLook::default(),
             revision: 0,

@@ -6,12 +6,9 @@ use egui::{Button, PopupCloseBehavior, Slider, Ui};
 use super::dialog::named;
 use super::finish_button;
 use super::icons::Icon;
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::document::Side;
 use crate::app::model::tones::{Channel, Rendition, TonesCommand};
+use crate::app::model::{Command, Model, Side};
 
-/// Shows the button of the menu.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let changed = model.open.tones.of.iter().any(|own| !own.is_plain());
     let button = Button::selectable(changed, "").min_size(egui::vec2(28.0, 26.0));

@@ -5,12 +5,10 @@ use egui::{Button, Rect, RichText, Ui, UiBuilder, vec2};
 
 use super::dialog::named;
 use super::icons::{ICON, Icon, icon_button, menu_button};
-use super::{copy_fundamental_menu, finish_button, overlays_menu, pair_chooser, tones};
-use crate::app::model::Model;
-use crate::app::model::command::{Command, ExchangeCommand, SessionCommand};
-use crate::app::model::ids::StageId;
+use super::{copy_fundamental_menu, finish_button, menu_entry, overlays_menu, pair_chooser, tones};
 use crate::app::model::look::Tool;
 use crate::app::model::rectified::RectifiedCommand;
+use crate::app::model::{Command, ExchangeCommand, Model, SessionCommand, StageId};
 use crate::app::view::actions::conditions::has_strip;
 use crate::app::view::theme;
 
@@ -23,7 +21,6 @@ const ROOM_FOR_MIDDLE: f32 = 900.0;
 /// Width of a button of the switch in the middle, screen points.
 const STAGE: f32 = 80.0;
 
-/// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let area = ui.max_rect();
     ui.spacing_mut().item_spacing.x = 3.0;
@@ -85,7 +82,6 @@ fn stages(model: &Model) -> impl Iterator<Item = StageId> {
     StageId::ALL.into_iter().filter(move |stage| *stage != StageId::Scene || has_scene)
 }
 
-/// Shows the switch of the stage.
 fn switch(ui: &mut Ui, least_width: f32, model: &Model, commands: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.x = 2.0;
     for stage in stages(model) {
@@ -137,22 +133,15 @@ fn export(ui: &mut Ui, any: bool, model: &Model, commands: &mut Vec<Command>) {
     let title = if has_result { title.color(palette.on_accent) } else { title };
     ui.add_enabled_ui(any, |ui| {
         let menu = menu_button(ui, title, fill, |ui| {
-            let mut entry = |ui: &mut Ui, title: &str, command: Command, enabled: bool| {
-                let entry = ui.add_enabled(enabled, Button::new(title));
-                if finish_button(ui, entry, command, commands).clicked() {
-                    ui.close();
-                }
-            };
-            entry(ui, "Export geometry, points or figure…", ExchangeCommand::ShowExport.into(), any);
-            let can = has_result && model.activity.writing.is_none();
-            let rectified = Command::from(RectifiedCommand::ShowExport);
-            entry(ui, rectified.name(), rectified, can);
-            ui.separator();
-            copy_fundamental_menu(ui, model, commands);
-            let copy = ui.button(Command::CopyView.name());
-            if finish_button(ui, copy, Command::CopyView, commands).clicked() {
+            let all = ui.button("Export geometry, points or figure…");
+            if finish_button(ui, all, ExchangeCommand::ShowExport.into(), commands).clicked() {
                 ui.close();
             }
+            let can = has_result && model.activity.writing.is_none();
+            menu_entry(ui, RectifiedCommand::ShowExport.into(), can, commands);
+            ui.separator();
+            copy_fundamental_menu(ui, model, commands);
+            menu_entry(ui, Command::CopyView, true, commands);
         });
         named(menu, "Export")
             .on_hover_text("Write the geometry, the point pairs, a figure or the rectified pair.");

@@ -5,9 +5,7 @@ use std::fmt::Write;
 use egui::text::{LayoutJob, TextFormat, TextWrapping};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Ui, WidgetInfo, vec2};
 
-use crate::app::model::Model;
-use crate::app::model::document::Side;
-use crate::app::model::ids::OverlayId;
+use crate::app::model::{Model, OverlayId, Side};
 use crate::app::view::theme;
 use crate::camera::UndistortedView;
 use crate::geometry::Frame;

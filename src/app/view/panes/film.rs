@@ -18,11 +18,9 @@ pub const PIXELS: TextureOptions = TextureOptions {
 /// Frame number, whether motion is highlighted, and the rendition.
 type Shown = (usize, bool, Rendition);
 
-/// A sequence that can be drawn.
 pub struct Film {
     recording: Shared<Recording>,
     shown: Option<Shown>,
-    /// Texture of the present frame.
     pub texture: TextureHandle,
 }
 

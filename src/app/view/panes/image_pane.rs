@@ -7,16 +7,12 @@ use super::loupe;
 use super::overlays::{Canvas, Labels, OVERLAYS, draw_measurement, pinned_at, pointed_at, suggested_places};
 use super::texture::PictureTexture;
 use super::transform::{Transform, zoom_asked};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::document::{PointRef, Side, pair_name};
-use crate::app::model::focus::LineSource;
-use crate::app::model::ids::OverlayId;
 use crate::app::model::look::Tool;
 use crate::app::model::open_pair::Hover;
 use crate::app::model::pane_view::{LARGEST_SCALE, PaneView, QuarterTurns};
 use crate::app::model::picture::Opened;
 use crate::app::model::shared::Shared;
+use crate::app::model::{Command, LineSource, Model, OverlayId, PointRef, Side, pair_name};
 use crate::app::view::panels::{pair_menu, pin_menu, place_menu};
 use crate::app::view::theme;
 use crate::camera::UndistortedView;
@@ -26,7 +22,6 @@ use crate::image::Picture;
 /// Magnification of an image that is fitted, to show a point.
 const CLOSER: f64 = 4.0;
 
-/// A drag in progress.
 #[derive(Debug, Clone, Copy)]
 struct Drag {
     /// Position where the button went down. Summing steps would lose the first pixels, before egui
@@ -54,7 +49,6 @@ enum Menu {
     Place(Point),
 }
 
-/// One of the two image panes.
 pub struct ImagePane {
     side: Side,
     image: Option<PaneImage>,
@@ -68,13 +62,11 @@ pub struct ImagePane {
 /// View and position of a pane.
 #[derive(Debug, Clone, Copy)]
 pub struct PanePlace {
-    /// Visible part of the image.
     pub view: PaneView,
     /// Area of the latest frame.
     pub rect: Rect,
 }
 
-/// The picture in a pane.
 struct PaneImage {
     /// The picture of the computation, whose coordinates the window uses.
     picture: Shared<Picture>,
@@ -92,12 +84,10 @@ impl PaneImage {
 }
 
 impl ImagePane {
-    /// Creates an empty pane.
     pub fn new(side: Side) -> Self {
         Self { side, image: None, drag: None, menu: None, rect: Rect::ZERO }
     }
 
-    /// Returns the side of the picture.
     pub fn side(&self) -> Side {
         self.side
     }
@@ -135,7 +125,6 @@ impl ImagePane {
         Some(PanePlace { view: self.view()?, rect: self.rect })
     }
 
-    /// Shows a part of the image.
     pub fn set_view(&mut self, view: PaneView) {
         if let Some(image) = &mut self.image {
             image.view = view;
@@ -435,7 +424,6 @@ fn zoom(ui: &Ui, response: &Response, image: &mut PaneImage) {
     }
 }
 
-/// Continues a drag.
 fn follow(ui: &Ui, drag: &Drag, image: &mut PaneImage, transform: &Transform, commands: &mut Vec<Command>) {
     let Some(position) = ui.input(|input| input.pointer.latest_pos()) else { return };
     let delta = position - drag.origin;

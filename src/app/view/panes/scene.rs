@@ -10,11 +10,8 @@ use nalgebra::{Vector2, Vector3};
 
 use super::chip::label;
 use super::{ImagePane, zoom_asked};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::document::Side;
-use crate::app::model::focus::Target;
 use crate::app::model::scene::{Orbit, Scene};
+use crate::app::model::{Command, Model, Side, Target};
 use crate::app::view::theme;
 use crate::camera::PointCloud;
 
@@ -80,8 +77,7 @@ pub fn show(ui: &mut Ui, panes: &mut [ImagePane; 2], model: &Model, commands: &m
 /// Shows a match in small copies of both pictures, each in a corner of its side. They are on the other half of the
 /// height than the scene point, so that they never cover it.
 fn small_pictures(drawing: &Drawing, panes: &mut [ImagePane; 2], model: &Model, number: usize, at: Pos2) {
-    let found = model.open.computation.result().and_then(|(found, _)| found.matches().get(number));
-    let Some(pair) = found.map(|found| found.pair) else { return };
+    let Some(pair) = model.matched_pairs().nth(number) else { return };
     let room = drawing.rect.shrink(MARGIN);
     let size = drawing.rect.size() * vec2(SMALL, 2.0 * SMALL);
     let below = at.y < room.center().y;

@@ -40,7 +40,6 @@ struct Tile {
     seen: u64,
 }
 
-/// A picture that can be drawn.
 pub struct PictureTexture {
     picture: Shared<Picture>,
     overview: TextureHandle,
@@ -108,7 +107,6 @@ impl PictureTexture {
         self.overview.set(image, if self.scale < 1.0 || self.is_draft { SMOOTH } else { PIXELS });
     }
 
-    /// Draws the visible part.
     pub fn draw(&mut self, painter: &Painter, transform: &Transform) {
         self.draw_tinted(painter, transform, Color32::WHITE);
     }

@@ -2,20 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Align, Button, ComboBox, Label, Layout, RichText, Role, ScrollArea, Ui, WidgetInfo, vec2};
+use egui::{
+    Align, Button, ComboBox, DragValue, Label, Layout, RichText, Role, ScrollArea, Ui, WidgetInfo, vec2,
+};
 
+use super::super::copy_fundamental_menu;
 use super::super::dialog::{PathField, dialog, ending, path_of, row_label};
-use super::super::{command_button, copy_fundamental_menu};
-use crate::app::model::Model;
-use crate::app::model::command::{Command, ExchangeCommand};
+use crate::app::model::command::PickPurpose;
 use crate::app::model::exchange::{
     ExportKind, ExportOrder, FigureFormat, PROFILE_CONVENTION, ReportFormat, ViewPart, result_note,
     trust_note,
 };
-use crate::app::model::ids::OverlayId;
-use crate::app::model::rectified::RectifiedCommand;
+use crate::app::model::{Command, ExchangeCommand, Model, OverlayId};
 use crate::app::view::theme;
-use crate::io::Format;
+use crate::io::{Format, PictureFormat};
 
 /// Width of the dialog, of its list of kinds, and height of the options, screen points. They do not
 /// depend on the kind, so that nothing moves under the cursor.
@@ -53,12 +53,11 @@ impl FileExport {
         self.choose(what.unwrap_or(self.order.what));
     }
 
-    /// Fills in a chosen path.
     pub fn offer(&mut self, path: &Path) {
         self.path = path.display().to_string();
     }
 
-    /// Returns the file extension for the present choices.
+    /// Returns the file extension for the present choices; empty for a folder.
     fn extension(&self) -> &'static str {
         match self.order.what {
             ExportKind::Geometry | ExportKind::Plane | ExportKind::Pairs => self.order.format.extension(),
@@ -68,6 +67,7 @@ impl FileExport {
             ExportKind::Table | ExportKind::Profile => "csv",
             ExportKind::Figure => self.order.figure.format.extension(),
             ExportKind::View => "png",
+            ExportKind::Rectified => "",
         }
     }
 
@@ -95,22 +95,21 @@ impl FileExport {
                 name.insert(0, 'e');
             }
         }
-        let own = self.begin.with_file_name(format!("{name}.{}", self.extension()));
+        let own = self.begin.with_file_name(name).with_added_extension(self.extension());
         self.suggested = own.display().to_string();
         self.path = match &self.typed[self.order.what as usize] {
+            Some(typed) if self.extension().is_empty() => typed.display().to_string(),
             Some(typed) => typed.with_extension(self.extension()).display().to_string(),
             None => self.suggested.clone(),
         };
     }
 
-    /// Chooses another kind.
     fn choose(&mut self, what: ExportKind) {
         self.note_typed();
         self.order.what = what;
         self.suggest();
     }
 
-    /// Shows the dialog if open.
     pub fn show(&mut self, ctx: &egui::Context, model: &Model, commands: &mut Vec<Command>) {
         if !self.open {
             return;
@@ -135,20 +134,22 @@ impl FileExport {
             });
             ui.separator();
             let suggested = path_of(&self.path).unwrap_or_else(|| PathBuf::from(&self.suggested));
-            let file = PathField {
-                name: "File",
-                hint: "path of the file",
-                width: 500.0,
-                browse: "Browse for the export file",
-                command: ExchangeCommand::BrowseExport(suggested).into(),
+            let is_folder = self.order.what == ExportKind::Rectified;
+            let (name, hint, browse, purpose) = if is_folder {
+                let hint = "path of the folder, created if missing";
+                ("Folder", hint, "Browse for the export folder", PickPurpose::Export)
+            } else {
+                ("File", "path of the file", "Browse for the export file", PickPurpose::ExportFile(suggested))
             };
+            let file = PathField { name, hint, width: 500.0, browse, purpose };
             let file = file.show(ui, &mut self.path, commands);
             if self.just_opened {
                 file.request_focus();
             }
             let path = path_of(&self.path);
             let missing = self.order.what.missing(model);
-            let note = match (missing, path.as_ref().is_some_and(|path| path.exists())) {
+            let replaces = !is_folder && path.as_ref().is_some_and(|path| path.exists());
+            let note = match (missing, replaces) {
                 (Some(missing), _) => RichText::new(missing),
                 (None, true) => RichText::new("A file of that name exists and will be replaced.")
                     .color(theme::palette(ui.visuals()).caution)
@@ -193,14 +194,12 @@ impl FileExport {
         trust(ui, self.order.what, model);
     }
 
-    /// Shows the options of the chosen kind of file.
     fn choices(&mut self, ui: &mut Ui, model: &Model) {
         match self.order.what {
             ExportKind::Plane => self.formats(ui),
             ExportKind::Geometry | ExportKind::Pairs => {
                 self.formats(ui);
-                let count =
-                    model.open.computation.result().map_or(0, |(estimate, _)| estimate.matches().len());
+                let count = model.matches().len();
                 if count > 0 {
                     row(ui, "", |ui| {
                         ui.checkbox(
@@ -226,6 +225,7 @@ impl FileExport {
                     .on_hover_text("The two images with all overlays.");
                 ui.radio_value(&mut self.order.part, ViewPart::Window, "The whole window");
             }),
+            ExportKind::Rectified => self.rectified(ui),
         }
     }
 
@@ -244,7 +244,6 @@ impl FileExport {
         });
     }
 
-    /// Shows the options of a figure.
     fn figure(&mut self, ui: &mut Ui) {
         let figure = &mut self.order.figure;
         row(ui, "Format", |ui| {
@@ -265,6 +264,30 @@ impl FileExport {
         });
     }
 
+    fn rectified(&mut self, ui: &mut Ui) {
+        let rectified = &mut self.order.rectified;
+        row(ui, "Pictures", |ui| {
+            ui.radio_value(&mut rectified.format, PictureFormat::Png, "PNG")
+                .on_hover_text("8 or 16 bits with transparency. Every program reads PNG.");
+            ui.radio_value(&mut rectified.format, PictureFormat::Tiff, "TIFF")
+                .on_hover_text("8 or 16 bits or floating point, with transparency.");
+        });
+        ui.horizontal(|ui| {
+            let label = row_label(ui, "Guide lines");
+            let spacing = DragValue::new(&mut rectified.guide_spacing).range(0..=1000);
+            ui.add(spacing.prefix("every ").suffix(" rows"))
+                .labelled_by(label.id)
+                .on_hover_text("Rows between two guide lines in the picture of both. 0 draws none.");
+        });
+        row(ui, "Maps", |ui| {
+            let text = "Source position of each pixel, as .npy arrays for cv2.remap";
+            ui.checkbox(&mut rectified.maps, text).on_hover_text(
+                "Rows × columns × (x, y) in pixels of the original image, as 32-bit floats. Empty pixels \
+                 have (-1, -1).",
+            );
+        });
+    }
+
     /// Shows which visible layers the figure contains.
     fn layers(&mut self, ui: &mut Ui, model: &Model) {
         let figure = &mut self.order.figure;
@@ -272,7 +295,7 @@ impl FileExport {
             ui.horizontal_wrapped(|ui| {
                 let shown =
                     |id: &OverlayId| id.is_for_figures() && model.offers(*id) && model.look.shows(*id);
-                for layer in OverlayId::all().filter(shown) {
+                for layer in OverlayId::ALL.into_iter().filter(shown) {
                     let mut on = figure.has(layer);
                     let switch = ui.checkbox(&mut on, layer.name());
                     let name = format!("{} on the figure", layer.name());
@@ -310,31 +333,21 @@ impl FileExport {
                 }
             }],
             ExportKind::View => vec!["A PNG file at the resolution of the screen.".to_owned()],
+            ExportKind::Rectified => vec!["Existing files of the same names are replaced.".to_owned()],
         };
         for sentence in sentences {
             ui.add(Label::new(RichText::new(sentence).weak().small()).wrap());
         }
     }
 
-    fn buttons(
-        &mut self,
-        ui: &mut Ui,
-        model: &Model,
-        order: Option<ExportOrder>,
-        commands: &mut Vec<Command>,
-    ) {
+    fn buttons(&self, ui: &mut Ui, model: &Model, order: Option<ExportOrder>, commands: &mut Vec<Command>) {
         let command = order.map(|order| ExchangeCommand::Export(order).into());
         ui.horizontal(|ui| {
             let described = ExchangeCommand::Export(self.order.clone()).into();
-            ending(ui, "Export file", command, described, commands);
+            let is_pair = self.order.what == ExportKind::Rectified;
+            let text = if is_pair { "Export rectified pair" } else { "Export file" };
+            ending(ui, text, command, described, commands);
             copy_fundamental_menu(ui, model, commands);
-            let right = egui::Layout::right_to_left(egui::Align::Center);
-            ui.with_layout(right, |ui| {
-                let rectified = RectifiedCommand::ShowExport.into();
-                if command_button(ui, rectified, model.shown().is_some(), commands).clicked() {
-                    self.open = false;
-                }
-            });
         });
     }
 }

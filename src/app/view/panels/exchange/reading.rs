@@ -32,7 +32,6 @@ impl ReadingDialog {
         Self { found, matrix, chosen, with_pairs }
     }
 
-    /// Returns the imported content.
     pub fn found(&self) -> &ImportFound {
         &self.found
     }

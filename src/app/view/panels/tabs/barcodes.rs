@@ -4,9 +4,8 @@
 use egui::{Align2, Color32, Rect, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 use super::inspected::describe;
-use crate::app::model::Model;
-use crate::app::model::command::Command;
 use crate::app::model::recording::{InspectedBarcodes, PlayerCommand};
+use crate::app::model::{Command, Model};
 use crate::app::view::theme;
 
 /// Width of the names at the left, screen points.

@@ -5,11 +5,9 @@ use egui::{Label, RichText, ScrollArea, Ui};
 use super::super::table::{Column, RowLook, Table};
 use super::Tab;
 use super::residuals::{choice, contestants, measured, missing, px, tools};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
 use crate::app::model::comparison::{Comparison, Contestant, PointSet, Subject};
 use crate::app::model::document::sides_named;
-use crate::app::model::ids::TabId;
+use crate::app::model::{Command, Model, TabId};
 use crate::app::view::theme;
 use crate::comparison::Spread;
 use crate::io::TruthOrigin;
@@ -104,58 +102,6 @@ fn inputs(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
     }
 }
 
-/// Properties of a geometry, each a column of the summary.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Part {
-    Name,
-    From,
-    Median,
-    Mean,
-    Largest,
-    BelowOne,
-}
-
-impl Part {
-    const ALL: [Self; 6] = [Self::Name, Self::From, Self::Median, Self::Mean, Self::Largest, Self::BelowOne];
-
-    /// Returns the columns of the summary. A narrow summary shows `From` as a tooltip, and leaves the mean
-    /// out, as its heading would touch the others.
-    fn columns(is_narrow: bool) -> Vec<Self> {
-        let is_wide = |part: &Self| matches!(part, Self::From | Self::Mean);
-        Self::ALL.into_iter().filter(|part| !(is_narrow && is_wide(part))).collect()
-    }
-
-    fn column(self) -> Column {
-        match self {
-            Self::Name => Column::words(
-                "Geometry",
-                92.0,
-                "Source of the geometry. Click a row to show that geometry in the whole window.",
-            ),
-            Self::From => Column::words(
-                "From",
-                176.0,
-                "Data from which the geometry was computed, or the data that are missing.",
-            ),
-            Self::Median => Column::figures("Median, px", 90.0, "Half of the points are closer than this."),
-            Self::Mean => Column::figures("Mean, px", 70.0, "Mean distance over all points."),
-            Self::Largest => Column::figures("Max, px", 70.0, "Distance of the worst point."),
-            Self::BelowOne => Column::figures("< 1 px", 56.0, "Share of the points closer than 1 px."),
-        }
-    }
-
-    /// Returns the value in a spread, for columns of figures.
-    fn of(self, spread: &Spread) -> Option<f64> {
-        match self {
-            Self::Name | Self::From => None,
-            Self::Median => Some(spread.median),
-            Self::Mean => Some(spread.mean),
-            Self::Largest => Some(spread.max),
-            Self::BelowOne => Some(spread.below_one),
-        }
-    }
-}
-
 fn summary(
     ui: &mut Ui,
     model: &Model,
@@ -168,42 +114,51 @@ fn summary(
         .filter(|shown| shown.hypothesis.is_none())
         .map(|shown| shown.contestant.unwrap_or(Contestant::Result));
     let contestants = contestants(model);
-    let parts = Part::columns(is_narrow);
-    let columns: Vec<Column> = parts.iter().map(|part| part.column()).collect();
+    let of_spread = |of: fn(&Spread) -> f64| {
+        let contestants = &contestants;
+        move |row: usize| comparison.of(contestants[row]).spread.as_ref().map_or(f64::NAN, of)
+    };
+    let figure = |title, width, tooltip, of| Column::figures(title, width, tooltip, of_spread(of), px);
+    let name = Column::words(
+        "Geometry",
+        92.0,
+        "Source of the geometry. Click a row to show that geometry in the whole window.",
+        |row| {
+            let (contestant, name) = (contestants[row], contestants[row].name().to_owned());
+            // The text continues over the empty columns of figures.
+            let goes_on = is_narrow && comparison.of(contestant).fit.is_err();
+            if goes_on { format!("{name}: {}", from(model, comparison, contestant)) } else { name }
+        },
+    );
+    let source = Column::words(
+        "From",
+        176.0,
+        "Data from which the geometry was computed, or the data that are missing.",
+        |row| from(model, comparison, contestants[row]),
+    );
+    let median =
+        figure("Median, px", 90.0, "Half of the points are closer than this.", |spread| spread.median);
+    let mean = figure("Mean, px", 70.0, "Mean distance over all points.", |spread| spread.mean);
+    let largest = figure("Max, px", 70.0, "Distance of the worst point.", |spread| spread.max);
+    let near = Column::figures(
+        "< 1 px",
+        56.0,
+        "Share of the points closer than 1 px.",
+        of_spread(|spread| spread.below_one),
+        |share| format!("{:.0} %", 100.0 * share),
+    );
+    // A narrow summary shows the source as a tooltip, and leaves the mean out, as its heading would touch the others.
+    let columns = if is_narrow {
+        vec![name, median, largest, near]
+    } else {
+        vec![name, source, median, mean, largest, near]
+    };
     let touched = Table {
         name: if is_narrow { "narrow residual summary" } else { "residual summary" },
         columns: &columns,
         rows: contestants.len(),
         revision: comparison.number,
         row_name: &|row| format!("Geometry: {}", contestants[row].name()),
-        key: &|row, column| {
-            let part = parts.get(column).copied().unwrap_or(Part::Name);
-            if matches!(part, Part::Name | Part::From) {
-                return row as f64;
-            }
-            comparison
-                .of(contestants[row])
-                .spread
-                .as_ref()
-                .and_then(|spread| part.of(spread))
-                .unwrap_or(f64::NAN)
-        },
-        text: &|row, column| {
-            let (contestant, part) = (contestants[row], parts[column]);
-            let compared = comparison.of(contestant);
-            match (part, compared.spread.as_ref().and_then(|spread| part.of(spread))) {
-                // The text continues over the empty columns of figures.
-                (Part::Name, _) if is_narrow && compared.fit.is_err() => {
-                    format!("{}: {}", contestant.name(), from(model, comparison, contestant))
-                }
-                (Part::Name, _) => contestant.name().to_owned(),
-                (Part::From, _) => from(model, comparison, contestant),
-                (_, None) => String::new(),
-                (Part::BelowOne, Some(share)) => format!("{:.0} %", 100.0 * share),
-                (_, Some(distance)) => px(distance),
-            }
-        },
-        gauge: &|_, _| None,
         about: &|row| {
             let contestant = contestants[row];
             let is_fitted = comparison.of(contestant).fit.is_ok();

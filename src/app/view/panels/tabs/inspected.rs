@@ -8,11 +8,8 @@ use egui::{
 
 use super::super::command_button;
 use super::super::dialog::named;
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::document::pair_name;
-use crate::app::model::focus::{LineSource, Target};
 use crate::app::model::inspection::Inspection;
+use crate::app::model::{Command, LineSource, Model, Target, pair_name};
 use crate::app::view::theme;
 
 /// Distance from an inspected line within which the cursor marks a sample in the plots, px.
@@ -162,7 +159,6 @@ pub fn marked(model: &Model) -> Option<i32> {
     }
 }
 
-/// Describes the figures of one sample.
 fn describe_sample(inspection: &Inspection, sample: i32) -> String {
     let warped = &inspection.warped;
     let place = f64::from(sample) * inspection.step;

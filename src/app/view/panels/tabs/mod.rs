@@ -11,20 +11,16 @@ mod residuals;
 use egui::{Align, Button, Label, Layout, RichText, Ui};
 
 use super::{busy, finish_button, main_button};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::ids::TabId;
+use crate::app::model::{Command, Model, TabId};
 use crate::app::view::theme;
 
 pub use inspected::describe as describe_lines;
 pub use rectified::forget_textures;
 
-/// A tab of the dock.
 pub struct Tab {
     pub id: TabId,
     /// Tools in the line of headings, shown from right to left.
     pub tools: fn(&mut Ui, &Model, &mut Vec<Command>),
-    /// Content of the tab.
     pub show: fn(&mut Ui, &Model, &mut Vec<Command>),
 }
 

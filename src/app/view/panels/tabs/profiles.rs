@@ -12,11 +12,8 @@ use egui_plot::{
 use super::barcodes;
 use super::inspected::{marked, read_out, tools};
 use super::{Tab, empty};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::focus::Target;
-use crate::app::model::ids::TabId;
 use crate::app::model::inspection::Inspection;
+use crate::app::model::{Command, Model, TabId, Target};
 use crate::app::view::{heat, theme};
 
 /// Registered in [`super::TABS`].
@@ -83,7 +80,6 @@ impl PlotGrid {
         }
     }
 
-    /// Returns the height of all plots.
     fn height(self, room: Vec2) -> f32 {
         match self {
             Self::Whole => room.y,
@@ -205,7 +201,6 @@ const PLOTS: [(&str, &str, Content); 4] = [
     ),
 ];
 
-/// A plot with its title.
 struct Titled<'a> {
     title: &'a str,
     /// Whether the scale of the distance is shown. The plots above share the scale.
@@ -221,21 +216,14 @@ impl Titled<'_> {
         let texture = band_texture(ui, inspection);
         // A label so near the right edge would be cut.
         let half_label = f64::from(HALF_LABEL / ui.available_width().max(HALF_LABEL));
-        let response = Plot::new(("profile", self.title))
+        let response = chart(ui, self.title)
             .link_axis(Id::unique("profile plots"), [true, false])
             .show_axes([self.has_scale, true])
             .y_axis_min_width(40.0)
             .grid_spacing(8.0..=24.0)
-            .x_grid_spacer(|input| marks(&input, 6.0))
-            .y_grid_spacer(|input| marks(&input, 4.0))
-            .grid_color(ui.visuals().widgets.noninteractive.bg_stroke.color)
-            .show_x(false)
-            .show_y(false)
             .set_margin_fraction(vec2(0.0, 0.06))
-            .allow_scroll(false)
             .allow_zoom([true, false])
             .allow_drag([true, false])
-            .allow_boxed_zoom(false)
             .custom_y_axes(vec![
                 AxisHints::new_y().placement(HPlacement::Left).label_spacing(Rangef::new(6.0, 12.0)),
             ])
@@ -248,7 +236,6 @@ impl Titled<'_> {
                     // Labels nearer to each other than this fade away.
                     .label_spacing(Rangef::new(20.0, 36.0)),
             ])
-            .label_formatter(|_| None)
             .show(ui, |plot| {
                 (self.content)(plot, inspection, &texture);
                 let cursor = plot.pointer_coordinate().filter(|_| plot.response().hovered());
@@ -264,8 +251,23 @@ impl Titled<'_> {
     }
 }
 
+/// Creates a plot in the look of the window, at first without movement.
+pub(super) fn chart<'a>(ui: &Ui, name: &str) -> Plot<'a> {
+    Plot::new(name)
+        .x_grid_spacer(|input| marks(&input, 6.0))
+        .y_grid_spacer(|input| marks(&input, 4.0))
+        .grid_color(ui.visuals().widgets.noninteractive.bg_stroke.color)
+        .show_x(false)
+        .show_y(false)
+        .allow_scroll(false)
+        .allow_zoom(false)
+        .allow_drag(false)
+        .allow_boxed_zoom(false)
+        .label_formatter(|_| None)
+}
+
 /// Returns marks of an axis at round numbers, about `count` of them in view.
-pub(super) fn marks(input: &GridInput, count: f64) -> Vec<GridMark> {
+fn marks(input: &GridInput, count: f64) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let wanted = ((high - low) / count).max(f64::MIN_POSITIVE);
     let power = 10f64.powf(wanted.log10().floor());

@@ -5,13 +5,11 @@ use egui::{ScrollArea, Ui};
 
 use super::super::table::{Column, RowLook, Table};
 use super::{Tab, empty};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
 use crate::app::model::comparison::{Comparison, Contestant, Measure, PointSet, Subject};
-use crate::app::model::document::{PointRef, Role, Side, pair_name};
-use crate::app::model::focus::{LineSource, Target};
-use crate::app::model::ids::{OverlayId, TabId};
 use crate::app::model::verdict::Gauge;
+use crate::app::model::{
+    Command, LineSource, Model, OverlayId, PointRef, Role, Side, TabId, Target, pair_name,
+};
 use crate::app::view::panels::truth_button;
 use crate::app::view::theme;
 
@@ -54,7 +52,7 @@ pub fn measured<'a>(ui: &mut Ui, model: &'a Model, commands: &mut Vec<Command>) 
 fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(comparison) = measured(ui, model, commands) else { return };
     let of_given = comparison.measured == PointSet::Given;
-    if model.look.shows(OverlayId::MagnifiedResiduals) && (of_given || has_matches(model)) {
+    if model.look.shows(OverlayId::MagnifiedResiduals) && (of_given || !model.matches().is_empty()) {
         let which = if of_given { "given matches that fit" } else { "matches" };
         ui.weak(format!(
             "Strokes in the pictures: distances of the {which} from their lines, 50 times enlarged"
@@ -106,15 +104,11 @@ pub fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 const MATCHES: &str = "The matches that the program found in the images. It looked for them along the epipolar \
                            lines of the result, which favours the result.";
 
-fn has_matches(model: &Model) -> bool {
-    model.open.computation.result().is_some_and(|(found, _)| !found.matches().is_empty())
-}
-
 /// Returns why there are no points of a kind; `None` if there are some.
 pub fn missing(model: &Model, set: PointSet) -> Option<&'static str> {
     match set {
         PointSet::Pairs => model.document.pairs.is_empty().then_some("You have clicked no point pair."),
-        PointSet::Matches => (!has_matches(model)).then_some("There is no result with matches yet."),
+        PointSet::Matches => model.matches().is_empty().then_some("There is no result with matches yet."),
         PointSet::Given => model.document.given.is_none().then_some("No matches were imported."),
         PointSet::TrueMatches => model.truth().is_none().then_some(
             "Needs ground truth: open a folder that has it, or press Ground truth (G) on the sample.",
@@ -148,31 +142,11 @@ pub fn contestants(model: &Model) -> Vec<Contestant> {
     Contestant::ALL.into_iter().filter(has_row).collect()
 }
 
-/// Returns the columns of the points table: the point, and its distance to each geometry.
-fn point_columns(contestants: &[Contestant]) -> Vec<Column> {
-    let point = Column::figures(
-        "Point",
-        84.0,
-        "The pair, or the number of the match. Point at a row to find it in both images. Click a pair to \
-         select it, or a match to inspect its lines.",
-    );
-    let distance = |contestant: &Contestant| {
-        let title = if *contestant == Contestant::Truth { "Truth" } else { contestant.name() };
-        // This title is longer than the others.
-        let width = if *contestant == Contestant::Imported { 86.0 } else { 68.0 };
-        let tooltip = "Mean distance of both points from their epipolar lines in this geometry, px.";
-        Column { title, tooltip, width, is_text: false }
-    };
-    std::iter::once(point).chain(contestants.iter().map(distance)).collect()
-}
-
 fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Vec<Command>) {
     let are_pairs = comparison.measured == PointSet::Pairs;
     // The result may be newer than the comparison and have other matches.
-    let is_current = |row: usize| {
-        let found = model.open.computation.result().and_then(|(found, _)| found.matches().get(row));
-        found.map(|found| &found.pair) == comparison.points.get(row)
-    };
+    let is_current =
+        |row: usize| model.matches().get(row).map(|found| &found.pair) == comparison.points.get(row);
     let target = |row: usize| match comparison.measured {
         PointSet::Pairs => Some(Target::Pair(row)),
         PointSet::Matches => is_current(row).then_some(Target::Match(row)),
@@ -185,8 +159,33 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
     contestants.retain(|c| *c != Contestant::Truth || model.truth().is_some());
     // Compare tells why a geometry could not be computed.
     contestants.retain(|c| !comparison.of(*c).distances.is_empty());
-    let columns = point_columns(&contestants);
-    let distances = |column: usize| &comparison.of(contestants[column - 1]).distances;
+    let point = Column::figures(
+        "Point",
+        84.0,
+        "The pair, or the number of the match. Point at a row to find it in both images. Click a pair to \
+         select it, or a match to inspect its lines.",
+        |row| row as f64,
+        |_| String::new(),
+    );
+    let point = point.written(|row| match document.role(row) {
+        Role::Check if are_pairs => format!("{}, check", name(row)),
+        Role::Excluded if are_pairs => format!("{}, out", name(row)),
+        _ => name(row),
+    });
+    let distance = |contestant: Contestant| {
+        let title = if contestant == Contestant::Truth { "Truth" } else { contestant.name() };
+        // This title is longer than the others.
+        let width = if contestant == Contestant::Imported { 86.0 } else { 68.0 };
+        let tooltip = "Mean distance of both points from their epipolar lines in this geometry, px.";
+        let distances = &comparison.of(contestant).distances;
+        let distance = |row: usize| distances.get(row).copied().unwrap_or(f64::NAN);
+        Column::figures(title, width, tooltip, distance, px).gauged(move |row| {
+            let pair = document.pairs.get(row).filter(|_| are_pairs)?;
+            let sigma = document.parameters.click_sigma;
+            Some(Gauge::of_click(comparison.fundamental(contestant)?, pair, sigma, *distances.get(row)?))
+        })
+    };
+    let columns: Vec<Column> = std::iter::once(point).chain(contestants.into_iter().map(distance)).collect();
     let touched = Table {
         name: "residuals",
         columns: &columns,
@@ -200,22 +199,6 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
                 PointSet::TrueMatches => "True match",
             };
             format!("{kind} {}", name(row))
-        },
-        key: &|row, column| match column {
-            0 => row as f64,
-            _ => distances(column).get(row).copied().unwrap_or(f64::NAN),
-        },
-        text: &|row, column| match column {
-            0 if are_pairs && document.role(row) == Role::Check => format!("{}, check", name(row)),
-            0 if are_pairs && document.role(row) == Role::Excluded => format!("{}, out", name(row)),
-            0 => name(row),
-            _ => distances(column).get(row).map_or(String::new(), |d| px(*d)),
-        },
-        gauge: &|row, column| {
-            let contestant = contestants[column.checked_sub(1)?];
-            let pair = document.pairs.get(row).filter(|_| are_pairs)?;
-            let (sigma, distance) = (document.parameters.click_sigma, *distances(column).get(row)?);
-            Some(Gauge::of_click(comparison.fundamental(contestant)?, pair, sigma, distance))
         },
         about: &|_| None,
         look: &|row| RowLook {

@@ -3,9 +3,8 @@
 use egui::{Pos2, Stroke};
 
 use super::{Canvas, Pointing};
-use crate::app::model::Model;
 use crate::app::model::document::GIVEN_FIT;
-use crate::app::model::focus::Target;
+use crate::app::model::{Model, Target};
 use crate::app::view::theme;
 use crate::geometry::{PointPair, sampson_distance};
 

@@ -27,8 +27,8 @@ pub fn draw(canvas: &Canvas) {
     let Some(end) = end else { return };
     canvas.segment(measuring.start, end, theme::LINE_WIDTH, theme::SELECTED);
     canvas.dot(end, 3.0, theme::SELECTED);
-    let found = measuring.to(end);
-    let text = format!("{:.2} px, {:.1}°", found.distance, found.degrees);
+    let (distance, degrees) = measuring.to(end);
+    let text = format!("{distance:.2} px, {degrees:.1}°");
     let profile = measuring.end.map(|end| profile(canvas, &measuring, end)).unwrap_or_default();
     if profile.len() < 3 {
         canvas.label(canvas.transform.screen_from_image(end), &text, theme::SELECTED);
@@ -39,7 +39,7 @@ pub fn draw(canvas: &Canvas) {
 
 /// Returns the intensities from the first to the second place, about one per pixel.
 fn profile(canvas: &Canvas, measuring: &Measuring, end: Point) -> Vec<f64> {
-    let steps = (measuring.to(end).distance.ceil() as usize).clamp(1, MOST_SAMPLES);
+    let steps = (measuring.to(end).0.ceil() as usize).clamp(1, MOST_SAMPLES);
     let places = (0..=steps).map(|k| measuring.start + (end - measuring.start) * (k as f64 / steps as f64));
     places.filter_map(|place| canvas.model.intensity_at(canvas.side, place)).map(f64::from).collect()
 }

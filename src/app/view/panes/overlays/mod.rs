@@ -35,13 +35,10 @@ use std::cell::RefCell;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
 
 use super::Transform;
-use crate::app::model::Model;
 use crate::app::model::computation::Freshness;
-use crate::app::model::document::Side;
-use crate::app::model::focus::Target;
-use crate::app::model::ids::OverlayId;
 use crate::app::model::shown::ShownGeometry;
 use crate::app::model::verdict::LineLook;
+use crate::app::model::{Model, OverlayId, Side, Target};
 use crate::app::view::theme;
 use crate::geometry::{Frame, FundamentalMatrix, Line, LinePair, Point, PointPair};
 
@@ -97,12 +94,10 @@ pub fn true_matches_shown(model: &Model) -> impl Iterator<Item = (usize, &PointP
 pub struct Labels(RefCell<Vec<Rect>>);
 
 impl Labels {
-    /// Returns whether an area is free of text.
     fn is_free(&self, area: Rect) -> bool {
         self.0.borrow().iter().all(|other| !other.intersects(area))
     }
 
-    /// Marks an area as occupied.
     fn take(&self, area: Rect) {
         self.0.borrow_mut().push(area);
     }
@@ -130,11 +125,8 @@ impl Labels {
 pub struct Canvas<'a> {
     /// Painter, clipped to the pane.
     pub painter: &'a Painter,
-    /// Transform of the image.
     pub transform: &'a Transform,
-    /// The image below.
     pub side: Side,
-    /// Size of the image.
     pub frame: Frame,
     pub model: &'a Model,
     /// Occupied text areas; `None` if no labels are drawn.

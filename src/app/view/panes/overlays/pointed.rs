@@ -3,8 +3,7 @@
 use egui::Stroke;
 
 use super::{Canvas, samples};
-use crate::app::model::document::{PointRef, Side};
-use crate::app::model::focus::Target;
+use crate::app::model::{PointRef, Side, Target};
 use crate::app::view::theme;
 use crate::geometry::Point;
 

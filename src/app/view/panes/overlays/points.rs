@@ -4,8 +4,7 @@
 use egui::{Pos2, Rect, Stroke, StrokeKind, Vec2};
 
 use super::{Canvas, Pointing};
-use crate::app::model::document::{Role, pair_name};
-use crate::app::model::focus::Target;
+use crate::app::model::{Role, Target};
 use crate::app::view::theme;
 
 pub fn draw(canvas: &Canvas) {
@@ -32,9 +31,7 @@ pub fn draw(canvas: &Canvas) {
         painter.circle_filled(centre, 2.2, theme::HALO);
         painter.circle_filled(centre, 1.3, color);
         let mark = if canvas.model.outvoted(at.pair).is_some() { " !" } else { "" };
-        let given = document.given_name(at.pair).filter(|_| canvas.model.look.names);
-        let name = given.map_or_else(|| pair_name(at.pair), str::to_owned);
-        canvas.label(centre, &(name + mark), color);
+        canvas.label(centre, &(document.name(at.pair) + mark), color);
     }
 }
 

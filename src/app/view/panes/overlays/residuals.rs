@@ -1,15 +1,13 @@
 //! Overlay of the magnified distances of matches from their epipolar lines.
 
 use super::Canvas;
-use crate::app::model::Model;
 use crate::app::model::comparison::PointSet;
 use crate::app::model::document::GIVEN_FIT;
-use crate::app::model::ids::TabId;
+use crate::app::model::{Model, TabId};
 use crate::app::view::theme;
 use crate::estimate::Estimate;
 use crate::geometry::{PointPair, sampson_distance};
 
-/// Magnification of a residual.
 pub(super) const MAGNIFICATION: f64 = 50.0;
 /// Largest number of residuals drawn, spread over the list, which is in the order of the corners.
 pub(super) const DRAWN: usize = 300;

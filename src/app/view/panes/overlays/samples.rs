@@ -4,9 +4,8 @@
 use egui::{Pos2, Rect, Vec2};
 
 use super::{Canvas, Pointing};
-use crate::app::model::document::Side;
-use crate::app::model::focus::Target;
 use crate::app::model::inspection::Inspection;
+use crate::app::model::{Side, Target};
 use crate::app::view::heat;
 use crate::app::view::theme;
 use crate::geometry::Point;

@@ -10,12 +10,9 @@ use super::{
 use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
 
-/// An overlay of the images.
 pub struct Overlay {
     pub id: OverlayId,
-    /// One-sentence description.
     pub tooltip: &'static str,
-    /// Colour in the legend.
     pub color: Color32,
     /// Whether the loupe shows the overlay, because it helps to place a point.
     pub magnified: bool,
@@ -195,6 +192,6 @@ mod tests {
 
     #[test]
     fn every_overlay_is_in_its_place() {
-        assert!(OVERLAYS.iter().map(|overlay| overlay.id).eq(OverlayId::all()));
+        assert!(OVERLAYS.iter().map(|overlay| overlay.id).eq(OverlayId::ALL));
     }
 }

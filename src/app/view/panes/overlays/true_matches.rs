@@ -3,8 +3,7 @@
 use egui::{Color32, Painter, Pos2, Stroke, vec2};
 
 use super::{Canvas, Pointing};
-use crate::app::model::Model;
-use crate::app::model::focus::Target;
+use crate::app::model::{Model, Target};
 use crate::app::view::theme;
 use crate::geometry::PointPair;
 

@@ -4,19 +4,8 @@ use egui::Ui;
 
 use super::super::super::table::{Column, RowLook, Table};
 use super::super::empty;
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::document::pair_name;
-use crate::app::model::focus::{LineSource, Target};
+use crate::app::model::{Command, LineSource, Model, Target, pair_name};
 use crate::estimate::{Candidate, ComparedPencils};
-
-const COLUMNS: [Column; 5] = [
-    Column::words("Through", 66.0, "The click through which both lines pass."),
-    Column::figures("Rank", 52.0, "Rank among the candidates of the click, cheapest first."),
-    Column::figures("Cost", 66.0, "Matching cost of the two lines. Lower is better."),
-    Column::figures("Left line", 78.0, "Direction of the line in the left image, degrees."),
-    Column::figures("Right line", 78.0, "Direction of the line in the right image, degrees."),
-];
 
 /// Number of candidates listed for each click. The pencils mark as many.
 const LISTED: usize = 80;
@@ -32,6 +21,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         empty(ui, "Candidate line pairs appear here during the estimate.");
         return;
     }
+    let rows = &rows[..];
     let pair = |row: usize| model.document.pair_of_pencils(rows[row].0, &rows[row].1.click);
     let name = |row: usize| pair(row).map_or_else(|| format!("match {}", rows[row].0 + 1), pair_name);
     let target = |row: usize| {
@@ -39,29 +29,45 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         let [row, column] = pencils.cell(candidate)?;
         Some(Target::Cell { pair: number, row, column })
     };
-    let figure = |row: usize, column: usize| {
-        let (_, _, rank, candidate) = rows[row];
-        match column {
-            1 => (rank + 1) as f64,
-            2 => f64::from(candidate.cost),
-            3 => candidate.angles[0].to_degrees(),
-            _ => candidate.angles[1].to_degrees(),
-        }
-    };
+    let angle = |side: usize| move |row: usize| rows[row].3.angles[side].to_degrees();
+    let degrees = |angle: f64| format!("{angle:.1}°");
+    let columns = [
+        Column::words("Through", 66.0, "The click through which both lines pass.", name),
+        Column::figures(
+            "Rank",
+            52.0,
+            "Rank among the candidates of the click, cheapest first.",
+            |row| (rows[row].2 + 1) as f64,
+            |rank| format!("{rank:.0}"),
+        ),
+        Column::figures(
+            "Cost",
+            66.0,
+            "Matching cost of the two lines. Lower is better.",
+            |row| f64::from(rows[row].3.cost),
+            |cost| format!("{cost:.3}"),
+        ),
+        Column::figures(
+            "Left line",
+            78.0,
+            "Direction of the line in the left image, degrees.",
+            angle(0),
+            degrees,
+        ),
+        Column::figures(
+            "Right line",
+            78.0,
+            "Direction of the line in the right image, degrees.",
+            angle(1),
+            degrees,
+        ),
+    ];
     let touched = Table {
         name: "candidates",
-        columns: &COLUMNS,
+        columns: &columns,
         rows: rows.len(),
         revision: model.open.computation.pencils_revision(),
         row_name: &|row| format!("Candidate {} through {}", rows[row].2 + 1, name(row)),
-        key: &|row, column| if column == 0 { row as f64 } else { figure(row, column) },
-        text: &|row, column| match column {
-            0 => name(row),
-            1 => format!("{:.0}", figure(row, 1)),
-            2 => format!("{:.3}", figure(row, 2)),
-            _ => format!("{:.1}°", figure(row, column)),
-        },
-        gauge: &|_, _| None,
         about: &|_| None,
         look: &|row| RowLook {
             chosen: false,

@@ -7,10 +7,7 @@
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
 
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::document::Side;
-use crate::app::model::focus::Target;
+use crate::app::model::{Command, Model, Side, Target};
 use crate::app::view::theme;
 use crate::geometry::{Frame, HomogeneousPoint, Vector};
 

@@ -1,9 +1,9 @@
 //! The last step: how far the matches lie from the lines of the result.
 
 use egui::{RichText, Ui, vec2};
-use egui_plot::{AxisHints, Bar, BarChart, HPlacement, Plot, VLine};
+use egui_plot::{AxisHints, Bar, BarChart, HPlacement, VLine};
 
-use super::super::{empty, profiles::marks};
+use super::super::{empty, profiles::chart};
 use crate::app::model::Model;
 use crate::app::view::theme;
 use crate::comparison::median;
@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, model: &Model) {
     );
     let text = ui.visuals().text_color();
     let color = theme::line_color(model.line_look());
-    Plot::new("fit")
+    chart(ui, "fit")
         .custom_x_axes(vec![AxisHints::new_x().label("Distance, px (last bar: all beyond)").formatter(
             |mark, _| {
                 let decimals = if mark.step_size < 0.099 { 2 } else { 1 };
@@ -43,17 +43,7 @@ pub fn show(ui: &mut Ui, model: &Model) {
             },
         )])
         .custom_y_axes(vec![AxisHints::new_y().label("Matches").placement(HPlacement::Left)])
-        .y_grid_spacer(|input| marks(&input, 4.0))
-        .x_grid_spacer(|input| marks(&input, 6.0))
-        .grid_color(ui.visuals().widgets.noninteractive.bg_stroke.color)
-        .show_x(false)
-        .show_y(false)
         .set_margin_fraction(vec2(0.01, 0.05))
-        .allow_scroll(false)
-        .allow_zoom(false)
-        .allow_drag(false)
-        .allow_boxed_zoom(false)
-        .label_formatter(|_| None)
         .show(ui, |plot| {
             let bar = |(k, count): (usize, &usize)| {
                 Bar::new((k as f64 + 0.5) * width, *count as f64).width(0.9 * width).fill(color)

@@ -62,7 +62,6 @@ impl Rotations {
     }
 }
 
-/// Matrix of one click.
 pub struct PencilMatrix<'a> {
     pencils: &'a ComparedPencils,
     picture: MatrixPicture,
@@ -118,7 +117,6 @@ impl<'a> PencilMatrix<'a> {
         self.pencils.costs.at(row, column).is_finite().then_some([row, column])
     }
 
-    /// Describes a cell.
     pub fn describe(&self, cell: [usize; 2]) -> String {
         let [row, column] = cell;
         let Some(angles) = self.pencils.angles(row, column) else { return String::new() };

@@ -15,11 +15,8 @@ use egui::{
 };
 
 use super::{Tab, busy, finish_button, pale_earlier, say_earlier};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::document::Side;
-use crate::app::model::ids::{MethodStep, TabId};
 use crate::app::model::step::{StepProgress, progress, result_text};
+use crate::app::model::{Command, MethodStep, Model, Side, TabId};
 use crate::app::view::theme;
 use crate::estimate::{Method, Preset, Search, Stage};
 

@@ -4,10 +4,7 @@ use egui::{Rect, RichText, Ui, UiBuilder, pos2, vec2};
 
 use super::super::empty;
 use super::matrix::PencilMatrix;
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::document::pair_name;
-use crate::app::model::focus::{LineSource, Target};
+use crate::app::model::{Command, LineSource, Model, Target, pair_name};
 use crate::app::view::heat;
 use crate::app::view::theme;
 use crate::estimate::ComparedPencils;
@@ -51,7 +48,6 @@ fn legend(ui: &mut Ui) {
 /// Width of a matrix below which its title is only the name of the point, screen points.
 const ROOM_FOR_WORDS: f32 = 130.0;
 
-/// Shows the two matrices.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(pencils) = model.open.computation.pencils() else {
         empty(
@@ -76,7 +72,6 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.advance_cursor_after_rect(area);
 }
 
-/// Shows the matrix of one click.
 fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, commands: &mut Vec<Command>) {
     let matrix = PencilMatrix::new(ui, number, pencils, model.open.computation.pencils_revision());
     let area = ui.available_rect_before_wrap();

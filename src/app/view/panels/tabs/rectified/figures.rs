@@ -2,13 +2,12 @@
 
 use std::fmt::Write;
 
-use egui::{Button, ComboBox, Grid, RichText, Slider, Ui, UiBuilder};
+use egui::{Button, Grid, RichText, Slider, Ui, UiBuilder};
 
 use super::finish_button;
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::rectified::{Blink, DrawnPair, Guides, Rectified, RectifiedCommand, RectifiedLayout};
+use crate::app::model::rectified::{Blink, DrawnPair, Rectified, RectifiedCommand, RectifiedLayout};
 use crate::app::model::verdict::sentence;
+use crate::app::model::{Command, Model};
 use crate::app::view::theme;
 use crate::rectify::{Distortion, Measures, Rectification, RectifyMethod, RectifyWarning};
 
@@ -94,7 +93,6 @@ fn measures(ui: &mut Ui, rectified: &Rectified, drawn: &DrawnPair) {
         .on_hover_text("Size of each exported picture. On the screen, it may be smaller.");
 }
 
-/// Shows the choice of the method.
 pub fn method_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     name(ui, "Method");
     for (method, title) in
@@ -105,7 +103,6 @@ pub fn method_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// Shows the choice of the layout.
 pub fn layout_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.x = 2.0;
     ui.spacing_mut().button_padding.x = 7.0;
@@ -117,7 +114,6 @@ pub fn layout_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// Shows the shift of the right picture.
 fn shift_chooser(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Command>) {
     name(ui, "Shift");
     let mut shift = model.open.viewing.shift;
@@ -135,19 +131,12 @@ fn shift_chooser(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut V
     finish_button(ui, none, RectifiedCommand::Shift(0.0).into(), commands);
 }
 
-/// Shows the choice of guide lines and, in blink layout, the controls of the alternation.
+/// Shows the switch of the guide lines and, in blink layout, the controls of the alternation.
 fn guide_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    name(ui, "Guides");
-    let now = model.look.rectified.guides;
-    let chooser = ComboBox::from_id_salt("guide lines").selected_text(now.name()).width(84.0);
-    let shown = chooser.show_ui(ui, |ui| {
-        for guides in Guides::ALL {
-            if ui.selectable_label(guides == now, guides.name()).clicked() {
-                commands.push(RectifiedCommand::SetGuides(guides).into());
-            }
-        }
-    });
-    shown.response.on_hover_text(Command::from(RectifiedCommand::SetGuides(now)).tooltip());
+    name(ui, "Rows");
+    let mut shown = !model.look.rectified.hides_guides;
+    let switch = ui.checkbox(&mut shown, "guide lines");
+    finish_button(ui, switch, RectifiedCommand::ToggleGuides.into(), commands);
     if model.look.rectified.layout == RectifiedLayout::Blink {
         let swap = ui.button("Swap");
         finish_button(ui, swap, RectifiedCommand::Swap.into(), commands);
@@ -200,7 +189,6 @@ pub fn search_range([low, high]: [f64; 2]) -> [f64; 2] {
     steps.map(|step| step * RANGE_STEP)
 }
 
-/// Formats whole pixels.
 pub fn pixels(value: f64) -> String {
     // A minus sign as wide as the plus sign, and no negative zero.
     format!("{:.0}", value.round() + 0.0).replace('-', "−")

@@ -8,10 +8,9 @@ mod sheet;
 use egui::{Align, Label, Layout, RichText, ScrollArea, Ui};
 
 use super::{busy, empty, finish_button, main_button};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::verdict::sentence;
+use crate::app::model::{Command, Model};
 use crate::app::view::theme;
 use crate::rectify::{RectifyError, RectifyMethod};
 
@@ -37,7 +36,6 @@ pub fn show_pictures(ui: &mut Ui, stacked: bool, model: &Model, commands: &mut V
 /// Width below which the layouts and the button have a row each, screen points.
 const ROOM_FOR_ONE_ROW: f32 = 480.0;
 
-/// Shows the button of the export.
 fn saving(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let can_export = model.shown().is_some() && model.activity.writing.is_none();
     ui.add_enabled_ui(can_export, |ui| {

@@ -6,14 +6,11 @@ use std::time::Duration;
 use egui::{Color32, CursorIcon, Id, Painter, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo};
 
 use super::sheet::{SheetCanvas, SheetRow};
-use crate::app::model::Model;
-use crate::app::model::command::Command;
-use crate::app::model::document::Side;
-use crate::app::model::focus::Target;
 use crate::app::model::rectified::{
     DrawnPair, RectifiedCommand, RectifiedLayout, RectifiedSheet, RectifiedView,
 };
 use crate::app::model::tones::{Channel, Rendition};
+use crate::app::model::{Command, Model, Side, Target};
 use crate::app::view::panes::{PictureTexture, Transform, halves, zoom_asked};
 use crate::app::view::theme;
 use crate::geometry::Point;
@@ -21,7 +18,6 @@ use crate::geometry::Point;
 /// Distance within which the cursor grabs the line of a wipe, screen points.
 const WIPE_REACH: f32 = 7.0;
 
-/// A picture and its position.
 struct SheetPlace {
     sheet: RectifiedSheet,
     rect: Rect,
@@ -46,7 +42,6 @@ impl RectifiedSheet {
         }
     }
 
-    /// Returns the accessible name.
     fn name(self, layout: RectifiedLayout) -> &'static str {
         match self {
             Self::Left => "rectified left picture",
@@ -203,7 +198,6 @@ fn registering(place: &SheetPlace, model: &Model, drawn: &DrawnPair) -> Option<C
     Some(RectifiedCommand::Shift(pair.or_else(mapped)?).into())
 }
 
-/// A kept texture.
 #[derive(Debug, Clone, Copy)]
 enum Kept {
     Left,

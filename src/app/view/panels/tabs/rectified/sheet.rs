@@ -5,10 +5,8 @@ use std::fmt::Write;
 use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, vec2};
 
 use super::figures::{fits, pixels, search_range};
-use crate::app::model::Model;
-use crate::app::model::document::{Role, Side};
-use crate::app::model::focus::Target;
-use crate::app::model::rectified::{DrawnPair, RectifiedLayout, RectifiedSheet};
+use crate::app::model::rectified::{DrawnPair, RectifiedLayout, RectifiedSheet, guide_spacing};
+use crate::app::model::{Model, Role, Side, Target};
 use crate::app::view::panes::overlays::{cross, true_matches_shown};
 use crate::app::view::panes::{Transform, label};
 use crate::app::view::{heat, theme};
@@ -69,9 +67,7 @@ pub struct SheetCanvas<'a> {
     pub painter: &'a Painter,
     /// Transforms of the left and the right picture.
     pub transforms: &'a [Transform; 2],
-    /// The picture below.
     pub sheet: RectifiedSheet,
-    /// The rectified pair.
     pub drawn: &'a DrawnPair,
     pub model: &'a Model,
 }
@@ -82,7 +78,6 @@ impl SheetCanvas<'_> {
         &self.transforms[self.sheet.side().map_or(0, Side::index)]
     }
 
-    /// Draws everything.
     pub fn draw(&self, row: Option<&SheetRow>) {
         self.guides();
         self.true_matches();
@@ -96,15 +91,11 @@ impl SheetCanvas<'_> {
 
     /// Draws horizontal lines at the same rows in both pictures.
     fn guides(&self) {
-        if self.sheet == RectifiedSheet::Disparity {
+        if self.sheet == RectifiedSheet::Disparity || self.model.look.rectified.hides_guides {
             return;
         }
         let reduction = self.drawn.reduction();
-        let Some(spacing) = self.model.look.rectified.guides.spacing(self.transform().scale * reduction)
-        else {
-            return;
-        };
-        let spacing = spacing * reduction;
+        let spacing = guide_spacing(self.transform().scale * reduction) * reduction;
         let visible = self.painter.clip_rect();
         let rows = [visible.min, visible.max].map(|corner| self.transform().image_from_screen(corner).y);
         let bottom = self.drawn.frame().bottom();
@@ -157,7 +148,6 @@ impl SheetCanvas<'_> {
         Side::BOTH.into_iter().filter(move |side| own.is_none_or(|own| own == *side))
     }
 
-    /// Draws the clicked pairs.
     fn pairs(&self) {
         let document = &self.model.document;
         for (number, pair) in document.pairs.iter().enumerate() {
