@@ -68,9 +68,9 @@ impl FromStr for TypedDivision {
 /// A focal length of the command line.
 #[derive(Debug, Clone, Copy)]
 enum TypedFocal {
-    /// A typed one, px.
+    /// Typed focal length, px.
     Pixels(f64),
-    /// That of the EXIF data.
+    /// Focal length of the EXIF data.
     Exif,
 }
 
