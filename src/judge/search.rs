@@ -79,7 +79,8 @@ fn discrete(given: &GivenGeometry, reference: &Reference) -> Vec<FittingChange> 
     of_cameras.chain(of_pixels).map(measured).collect()
 }
 
-/// Returns the ways to count pixels from another place that no reading of both images stands for.
+/// Returns the shifts of the pixel origin that are no reading of the matrix: of one image, or
+/// opposite in both.
 fn half_pixels() -> impl Iterator<Item = Change> {
     let one = [Affected::Image1, Affected::Image2]
         .into_iter()

@@ -51,7 +51,7 @@ pub(in crate::estimate) struct RefinementLevel {
 /// (`lab/notes.md`).
 const CORNERS: usize = 1500;
 /// Widths of the band, px of the level, one for each round: the error of a ranked geometry, then
-/// that of a refined one.
+/// the error of a refined geometry.
 const BANDS: [f64; 3] = [4.0, 2.0, 1.2];
 /// Width of a band in standard deviations of a match: 99.7 % of Gaussian errors are within it.
 const BAND_DEVIATIONS: f64 = 3.0;
@@ -143,7 +143,7 @@ impl RefinementLevel {
     }
 }
 
-/// A level of the refinement with everything that matches along its lines are found by.
+/// A level of the refinement, with everything needed to find matches along the epipolar lines.
 #[derive(Clone, Copy)]
 pub(super) struct LevelMatcher<'a> {
     pub stage: &'a RefinementLevel,
