@@ -49,7 +49,7 @@ pub(super) struct CameraArguments {
 enum TypedDivision {
     /// λ of the division model.
     Lambda(f64),
-    /// The fit to the matches.
+    /// λ fitted to the matches.
     Auto,
 }
 

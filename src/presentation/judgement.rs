@@ -27,7 +27,7 @@ pub fn judgement_in_words(judgement: &Judgement) -> String {
                 format!("Half of the matches are more than {} px from its lines", px(residuals.median))
             };
             let mended = change.as_ref().map_or_else(
-                || "No simple change mends it.".to_owned(),
+                || "No simple change makes it fit.".to_owned(),
                 |found| format!("It fits to {} px if {}.", px(found.median), change_in_words(&found.change)),
             );
             format!("The geometry does not fit. {wrong}, at {matches} matches. {mended}")

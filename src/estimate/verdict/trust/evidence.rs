@@ -70,7 +70,8 @@ pub(in crate::estimate) struct OffPlane {
     pub groups: usize,
     /// Number of groups that agree with `F`.
     pub agreeing: usize,
-    /// Number of motions among the agreeing groups with more matches than are wrong.
+    /// Number of motions among the agreeing groups. Each has more matches than are expected to be
+    /// wrong.
     pub motions: usize,
     /// Expected number of epipoles that do as well by chance.
     pub by_chance: f64,
@@ -302,7 +303,8 @@ pub(in crate::estimate) enum RefinedOn {
     TooFewMatches,
     /// This number of matches.
     Matches(usize),
-    /// Matches of another program alone. This number of matches of the images lies along its lines.
+    /// Matches of another program alone. This number of matches of the images lies along the lines
+    /// of the result.
     Given(usize),
 }
 
