@@ -175,8 +175,8 @@ pub enum Change {
         /// y coordinates of the geometry less y coordinates of the images, px.
         y: f64,
     },
-    /// Lens distortion that the geometry leaves out or takes with the wrong sign: a point at `d` from
-    /// the middle belongs at `d (1 + k r²)`, with `r` the length of `d` in half diagonals.
+    /// Lens distortion that the geometry leaves out or takes with the wrong sign. A point at `d`
+    /// from the middle belongs at `d (1 + k r²)`, with `r` the length of `d` in half diagonals.
     Distortion {
         /// Coefficient `k`; positive for barrel distortion.
         k: f64,

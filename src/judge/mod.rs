@@ -1,10 +1,10 @@
 //! Judges a geometry from elsewhere by the matches of the images.
 //!
-//! The reference is the images' own geometry: an estimate without clicks and its matches, or matches
-//! from elsewhere with their fit. The judgement asks how far the lines of the given geometry are
-//! from the lines of the reference, at the matches. If they are too far, it looks for the simplest
-//! [`Change`] that brings them together: most wrong geometries are right ones in another
-//! convention, for resized images, or for a camera without its distortion.
+//! The reference is the images' own geometry: an estimate without clicks and its matches, or
+//! matches from elsewhere with their fit. The judgement asks how far the lines of the given
+//! geometry are from the lines of the reference, at the matches. If they are too far, the judgement
+//! looks for the simplest [`Change`] that brings them together. Most wrong geometries are right in
+//! another convention, for resized images, or for a camera without its distortion.
 //!
 //! # Limits
 //! - The lines are compared where there are matches. A geometry may be wrong elsewhere.

@@ -1,8 +1,8 @@
 //! Whether a pair is rectified: matching points lie in the same row, all over the picture.
 //!
-//! The offset of the right row is a smooth function of the place: constant for a vertical shift, a
-//! slope along the rows for a roll of one camera, a slope along the columns for another focal
-//! length, and curved for other rotations and for distortion of a lens.
+//! The offset of the right row is a smooth function of the place. A vertical shift makes it
+//! constant, a roll of one camera gives it a slope along the rows, and another focal length a slope
+//! along the columns. Other rotations and lens distortion curve it.
 
 use nalgebra::{DMatrix, DVector, Matrix3};
 use serde::Serialize;

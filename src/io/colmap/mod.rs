@@ -1,9 +1,10 @@
 //! Pairs of this program in databases of COLMAP, and match lists for its `matches_importer`.
 //!
-//! A pair goes into a copy of a database: its keypoints are appended to those of both images, its
-//! matches to `matches`, and the geometry with its inliers replaces the row of `two_view_geometries`.
-//! Keypoints that are there keep their numbers, and so do the matches of all pairs. A point at an
-//! old keypoint (within 1 px) takes the keypoint: only shared keypoints join pairs to tracks.
+//! A pair goes into a copy of a database: its keypoints are appended to the keypoints of both
+//! images, its matches to `matches`, and the geometry with its inliers replaces the row of
+//! `two_view_geometries`. Keypoints that are there keep their numbers, and so do the matches of all
+//! pairs. A point at an old keypoint (within 1 px) takes the keypoint: only shared keypoints join
+//! pairs to tracks.
 //!
 //! COLMAP counts the centre of the top-left pixel as (0.5, 0.5). The images of a pair have the
 //! numbers `id1 < id2`, and the pair has the number `2147483647 id1 + id2`; a pair the other way

@@ -64,9 +64,10 @@ const LEAST_SCALE: f64 = 1.5;
 pub(in crate::estimate) struct Refined {
     pub fundamental: FundamentalMatrix,
     pub refinement: Refinement,
-    /// Weight of the evidence: the sum over the matches of the correlation excess times the fit, which is
-    /// 1 on the epipolar line, ½ at the deviation of a match, and falls with the square of the distance.
-    /// The right one of several refinements has the largest weight on nearly every pair measured.
+    /// Weight of the evidence: the sum over the matches of the correlation excess times the fit.
+    /// The fit is 1 on the epipolar line, ½ at the deviation of a match, and falls with the square
+    /// of the distance. The right one of several refinements has the largest weight on nearly every
+    /// pair measured.
     pub weight: f64,
     /// Standard deviation of the weight, as a sum over independent matches (Poisson process).
     pub weight_deviation: f64,
