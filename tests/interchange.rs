@@ -137,7 +137,7 @@ fn numpy_loads_the_covariances_of_a_result() {
         "pose_covariance": rows(&pose_covariance),
     });
     assert_eq!(found, expected);
-    assert!(example().covariances_as_npz().unwrap_err().contains("only refined results"));
+    assert!(example().covariances_as_npz().unwrap_err().contains("Only refined results"));
 }
 
 #[test]

@@ -118,7 +118,7 @@ pub struct Shares {
     pub below_1_percent: f64,
 }
 
-/// Figures of some trials.
+/// Statistics of some trials.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Figures {
     /// Error printed by the published experiment, px.
@@ -168,7 +168,8 @@ pub struct Record {
     pub median: f64,
     /// 95 % interval of this median; `None` with fewer than six trials.
     pub median_interval: Option<Interval>,
-    /// Figures of all trials. Printed is the error of the published experiment for this pair and method.
+    /// Statistics of all trials. `printed` is the error of the published experiment for this pair
+    /// and method.
     #[serde(flatten)]
     pub figures: Figures,
     /// Trials in their order.
@@ -232,8 +233,8 @@ pub struct Overall {
     /// 95 % interval of this median over the draws of clicks, with the pairs fixed; `None` if a
     /// pair has fewer than six trials.
     pub median_of_medians_interval: Option<Interval>,
-    /// Figures of all trials. Printed is the median of the printed errors of the same pairs; `None` unless all
-    /// are printed.
+    /// Statistics of all trials. `printed` is the median of the printed errors of the same pairs;
+    /// `None` unless all are printed.
     #[serde(flatten)]
     pub figures: Figures,
 }

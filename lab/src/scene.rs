@@ -193,8 +193,8 @@ pub fn vgg_scenes(folder: &Path, step: usize, only: &[String]) -> Result<Vec<Kno
     vgg_results(folder, step, only)?.into_iter().map(|(_, scene)| scene).collect()
 }
 
-/// Reads the pairs of views of a VGG folder that are `step` apart, named `0-1`, `1-2`, …; only
-/// those named in `only`, unless it is empty. The true F comes from the two cameras.
+/// Reads the pairs of views of a VGG folder that are `step` apart, named `0-1`, `1-2`, …. If `only`
+/// is not empty, it names the pairs to read. The true F comes from the two cameras.
 pub fn vgg_scene_set(folder: &Path, step: usize, only: &[String]) -> Result<SceneSet, EvaluateError> {
     SceneSet::of(vgg_results(folder, step, only)?.into_iter())
 }
@@ -231,9 +231,9 @@ fn vgg_results(folder: &Path, step: usize, only: &[String]) -> Result<NamedScene
     Ok(chosen.into_iter().map(|(name, view1, view2)| (name, scene(view1, view2))).collect())
 }
 
-/// Reads all pairs of cameras of a folder of sequences, named `cam1-cam2` and so on; only those
-/// named in `only`, unless it is empty. The sequences must start at the same time. The true F comes
-/// from the two cameras.
+/// Reads all pairs of cameras of a folder of sequences, named `cam1-cam2` and so on. If `only` is
+/// not empty, it names the pairs to read. The sequences must start at the same time. The true F
+/// comes from the two cameras.
 pub fn sequence_scene_set(
     folder: &Path,
     only: &[String],
@@ -270,8 +270,8 @@ pub fn pair_scenes(folder: &Path, only: &[String]) -> Result<Vec<KnownScene>, Ev
     pair_results(folder, only)?.map(|(_, scene)| scene).collect()
 }
 
-/// Reads the pairs of a folder of `NAMEA.*`, `NAMEB.*` and `NAME.txt`; only those named in `only`,
-/// unless it is empty. The true F is read from `NAME_F.txt` or fitted to all matches.
+/// Reads the pairs of a folder of `NAMEA.*`, `NAMEB.*` and `NAME.txt`. If `only` is not empty, it
+/// names the pairs to read. The true F is read from `NAME_F.txt` or fitted to all matches.
 pub fn pair_scene_set(folder: &Path, only: &[String]) -> Result<SceneSet, EvaluateError> {
     SceneSet::of(pair_results(folder, only)?)
 }

@@ -190,7 +190,8 @@ fn overall_row(index: usize, overall: &Overall, printed: bool) -> Vec<String> {
     row(start, &overall.figures, overall.failures, printed)
 }
 
-/// Returns a row of cells up to the interval of the median and of figures, with the printed error between them.
+/// Returns the cells of a row: `start` up to the interval of the median, the printed error, and the
+/// other statistics.
 fn row(start: [String; AFTER_INTERVAL], figures: &Figures, failures: usize, printed: bool) -> Vec<String> {
     let Shares { below_1_px, below_3_px, below_1_percent } = figures.shares;
     let mut row = Vec::from(start);

@@ -17,7 +17,8 @@ const CORNERS: usize = 5;
 pub enum LengthUnit {
     /// Distance between the two cameras.
     Baseline,
-    /// Unit of a calibration that does not tell it: that of the board in most cases.
+    /// Unit of a calibration that names no unit: in most cases the unit in which the board was
+    /// measured.
     Calibration,
     /// Metre.
     Metre,
@@ -46,7 +47,7 @@ pub struct PointCloud {
     pub points: Vec<CloudPoint>,
     /// Corners of the pyramid of each camera: its centre, then the corners of its picture.
     pub cameras: [[Vector3<f64>; CORNERS]; 2],
-    /// Distance of the cameras, in the unit of all positions.
+    /// Distance between the cameras, in the unit of all positions.
     pub baseline: Baseline,
 }
 

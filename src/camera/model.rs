@@ -29,7 +29,7 @@ pub struct CameraModel {
 pub struct FocalLength {
     /// The focal length, px.
     pub pixels: f64,
-    /// Its relative standard deviation; 0 for one that is known.
+    /// Relative standard deviation of the focal length; 0 if the focal length is known.
     pub deviation: f64,
 }
 
@@ -96,9 +96,10 @@ impl CameraModel {
         Self::new(&calibration, Lens::IDEAL)?.with_deviation(deviation)
     }
 
-    /// Returns a camera of unknown focal length with radial distortion by the division model, its middle in
-    /// the middle of its pictures. `lambda` belongs to radii in half diagonals of a picture. `None` unless it
-    /// is finite and above −1, where corners would have no place.
+    /// Returns a camera of unknown focal length with radial distortion by the division model. The
+    /// centre of distortion is the middle of the pictures. `lambda` belongs to radii in half
+    /// diagonals of a picture. `None` unless it is finite and above −1, which would move the
+    /// corners to infinity.
     pub fn of_division(lambda: f64, frame: Frame) -> Option<Self> {
         let half = 0.5 * frame.diagonal();
         let camera = Self::of_focal_length(FocalLength { pixels: half, deviation: 0.0 }, frame)?;
@@ -107,8 +108,9 @@ impl CameraModel {
         Some(Self { focal_deviation: f64::INFINITY, ..camera })
     }
 
-    /// Returns the camera with another focal length, which leaves its pictures without distortion as they
-    /// are. `None` for an impossible focal length, and for a lens whose calibration includes the focal length.
+    /// Returns the camera with another focal length. Its pictures without distortion stay the same.
+    /// `None` for an impossible focal length, and for a lens whose calibration includes the focal
+    /// length.
     pub fn with_focal_length(&self, focal: FocalLength) -> Option<Self> {
         let by = focal.pixels / self.focal[0];
         let lens = match self.lens.radial {

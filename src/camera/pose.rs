@@ -36,13 +36,14 @@ pub struct PoseFit {
     pub uncertainty: Option<PoseUncertainty>,
 }
 
-/// Standard deviations of a relative pose, radians. Matches of one of nine regions of image 1 are
-/// taken as off alike, so the deviations are too large where they are independent.
+/// Standard deviations of a relative pose, radians. The matches of each of nine regions of image 1
+/// are assumed to share their error, so the deviations are too large where the errors are
+/// independent.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PoseUncertainty {
-    /// Of the rotation: of its largest component.
+    /// Standard deviation of the largest component of the rotation.
     pub rotation: f64,
-    /// Of the direction of the translation: of its largest component.
+    /// Standard deviation of the largest component of the direction of the translation.
     pub translation: f64,
     /// Covariance of the rotation vector of a small turn after `R`, and of the translation across
     /// its direction, along two unit vectors.
@@ -188,7 +189,7 @@ impl PoseFit {
         Some(entries * self.uncertainty?.covariance * entries.transpose())
     }
 
-    /// Adds to the uncertainty what a change of the calibration by one standard deviation does to the pose.
+    /// Adds a change of the calibration by one standard deviation to the uncertainty.
     pub(super) fn widened(&mut self, changed: &RelativePose) {
         let change = self.pose.change_to(changed);
         self.uncertainty =
@@ -226,7 +227,7 @@ impl PoseUncertainty {
 /// Refines the pose of a fundamental matrix on matches: five numbers, Sampson distances in pixels
 /// with a Cauchy loss whose scale is the median distance.
 ///
-/// `calibrations` are those of images without distortion and taken as exact, `frame1` is the size of
+/// `calibrations` belong to images without distortion and count as exact; `frame1` is the size of
 /// image 1. `None` for fewer than 10 matches, or without a pose.
 pub(super) fn fit_pose(
     fundamental: &FundamentalMatrix,
@@ -283,7 +284,7 @@ pub(super) fn fit_pose(
     })
 }
 
-/// Returns the uncertainty of a fitted pose: all matches of a region tell as much as one, like in the
+/// Returns the uncertainty of a fitted pose. All matches of a region count as one, as in the
 /// covariance of `F`.
 fn uncertainty(
     pose: &RelativePose,

@@ -26,8 +26,8 @@ pub struct UndistortedView {
 const MOST_STRETCH: f64 = 3.0;
 /// Samples along each side of the outline.
 const SAMPLES: u32 = 64;
-/// Largest number of pixels of the view, times those of the original: larger views are reduced. Usual lenses need 1.1
-/// to 1.7.
+/// Largest number of pixels of the view, in multiples of the original: larger views are reduced.
+/// Usual lenses need 1.1 to 1.7.
 const MOST_PIXELS: f64 = 2.0;
 
 impl UndistortedView {
@@ -131,8 +131,8 @@ impl UndistortedView {
         crate::geometry::finite_point(&(self.calibration * ray))
     }
 
-    /// Returns the place in the original picture whose value a pixel of the view takes. Beyond the
-    /// border the picture is continued by its border: an edge of black would have false corners.
+    /// Returns the place in the original picture whose value a pixel of the view takes. Outside the
+    /// picture, the nearest pixel of its border is taken: a black edge would have false corners.
     pub fn source_of(&self, point: Point) -> Option<Point> {
         let original = self.original_from_undistorted(point)?;
         let (right, bottom) = (self.original.right(), self.original.bottom());

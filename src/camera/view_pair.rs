@@ -54,9 +54,9 @@ impl ViewPair {
         self.views.each_ref().map(UndistortedView::frame)
     }
 
-    /// Refines the pose of a fundamental matrix of the views on matches: five numbers, Sampson distances
-    /// in pixels with a Cauchy loss whose scale is the median distance. The uncertainty covers the noise of
-    /// the matches and guessed focal lengths; equal guesses are taken as off alike.
+    /// Refines the pose of a fundamental matrix of the views on matches: five numbers, Sampson
+    /// distances in pixels with a Cauchy loss whose scale is the median distance. The uncertainty
+    /// covers the noise of the matches and guessed focal lengths; equal guesses share their error.
     ///
     /// `None` for fewer than 10 matches, without a pose, and if a focal length is unknown.
     pub fn fit_pose(&self, fundamental: &FundamentalMatrix, matches: &[PointPair]) -> Option<PoseFit> {

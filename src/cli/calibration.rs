@@ -49,7 +49,7 @@ pub(super) struct CameraArguments {
 enum TypedDivision {
     /// λ of the division model.
     Lambda(f64),
-    /// The fit to the matches.
+    /// λ fitted to the matches.
     Auto,
 }
 
@@ -68,9 +68,9 @@ impl FromStr for TypedDivision {
 /// A focal length of the command line.
 #[derive(Debug, Clone, Copy)]
 enum TypedFocal {
-    /// A typed one, px.
+    /// Typed focal length, px.
     Pixels(f64),
-    /// That of the EXIF data.
+    /// Focal length of the EXIF data.
     Exif,
 }
 

@@ -26,7 +26,7 @@ pub(super) struct ConvertArguments {
     /// (.db), or a list of the matches at its keypoints for COLMAP to import (.txt)
     #[arg(long, value_name = "FILE", conflicts_with = "format")]
     database: Option<PathBuf>,
-    /// Names of both images in the database, by default those of the result
+    /// Names of both images in the database, by default the names in the result
     #[arg(long, num_args = 2, value_names = ["LEFT", "RIGHT"], requires = "database")]
     names: Option<Vec<String>>,
 }

@@ -44,10 +44,14 @@ pub(super) struct EstimateArguments {
     /// Number of threads, by default one per core
     #[arg(long, value_parser = threads)]
     threads: Option<usize>,
-    /// Matches of another program (text, JSON, or .npz with the names of matchers): their geometry
-    /// competes with the program's own, they weigh in its fit, and the images judge it. A parameter
-    /// of --set fits F to them alone
-    #[arg(long, value_name = "FILE", conflicts_with = "method")]
+    #[arg(
+        long,
+        value_name = "FILE",
+        conflicts_with = "method",
+        help = "Matches of another program: text, JSON, or .npz with the names of matchers. Their geometry \
+                competes with the program's own, the images judge both, and the final fit uses these matches \
+                too. With --set given_alone=true, F is fitted to these matches alone"
+    )]
     matches: Option<PathBuf>,
     #[command(flatten)]
     cameras: CameraArguments,

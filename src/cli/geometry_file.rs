@@ -82,7 +82,7 @@ pub(super) struct GeometryOutput {
 /// Content of an output.
 #[derive(Debug, Clone, Copy)]
 enum Content {
-    /// The geometry in a format of its own.
+    /// The geometry in a geometry format.
     Geometry(Format),
     /// F as a NumPy array.
     Array,
@@ -169,7 +169,7 @@ impl GeometryOutput {
         let content = match self.content {
             Content::Geometry(format) => file.to_text(format).into_bytes(),
             Content::Array => {
-                let missing = "there is no F, which is all that a NumPy array holds";
+                let missing = "there is no F, and a NumPy array holds nothing else";
                 let geometry = file.geometry().ok_or_else(|| CliError::Arguments(missing.into()))?;
                 matrix_as_npy(geometry.matrix())
             }

@@ -28,11 +28,11 @@ use crate::presentation::{judgement_in_words, pose_difference_in_words, rows_in_
 /// Judge whether a geometry from elsewhere fits two images, or whether they are rectified
 ///
 /// The geometry is a matrix, two cameras, or a stereo calibration with lenses (--calibration).
-/// Compares the epipolar lines with those that the images show: an estimate without clicks and its
-/// matches. If the geometry does not fit, the simplest change is looked for after which it does:
-/// another convention, resized, cropped, mirrored or turned images, mistakes with cameras, lens
-/// distortion that was left out. The exit status is 0 if it fits, 1 if it does not, and 2 for bad
-/// input or images that do not show enough.
+/// Compares the epipolar lines with the lines that the images show: an estimate without clicks and its
+/// matches. If the geometry does not fit, the command looks for the simplest change that makes it
+/// fit: another convention; resized, cropped, mirrored or turned images; mistakes with cameras;
+/// missing lens distortion. The exit status is 0 if it fits, 1 if it does not, and 2 for bad input
+/// or images that do not show enough.
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("judged").required(true).args(["fundamental", "cameras", "rectified", "calibration"]))]
 pub(super) struct JudgeArguments {
@@ -41,7 +41,7 @@ pub(super) struct JudgeArguments {
     /// File with F or two cameras, in any format
     #[arg(long, value_name = "FILE")]
     fundamental: Option<PathBuf>,
-    /// The two cameras: a file with both, or two files of one each (.P)
+    /// The two cameras: one file with both, or one file for each (.P)
     #[arg(long, num_args = 1..=2, value_name = "FILE")]
     cameras: Option<Vec<PathBuf>>,
     #[command(flatten)]
@@ -49,7 +49,7 @@ pub(super) struct JudgeArguments {
     /// Judge whether the images are rectified: whether matching points lie in the same row
     #[arg(long)]
     rectified: bool,
-    /// Matches to judge by, in place of those that the program finds
+    /// Matches to judge by, instead of the matches that the program finds
     #[arg(long, value_name = "FILE")]
     matches: Option<PathBuf>,
     /// Largest median distance between lines that agree, px, by default 1; with --rectified the
@@ -89,7 +89,7 @@ struct JudgeFile<'a, T: Serialize> {
 struct Shown {
     fundamental: FundamentalMatrix,
     matches: Vec<PointPair>,
-    /// Whether the matches may contradict a geometry. Matches that a person gives may.
+    /// Whether the matches may contradict a geometry. True for matches that a person gives.
     is_trusted: bool,
     verdict: Option<Verdict>,
     covariance: Option<Matrix9>,
@@ -127,10 +127,10 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     let too_few = || {
         let found = shown.matches.len();
         CliError::Arguments(if arguments.matches.is_some() {
-            format!("only {found} of the matches agree on a geometry, and a judgement takes {FEWEST_MATCHES}")
+            format!("only {found} of the matches agree on a geometry, and a judgement needs {FEWEST_MATCHES}")
         } else {
             format!(
-                "the images show only {found} matches, and a judgement takes {FEWEST_MATCHES}. Give matches of \
+                "the images show only {found} matches, and a judgement needs {FEWEST_MATCHES}. Give matches of \
                  your own (--matches)"
             )
         })
@@ -263,7 +263,7 @@ fn check_log(log: &Path) -> Result<(), CliError> {
         Ok(text) if text.is_empty() || text.lines().next() == Some(COLUMNS) => Ok(()),
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
         Ok(_) => Err(CliError::Arguments(format!(
-            "{} is another file than a log of this command. Name a new file",
+            "{} is not a log of this command. Name a new file",
             shown_path(log)
         ))),
         Err(error) => {

@@ -38,7 +38,7 @@ pub(super) struct RectifyArguments {
     /// Method of rectification
     #[arg(long, value_enum, default_value_t)]
     method: RectifyMethod,
-    /// Matches for measuring the row errors, by default those of the result
+    /// Matches for measuring the row errors, by default the matches of the result
     #[arg(long, value_name = "FILE")]
     matches: Option<PathBuf>,
     /// Write a pair that a stereo program reads, with its calibration: parallel cameras, positive
@@ -67,7 +67,7 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let calibrated = arguments.cameras.calibration.read()?;
     let given = arguments.matches.as_deref().map(read_point_pairs).transpose()?;
     if arguments.cameras.fits_lens() {
-        let unknown = "without an estimate there is nothing to fit the distortion to. Give the coefficient that \
+        let unknown = "rectify makes no estimate, so it cannot fit the distortion. Give the coefficient that \
                        `epiline estimate --division auto` prints";
         return Err(CliError::Arguments(unknown.into()));
     }
@@ -150,8 +150,8 @@ fn read_result(path: &Path, is_calibrated: bool) -> Result<(FundamentalMatrix, V
     Ok((fundamental, if file.found.is_empty() { file.pairs } else { file.found }))
 }
 
-/// Returns the pose of F or, without F, that of the calibration. Only the calibration tells the length of
-/// the baseline, which is in its unit.
+/// Returns the pose of F or, without F, the pose of the calibration. The length of the baseline is
+/// known from the calibration alone, in its unit.
 fn posed(
     calibrated: &[CalibratedCamera; 2],
     views: &ViewPair,
@@ -163,7 +163,7 @@ fn posed(
         return own.map(|(pose, baseline)| (pose, Some(baseline))).ok_or_else(no_pose);
     };
     if !views.has_focal_lengths() {
-        let missing = "a pose needs the focal lengths. Give them (--focal-length)";
+        let missing = "a pose needs the focal lengths. Give both (--focal-length)";
         return Err(CliError::Arguments(missing.into()));
     }
     let calibrations = views.calibrations();
@@ -172,7 +172,8 @@ fn posed(
         .map(|fit| fit.pose)
         .or_else(|| RelativePose::from_fundamental(fundamental, &calibrations, matches));
     if matches.is_empty() {
-        let missing = "the side of the right camera is not known without matches. Give some (--matches)";
+        let missing =
+            "without matches, the left and the right camera cannot be told apart. Give matches (--matches)";
         return Err(CliError::Arguments(missing.into()));
     }
     Ok((pose.ok_or_else(no_pose)?, own.map(|(_, baseline)| baseline)))
@@ -231,7 +232,7 @@ fn summary(r: &Rectification, files: &RectifiedFiles) -> String {
         let _ = writeln!(text, "{name}: {}", shape(distortion));
     }
     for warning in &r.warnings {
-        let _ = writeln!(text, "Beware: {warning}");
+        let _ = writeln!(text, "Warning: {warning}");
     }
     for path in files.paths() {
         let _ = writeln!(text, "Wrote {}", shown_path(&path));

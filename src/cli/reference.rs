@@ -1,6 +1,6 @@
 //! Reference of the command line in `docs/command-line.md` and the man pages in `docs/man`,
-//! generated from its definition. After a change, `EPILINE_RENEW=1 cargo test --lib reference`
-//! regenerates it.
+//! generated from the definition in `src/cli`. After a change,
+//! `EPILINE_RENEW=1 cargo test --lib reference` regenerates it.
 
 use std::fmt::Write;
 use std::fs;

@@ -22,9 +22,9 @@ pub(super) struct ResultArguments {
     /// Write the result as JSON; - is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write F, the epipoles, the points and the matched patches for another program; if only a
-    /// plane or a rotation of the camera is certain, also its homography H21. A file .npz gets the
-    /// covariances, a file .ply the triangulated matches of calibrated cameras
+    /// Write F, the epipoles, the points and the matched patches for another program. If only a plane
+    /// or a rotation of the camera is certain, its homography H21 is added. An .npz file has the
+    /// covariances, a .ply file the triangulated matches of calibrated cameras
     #[arg(long, value_name = "FILE")]
     export: Option<PathBuf>,
     /// Format of the export, by default from the file extension
@@ -45,7 +45,7 @@ pub(super) struct Beside<'a> {
     pub(super) offset: Option<i32>,
     /// Views of calibrated cameras.
     pub(super) views: Option<&'a ViewPair>,
-    /// Distance of the cameras, if the calibration tells it.
+    /// Distance between the cameras, if the calibration tells it.
     pub(super) baseline: Option<Baseline>,
     /// Matches from elsewhere.
     pub(super) given: &'a [PointPair],
@@ -110,7 +110,7 @@ impl ResultOutput {
             };
             words += &guess_in_words(views);
             if views.is_undistorted() {
-                words += "All coordinates are those of the views without distortion\n";
+                words += "All coordinates belong to the views without distortion\n";
             }
         }
         self.output.write(&result, &words)
@@ -128,7 +128,7 @@ fn given_in_words(found: &Estimate, given: &[PointPair]) -> String {
     )
 }
 
-/// Tells guessed focal lengths; empty for a calibration.
+/// Describes guessed focal lengths; empty for a calibration.
 fn guess_in_words(views: &ViewPair) -> String {
     let cameras = views.views.each_ref().map(UndistortedView::camera);
     let Some(deviation) = cameras.iter().filter_map(|camera| camera.focal_deviation()).find(|d| *d > 0.0)

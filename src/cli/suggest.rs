@@ -26,8 +26,8 @@ pub(super) struct SuggestArguments {
     /// Image that contains the point
     #[arg(long = "in", value_enum, default_value_t = ClickedImage::First, value_name = "IMAGE")]
     clicked: ClickedImage,
-    /// Search along the epipolar line of this fundamental matrix: a result of estimate, whose matches
-    /// help too, nine numbers, or any other format
+    /// File with a fundamental matrix, to search along the epipolar line: nine numbers, a result of
+    /// estimate (its matches help, too), or any other format
     #[arg(long, value_name = "FILE")]
     fundamental: Option<PathBuf>,
     /// Half width of the band searched around the epipolar line, pixels

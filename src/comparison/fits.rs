@@ -26,7 +26,7 @@ pub struct PointFit {
 /// Reason why there is no fit. Each message is a clause.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum FitError {
-    /// So many pairs are missing.
+    /// Too few pairs, with the number of missing ones.
     #[error("needs {} more pair{}", .0, if *.0 == 1 { "" } else { "s" })]
     TooFew(usize),
     /// The seven-point algorithm failed.

@@ -2,10 +2,9 @@
 //!
 //! Both draw samples of seven pairs, solve each with the seven-point algorithm, and keep the best
 //! solution under their score of Sampson distances `d`. MSAC minimises `Σ min(d², t²)` (Torr and
-//! Zisserman 2000). Least median of squares minimises a value of `d²` near the median, and needs no
-//! threshold (Zhang 1998): of `n` sorted values the one at `n/2 + 4`, because seven always fit
-//! (Rousseeuw and Leroy 1987). An eight-point fit to the inliers replaces the solution if its score
-//! is better.
+//! Zisserman 2000). Least median of squares needs no threshold (Zhang 1998). It minimises the value
+//! at `n/2 + 4` of the `n` sorted `d²`, because seven pairs always fit (Rousseeuw and Leroy 1987).
+//! An eight-point fit to the inliers replaces the solution if its score is better.
 
 use rand::seq::index::sample;
 

@@ -37,7 +37,7 @@ const FAR: f64 = 4.0;
 pub enum CheckError {
     /// There are too few matches.
     #[error(
-        "checking a convention takes at least {FEWEST_MATCHES} matches, {0} were given. Add matches at different depths"
+        "checking a convention needs at least {FEWEST_MATCHES} matches, {0} were given. Add matches at different depths"
     )]
     TooFew(usize),
     /// A coordinate is not a finite number.

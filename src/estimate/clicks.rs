@@ -119,9 +119,9 @@ impl Clicks {
     }
 }
 
-/// Distance of the first two clicks, as a share of the largest distance between clicks, from which
-/// they are the anchors. At this distance an error of a click turns a line four times as far as at
-/// the largest.
+/// The first two clicks are the anchors if they are at least this far apart, as a share of the
+/// largest distance between clicks. At this distance an error of a click turns a line four times as
+/// far as at the largest.
 const FAR_ENOUGH: f64 = 0.25;
 
 /// Returns the indices of two pairs that are far from each other in both images: the first two, or

@@ -82,7 +82,30 @@ mod tests {
     use super::super::exact::ExactScene;
     use super::super::{ClickRole, Method, Preset};
     use super::*;
-    use crate::geometry::symmetric_epipolar_distance;
+    use crate::geometry::{Frame, symmetric_epipolar_distance};
+
+    #[test]
+    fn images_without_pixels_or_with_pixels_that_are_no_numbers_give_no_panic() {
+        let empty = GrayPlane::new(Frame::new(0, 0), Vec::new());
+        let row = GrayPlane::from_fn(Frame::new(300, 1), |x, _| (x % 7) as f32);
+        let texture = |x: usize, y: usize| (x * x + 7 * y * (x % 5)) as f32 % 251.0;
+        let image = GrayPlane::from_fn(Frame::new(120, 90), texture);
+        let holes = GrayPlane::from_fn(Frame::new(120, 90), |x, y| {
+            if (x + y) % 11 == 0 { f32::NAN } else { texture(x + 3, y) }
+        });
+        let clicks = [PointPair::new(30.0, 30.0, 27.0, 30.0), PointPair::new(90.0, 60.0, 87.0, 60.0)];
+        for (image1, image2) in [(&empty, &empty), (&empty, &image), (&row, &image), (&row, &row)] {
+            for pairs in [&clicks[..], &[]] {
+                let found = estimate(image1, image2, pairs, &Parameters::default(), &Monitor::silent());
+                assert!(found.is_err());
+            }
+        }
+        for preset in Preset::ALL {
+            for pairs in [&clicks[..], &[]] {
+                let _ = estimate(&image, &holes, pairs, &Parameters::from(preset), &Monitor::silent());
+            }
+        }
+    }
 
     #[test]
     fn a_third_pair_takes_part_in_every_search() {

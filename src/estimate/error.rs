@@ -47,7 +47,7 @@ pub enum EstimateError {
         second: usize,
         /// Number of the image, 1 or 2.
         image: usize,
-        /// Distance of the clicks, px.
+        /// Distance between the clicks, px.
         distance: f64,
     },
     /// The image is too small for lines to be compared.
@@ -147,7 +147,7 @@ pub enum Warning {
     },
     /// The clicks are close together, so small errors turn the lines a lot.
     CloseClicks {
-        /// Distance of the clicks, px.
+        /// Distance between the clicks, px.
         distance: f64,
     },
     /// Few lines have texture.

@@ -193,8 +193,8 @@ impl<F: Fn(&AnchoredLine, &AnchoredLine) -> f32 + Sync> LineSimilarity for Lines
     }
 }
 
-/// Returns a similarity that knows the truth. The cost is the area between the line of image 2 and
-/// the true partners of three points of the line of image 1, over the width, px.
+/// Returns a similarity that knows the truth. The cost is the mean area between the line of image 2
+/// and the true epipolar lines of three points of the line of image 1, over the image width, px.
 pub(super) fn exact_lines(f: FundamentalMatrix, frames: [Frame; 2]) -> impl LineSimilarity {
     LinesBy(move |line1: &AnchoredLine, line2: &AnchoredLine| {
         let (Some(on1), Some(_)) = (frames[0].clip(&line1.line()), frames[1].clip(&line2.line())) else {

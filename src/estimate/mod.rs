@@ -2,8 +2,9 @@
 //!
 //! [`estimate`] is the driver: propose, rank, refine, judge. `searches` has one search per file,
 //! `evidence` the evidence of lines, patches and features, `fit` the fits of matches, `sampling`
-//! what all random samples share, and `verdict` the reliability of a result. An [`Estimate`] is a
-//! geometry with its assessment and, if a search found it, the trace of the search.
+//! the parts common to all random sampling, and `verdict` the reliability of a result. An
+//! [`Estimate`] is a geometry with its assessment and, if a search found it, the trace of the
+//! search.
 //!
 //! `docs/estimator.md` has the method in equations; `docs/parameters.md` lists every parameter.
 //! `lab/notes.md`, "Constants at half and at twice", says how results change with each constant.

@@ -58,7 +58,11 @@ pub(super) fn find_extrema(octave: &Octave, index: usize, contrast: f64, edge_ra
     let mut found = found.concat();
     // Two pixels may converge to the same extremum.
     let place = |e: &Extremum| [e.position[1], e.position[0], e.level];
-    found.sort_by(|a, b| place(a).partial_cmp(&place(b)).unwrap_or(Ordering::Equal));
+    let order = |a: &Extremum, b: &Extremum| {
+        let pairs = place(a).into_iter().zip(place(b));
+        pairs.fold(Ordering::Equal, |so_far, (a, b)| so_far.then(a.total_cmp(&b)))
+    };
+    found.sort_by(order);
     found.dedup_by_key(|e| place(e).map(f64::to_bits));
     found
 }

@@ -34,7 +34,7 @@ pub struct FeatureMatch {
 
 /// Neighbours kept per feature: enough that one lies at another place.
 const KEPT: usize = 8;
-/// Largest distance of two features at the same place, in units of the larger scale.
+/// Largest distance between two features at the same place, in units of the larger scale.
 const SAME_PLACE: f64 = 3.0;
 /// Largest distance of repeated matches, px.
 const REPEATED: f64 = 8.0;

@@ -29,7 +29,7 @@ const STRIP: usize = 16;
 /// The levels of one octave.
 #[derive(Debug, Clone)]
 pub(super) struct Octave {
-    /// Distance of neighbouring pixels, px of the picture.
+    /// Distance between neighbouring pixels, px of the picture.
     pub spacing: f64,
     /// `INTERVALS + 3` planes of equal size; σ grows by `2^(1/INTERVALS)` per level.
     pub levels: Vec<GrayPlane>,
@@ -145,8 +145,8 @@ fn half_kernel(sigma: f64, frame: Frame) -> Vec<f32> {
 /// Columns smoothed at once. Their sums stay in registers while the kernel passes.
 const BLOCK: usize = 32;
 
-/// Smooths the rows from `first` on that `out` holds: first down the columns into a row buffer,
-/// then along the row.
+/// Fills `out` with smoothed rows, starting at row `first`. Each row is smoothed down the columns
+/// into a buffer, then along the row.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
 fn smooth_rows(plane: &GrayPlane, kernel: &[f32], first: usize, out: &mut [f32]) {
     let Frame { width, height } = plane.frame();

@@ -28,8 +28,8 @@ pub fn open_input(path: &Path) -> Result<Input, String> {
     } else if is_piped_into_us(path, &found) {
         None
     } else if is_named_pipe(path) {
-        let sentence = "it is a named pipe, which could be waited for without end; pipe the data into the program and \
-                        name /dev/stdin";
+        let sentence = "it is a named pipe, which may never end. Pipe the data into the program, with /dev/stdin as the \
+                        name";
         return Err(sentence.into());
     } else {
         return Err("it is a device, a file or piped data is needed".into());
@@ -57,11 +57,11 @@ pub fn reason(error: &std::io::Error) -> String {
         ErrorKind::NotADirectory => "it is not a folder".into(),
         ErrorKind::IsADirectory => "it is a folder, a file is needed".into(),
         ErrorKind::StorageFull => "there is no space left".into(),
-        ErrorKind::QuotaExceeded => "the space allowed to this user is used up".into(),
+        ErrorKind::QuotaExceeded => "the disk quota of this user is used up".into(),
         ErrorKind::FileTooLarge => "the file would be larger than is allowed".into(),
         ErrorKind::ReadOnlyFilesystem => "the disk is write-protected".into(),
         ErrorKind::InvalidFilename => "the name is too long or has characters that are not allowed".into(),
-        ErrorKind::BrokenPipe => "its reader has gone".into(),
+        ErrorKind::BrokenPipe => "the program that reads it has ended".into(),
         ErrorKind::OutOfMemory => "there is not enough memory".into(),
         _ => {
             let text = error.to_string();

@@ -38,7 +38,8 @@ pub fn apart_across_lines(f: &FundamentalMatrix, p: &PointPair, q: &PointPair) -
     ]
 }
 
-/// Returns the median of some values, the greater middle one of an even number; 0 of none.
+/// Returns the median of some values: the greater of the middle two for an even number, 0 without
+/// values.
 pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.into_iter().collect();
     if values.is_empty() {

@@ -102,7 +102,7 @@ pub struct GroupedObservation {
     pub observation: Observation,
     /// Standard deviation of the pair, px. It includes errors that the loss does not know.
     pub deviation: f64,
-    /// Number of the group of pairs that share their error. All pairs of a group tell as much as one.
+    /// Number of the group of pairs that share their error. All pairs of a group count as one.
     pub group: usize,
 }
 

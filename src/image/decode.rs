@@ -247,7 +247,7 @@ mod tests {
             let error = decode(std::io::Cursor::new(content), "a.dat", LoadOptions::default()).unwrap_err();
             let message = error.to_string();
             assert!(message.contains(&format!("has the format {name}")), "{message}");
-            assert!(message.contains("convert it to TIFF or PNG"), "{message}");
+            assert!(message.contains("Convert it to TIFF or PNG"), "{message}");
         }
     }
 }

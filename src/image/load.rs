@@ -86,8 +86,8 @@ impl Picture {
         Ok(Self { name, path, pixels, gray })
     }
 
-    /// Draws the picture anew: each pixel of the new one takes the value at a position of this one.
-    /// `position` receives pixels of the new picture. The depth and the colours are kept.
+    /// Draws a new picture of the same depth and colours. Each of its pixels takes the value at a
+    /// `position` of this picture.
     #[must_use]
     pub fn redrawn(&self, size: Frame, position: impl Fn(Point) -> Option<Point> + Sync) -> Self {
         struct Map<F>(F);

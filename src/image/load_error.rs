@@ -16,7 +16,7 @@ pub enum LoadError {
     Format(String),
     /// The content is a picture in an unsupported format.
     #[error(
-        "the image {path} has the format {format}, which is not read: convert it to TIFF or PNG{}",
+        "the image {path} has the format {format}, which is not supported. Convert it to TIFF or PNG{}",
         for_animations(format)
     )]
     OtherFormat {
@@ -26,16 +26,15 @@ pub enum LoadError {
         format: String,
     },
     /// The format is known, but this variant of it is not supported.
-    #[error("the image {0} is of a kind that is not read ({1}): save it with 8 or 16 bits, grey or colour")]
+    #[error(
+        "the image {0} has an unsupported kind of pixels ({1}). Save it with 8 or 16 bits, grey or colour"
+    )]
     Unsupported(String, String),
     /// The file is damaged or truncated.
-    #[error("the image {0} is damaged or incomplete: {1}; get it anew")]
+    #[error("the image {0} is damaged or incomplete ({1}). Get a new copy")]
     Damaged(String, String),
     /// The header claims a size that the decoder rejects without reporting it.
-    #[error(
-        "the image {0} claims a size beyond what its format allows or this program reads: its header is damaged, or \
-         make it smaller"
-    )]
+    #[error("the image {0} has a header with an impossible size. Get a new copy, or make the image smaller")]
     Enormous(String),
     /// The picture has more pixels than the limit.
     #[error("the image {}", too_large(path, *width, *height, *bytes_a_pixel, *most_pixels))]
@@ -53,7 +52,7 @@ pub enum LoadError {
     },
     /// The file is larger than the largest picture within the limit.
     #[error(
-        "the image {path} has more than {megabytes} MB, larger than any that is read: set {MEGAPIXELS_VARIABLE} to raise the limit"
+        "the image {path} is larger than {megabytes} MB, the limit. Set {MEGAPIXELS_VARIABLE} to raise it"
     )]
     LongFile {
         /// Path for display.
@@ -62,13 +61,13 @@ pub enum LoadError {
         megabytes: u64,
     },
     /// The picture does not fit into memory.
-    #[error("the image {0} needs more memory than there is: make it smaller")]
+    #[error("the image {0} needs more memory than there is. Make it smaller")]
     Memory(String),
     /// The image has no pixels.
     #[error("the image {0} has no pixels")]
     Empty(String),
     /// Some pixels are infinite or NaN.
-    #[error("the image {0} has pixels that are not finite numbers (NaN or infinite): replace them first")]
+    #[error("the image {0} has pixels that are not finite numbers (NaN or infinite). Replace them first")]
     NotFinite(String),
     /// An environment variable has an invalid value.
     #[error("{name} is \"{value}\", expected {expected}")]
@@ -94,8 +93,8 @@ fn too_large(path: &str, width: u64, height: u64, bytes_a_pixel: u64, most_pixel
     let memory = (pixels * (u128::from(bytes_a_pixel) + 6)).div_ceil(1_000_000_000);
     let wide = if counted > pixels { format!(" of {bytes_a_pixel} bytes") } else { String::new() };
     format!(
-        "{path} is {width} x {height} pixels{wide}, {} million, and at most {} million are read: make it smaller, or set \
-         {MEGAPIXELS_VARIABLE}={} if there are {memory} GB of memory for it",
+        "{path} has {width} x {height} pixels{wide}, {} million. The limit is {} million. Make it smaller, or set \
+         {MEGAPIXELS_VARIABLE}={} if {memory} GB of memory are free",
         millions(pixels),
         millions(u128::from(most_pixels)),
         millions(counted),

@@ -57,7 +57,7 @@ impl LoadOptions {
         Err(LoadError::TooLarge { path, width, height, bytes_a_pixel, most_pixels })
     }
 
-    /// Returns whether so many pixels of the given width in bytes are within the limit.
+    /// Returns whether a number of pixels, of a width in bytes, is within the limit.
     pub(super) fn allows(self, pixels: u64, bytes_a_pixel: u64) -> bool {
         weight(pixels, bytes_a_pixel) <= u128::from(self.most_pixels)
     }

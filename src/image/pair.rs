@@ -76,7 +76,8 @@ impl PyramidPair {
         let mut numbers = [0, 1].map(|image| nearest(image, side));
         if let Some(scale) = view.scale {
             // Objects are larger by 2ᵏ in image 2, so image 2 is halved k times more often.
-            let more = scale.log2().round() as i64;
+            // No pyramid has more levels than an integer has bits.
+            let more = scale.log2().round().clamp(-64.0, 64.0) as i64;
             let [k1, k2] = numbers.map(|k| k as i64);
             let first = k1.max(k2 - more).max(0).max(-more);
             numbers = [first, first + more].map(|k| k.max(0) as usize);

@@ -53,8 +53,7 @@ impl CameraRig {
 
     /// Reads a folder like [`CameraRig::find`], with an error for fewer than two cameras.
     pub fn open(folder: &Path) -> Result<Self, ReadError> {
-        let missing =
-            "no sequences with cameras found. Expected are folders of frames or videos NAME with NAME.P";
+        let missing = "no sequences with cameras found. Each sequence is a folder of frames or a video NAME, with a camera NAME.P";
         Self::find(folder)?.ok_or_else(|| ReadError::content(folder, missing))
     }
 
@@ -76,7 +75,7 @@ impl CameraRig {
             }
         }
         let problem = format!(
-            "the true matches of {a} and {b} are missing. Expected is a file truth-{a}-{b}.txt with rows x1 y1 x2 y2"
+            "the true matches of {a} and {b} are missing. Add a file truth-{a}-{b}.txt with rows x1 y1 x2 y2"
         );
         Err(ReadError::content(&self.path, problem))
     }

@@ -18,7 +18,7 @@ impl GeometryFile {
     /// A clause for the user if there is no covariance.
     pub fn covariances_as_npz(&self) -> Result<Vec<u8>, String> {
         let (Some(fundamental), Some(covariance)) = (&self.fundamental, &self.covariance) else {
-            return Err("there is no covariance, which only refined results of epiline estimate have".into());
+            return Err("there is no covariance. Only refined results of epiline estimate have one".into());
         };
         // Symmetric matrices have the same rows and columns.
         let mut arrays: Vec<(&str, &[usize], &[f64])> = Vec::new();

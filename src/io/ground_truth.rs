@@ -23,7 +23,7 @@ pub enum TruthError {
     /// The F of a file does not fit the matches.
     #[error(
         "{name}_F.txt does not fit the matches in {name}.txt. Half of them are more than {off:.0} px from their epipolar \
-         lines. Expected is F with x2ᵀ F x1 = 0 and the centre of the top-left pixel at (0, 0)"
+         lines. F must satisfy x2ᵀ F x1 = 0, with the centre of the top-left pixel at (0, 0)"
     )]
     OtherGeometry {
         /// Name of the pair.

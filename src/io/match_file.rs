@@ -58,7 +58,7 @@ fn archive(bytes: Vec<u8>) -> Result<Vec<Match>, String> {
     let scores = array(&["matching_scores", "match_confidence", "mconf", "scores", "confidence"])?;
     let covariances = array(&["covariances", "covariance"])?;
     let (pairs, scores) = if let Some(first) = array(&["mkpts0", "mkpts_0", "points0"])? {
-        let second = array(&["mkpts1", "mkpts_1", "points1"])?.ok_or("mkpts0 has no mkpts1 beside it")?;
+        let second = array(&["mkpts1", "mkpts_1", "points1"])?.ok_or("there is mkpts0, but no mkpts1")?;
         let (first, second) = (points(&first, "mkpts0")?, points(&second, "mkpts1")?);
         if first.len() != second.len() {
             return Err(format!("mkpts0 has {} points and mkpts1 {}", first.len(), second.len()));
@@ -66,7 +66,7 @@ fn archive(bytes: Vec<u8>) -> Result<Vec<Match>, String> {
         let pairs = first.into_iter().zip(second).map(|(point1, point2)| PointPair { point1, point2 });
         (pairs.collect(), scores.map(|scores| scores.numbers))
     } else {
-        let expected = "expected are mkpts0 and mkpts1, or keypoints0, keypoints1 and matches";
+        let expected = "expected mkpts0 and mkpts1, or keypoints0, keypoints1 and matches";
         let missing = || format!("there are no matches in it: {expected}");
         let first = points(&array(&["keypoints0"])?.ok_or_else(missing)?, "keypoints0")?;
         let second = points(&array(&["keypoints1"])?.ok_or_else(missing)?, "keypoints1")?;
@@ -200,7 +200,7 @@ mod tests {
         for (rest, told) in [
             (vec![("matches", integers(&[1, 2], &[0, 7]))], "do not exist"),
             (vec![("matches", integers(&[3, 1], &[0, 1, 0]))], "shape"),
-            (vec![], "expected are mkpts0"),
+            (vec![], "expected mkpts0"),
             (
                 vec![("matches", integers(&[1, 2], &[0, 1])), ("scores", floats(&[3], &[1.0; 3]))],
                 "3 scores for 1",

@@ -115,7 +115,7 @@ pub(super) fn rows_as_text(file: &[u8]) -> Option<Result<String, String>> {
             Ok(array.numbers.chunks_exact(columns).map(row).collect::<Vec<_>>().join("\n"))
         }
         _ => Err(format!(
-            "the array has the shape {:?}. Expected are 3×3 for a fundamental matrix, or N×4 for point pairs",
+            "the array has the shape {:?}, expected 3×3 for a fundamental matrix or N×4 for point pairs",
             array.shape
         )),
     };

@@ -24,7 +24,7 @@ pub fn pair_folder(folder: &Path) -> Result<Vec<PairFiles>, ReadError> {
     let mut pairs = find_pairs(folder)?;
     pairs.retain(|pair| pair.matches.is_some());
     if pairs.is_empty() {
-        let problem = "no pairs found. Expected are images NAMEA.*, NAMEB.* and matches NAME.txt";
+        let problem = "no pairs found. A pair has the images NAMEA.* and NAMEB.*, and the matches NAME.txt";
         return Err(ReadError::content(folder, problem));
     }
     Ok(pairs)

@@ -36,7 +36,7 @@ pub enum RectifiedError {
     Folder(String, String),
     /// Another run writes into the folder.
     #[error(
-        "another run of the program is writing into the folder {0}. Wait for its end, or choose another folder"
+        "another run of the program is writing into the folder {0}. Wait until it ends, or choose another folder"
     )]
     Busy(String),
     /// A file cannot be written.

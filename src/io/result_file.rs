@@ -113,7 +113,7 @@ struct CalibratedFile<'a> {
     curve_distances: Vec<Option<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pose: Option<PoseFile>,
-    /// Distance of the cameras, if the calibration tells it.
+    /// Distance between the cameras, if the calibration tells it.
     #[serde(skip_serializing_if = "Option::is_none")]
     baseline: Option<Baseline>,
 }
@@ -253,8 +253,8 @@ impl<'a> ResultFile<'a> {
         self
     }
 
-    /// Adds the views without distortion that the result belongs to, the pose, and the known distance of
-    /// the cameras.
+    /// Adds the views without distortion that the result belongs to, the pose, and the known
+    /// distance between the cameras.
     #[must_use]
     pub fn calibrated(
         mut self,
@@ -321,7 +321,7 @@ fn matrix_in_words(rows: [[f64; 3]; 3]) -> String {
     rows.map(|row| format!(" {}\n", row.map(|v| format!("{:>25}", format!("{v:e}"))).concat())).concat()
 }
 
-/// Describes the places of both epipoles, a line each, and what is known of them.
+/// Describes the positions of both epipoles with their uncertainty, a line each.
 fn epipoles_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
     let mut text = String::new();
     let frames = images.each_ref().map(|image| image.frame);

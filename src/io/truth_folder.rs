@@ -46,7 +46,7 @@ impl TruthFolder {
             FolderLayout::Sequences(rig) => rig.sequences.clone(),
         };
         if images.is_empty() {
-            let problem = "no image pairs with ground truth found. Expected is a VGG folder (PREFIX.NNN.P, \
+            let problem = "no image pairs with ground truth found. Give a VGG folder (PREFIX.NNN.P, \
                            PREFIX.NNN.corners and PREFIX.nview-corners beside the images), pairs (NAMEA.*, NAMEB.* \
                            and NAME.txt) or sequences (folders of frames NAME with NAME.P)";
             return Err(ReadError::content(path, problem));

@@ -93,7 +93,7 @@ fn tracks_file(folder: &Path, entries: &[PathBuf]) -> Result<PathBuf, ReadError>
         (Some(file), None) => Ok(file.clone()),
         (None, _) => Err(ReadError::content(
             folder,
-            "not a VGG folder. Expected is one file PREFIX.nview-corners with PREFIX.NNN.P and PREFIX.NNN.corners",
+            "not a VGG folder, which has one file PREFIX.nview-corners, and PREFIX.NNN.P and PREFIX.NNN.corners of each view",
         )),
         _ => Err(ReadError::content(folder, "there is more than one .nview-corners file")),
     }

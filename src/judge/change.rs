@@ -163,22 +163,22 @@ pub enum Change {
     HalfPixel {
         /// The images.
         images: Affected,
-        /// Coordinates of the geometry less those of the images, px: 0.5 or −0.5.
+        /// Coordinates of the geometry less coordinates of the images, px: 0.5 or −0.5.
         offset: f64,
     },
     /// Moved coordinates: cropped images, or a wrong principal point.
     Moved {
         /// The images.
         images: Affected,
-        /// Coordinates of the geometry less those of the images, px.
+        /// x coordinates of the geometry less x coordinates of the images, px.
         x: f64,
-        /// The same for y.
+        /// y coordinates of the geometry less y coordinates of the images, px.
         y: f64,
     },
-    /// Lens distortion that the geometry leaves out or takes with the wrong sign: a point at `d` from
-    /// the middle belongs at `d (1 + k r²)`, with `r` the length of `d` in half diagonals.
+    /// Lens distortion that the geometry leaves out or takes with the wrong sign. A point at `d`
+    /// from the middle belongs at `d (1 + k r²)`, with `r` the length of `d` in half diagonals.
     Distortion {
-        /// Coefficient `k`. Barrel distortion is positive.
+        /// Coefficient `k`; positive for barrel distortion.
         k: f64,
     },
 }

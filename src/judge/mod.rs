@@ -1,14 +1,15 @@
-//! Judges a geometry from elsewhere by what the images show.
+//! Judges a geometry from elsewhere by the matches of the images.
 //!
-//! The reference is the images' own geometry: an estimate without clicks and its matches, or matches
-//! from elsewhere with their fit. The judgement asks how far the lines of the given geometry are
-//! from the lines of the reference, at the matches. If they are too far, it looks for the simplest
-//! [`Change`] that brings them together: most wrong geometries are right ones in another
-//! convention, for resized images, or for a camera without its distortion.
+//! The reference is the images' own geometry: an estimate without clicks and its matches, or
+//! matches from elsewhere with their fit. The judgement asks how far the lines of the given
+//! geometry are from the lines of the reference, at the matches. If they are too far, the judgement
+//! looks for the simplest [`Change`] that brings them together. Most wrong geometries are right in
+//! another convention, for resized images, or for a camera without its distortion.
 //!
 //! # Limits
 //! - The lines are compared where there are matches. A geometry may be wrong elsewhere.
-//! - Different mistakes may change `F` alike. Each [`Change`] names those it stands for.
+//! - Different mistakes may change `F` in the same way. Each [`Change`] names the mistakes it
+//!   stands for.
 
 mod cameras;
 mod change;
@@ -53,9 +54,9 @@ pub struct Reference<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Finding {
-    /// The lines agree with those of the images.
+    /// The lines agree with the lines of the images.
     Fits,
-    /// The lines are too far from those of the images.
+    /// The lines are too far from the lines of the images.
     DoesNotFit,
     /// The lines disagree, but the images do not show enough to say which are wrong.
     Undecided,
@@ -66,7 +67,7 @@ pub enum Finding {
 pub struct Distances {
     /// Median.
     pub median: f64,
-    /// Value that nine of ten are below.
+    /// 90 % of the distances are below this value.
     pub ninety_percent: f64,
 }
 
@@ -76,14 +77,14 @@ pub struct FittingChange {
     /// The change.
     #[serde(flatten)]
     pub change: Change,
-    /// Distance from the reference after the change, px: like that of the judgement.
+    /// Distance from the reference after the change, px, measured as for the judgement.
     pub median: f64,
     /// Fundamental matrix after the change. `None` if no matrix fits the images as they are, because
     /// their lines are curves.
     pub fundamental: Option<FundamentalMatrix>,
 }
 
-/// What the images say of a geometry.
+/// Result of comparing a geometry with the images.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Judgement {
     /// Whether the geometry fits.
@@ -98,8 +99,8 @@ pub struct Judgement {
     pub limit: f64,
     /// Number of matches.
     pub matches: usize,
-    /// The simplest change after which the geometry fits; `None` if no change helps. For a geometry that
-    /// fits, half a pixel that explains a significant difference.
+    /// The simplest change after which the geometry fits; `None` if no change helps. For a geometry
+    /// that fits, a shift by half a pixel that explains a significant difference.
     pub change: Option<FittingChange>,
     /// Whether the geometry differs from the reference by more than the matches leave open. `None` without
     /// a covariance, and if the reference is in doubt.
@@ -115,8 +116,8 @@ pub const LIMIT: f64 = 1.0;
 /// Largest number of matches used. More add no certainty.
 const MOST_MATCHES: usize = 2000;
 
-/// Judges a geometry. It fits if half of its lines are within `limit` px of those of the reference,
-/// and the matches are at most `limit` px farther from them.
+/// Judges a geometry. It fits if half of its lines are within `limit` px of the lines of the
+/// reference, and the matches are at most `limit` px farther from them.
 ///
 /// `None` for fewer than [`FEWEST_MATCHES`] matches.
 pub fn judge(given: &GivenGeometry, reference: &Reference, limit: f64) -> Option<Judgement> {

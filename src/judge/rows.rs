@@ -1,8 +1,8 @@
 //! Whether a pair is rectified: matching points lie in the same row, all over the picture.
 //!
-//! The offset of the right row is a smooth function of the place: constant for a vertical shift, a
-//! slope along the rows for a roll of one camera, a slope along the columns for another focal
-//! length, and curved for other rotations and for distortion of a lens.
+//! The offset of the right row is a smooth function of the place. A vertical shift makes it
+//! constant, a roll of one camera gives it a slope along the rows, and another focal length a slope
+//! along the columns. Other rotations and lens distortion curve it.
 
 use nalgebra::{DMatrix, DVector, Matrix3};
 use serde::Serialize;
@@ -53,15 +53,14 @@ pub struct RowJudgement {
 const FAR_FROM_ROWS: f64 = 20.0;
 
 impl RowJudgement {
-    /// Returns whether the rows differ by more than drift explains: the pair was not rectified, or for
-    /// other cameras.
+    /// Returns whether the rows differ by more than drift explains: the pair was never rectified,
+    /// or for other cameras.
     pub fn is_far_off(&self) -> bool {
         self.typical > FAR_FROM_ROWS * self.limit
     }
 }
 
-/// Measures how far matches are from common rows. The place is that in image 2, of size
-/// `frame`.
+/// Measures how far matches are from common rows. Places are positions in image 2, of size `frame`.
 ///
 /// `None` for fewer than 14 matches, or if they lie on one line.
 pub fn judge_rows(matches: &[PointPair], frame: Frame, limit: f64) -> Option<RowJudgement> {

@@ -79,7 +79,8 @@ fn discrete(given: &GivenGeometry, reference: &Reference) -> Vec<FittingChange> 
     of_cameras.chain(of_pixels).map(measured).collect()
 }
 
-/// Returns the ways to count pixels from another place that no reading of both images stands for.
+/// Returns the shifts of the pixel origin that are no reading of the matrix: of one image, or
+/// opposite in both.
 fn half_pixels() -> impl Iterator<Item = Change> {
     let one = [Affected::Image1, Affected::Image2]
         .into_iter()
@@ -149,8 +150,8 @@ fn fitted(given: &GivenGeometry, reference: &Reference, limit: f64) -> Vec<Fitti
     changes.into_iter().filter_map(measured).collect()
 }
 
-/// Returns the minimum of a function of two numbers near zero, by a compass search: a step in one of
-/// eight directions while one helps, and half the step when none does.
+/// Returns the minimum of a function of two numbers near zero, by a compass search. The search
+/// steps in the best of eight directions while a step helps, and halves the step when none does.
 fn compass(first: f64, cost: impl Fn([f64; 2]) -> f64) -> [f64; 2] {
     let mut at = [0.0, 0.0];
     let (mut least, mut step) = (cost(at), first);

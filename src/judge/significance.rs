@@ -28,8 +28,8 @@ pub struct Significance {
     pub is_significant: bool,
 }
 
-/// Measures the difference between `given` and `reference`, whose covariance is that of its nine
-/// entries with norm 1, row by row. `None` if the covariance has less than rank 7.
+/// Measures the difference between `given` and `reference`. `covariance` belongs to the nine
+/// entries of `reference` with norm 1, row by row. `None` if the covariance has less than rank 7.
 pub(super) fn significance(
     given: &FundamentalMatrix,
     reference: &FundamentalMatrix,

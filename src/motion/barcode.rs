@@ -80,7 +80,7 @@ impl Barcode {
     /// Returns a lower bound for the correlation: the lower end of its confidence interval (Fisher
     /// 1915).
     ///
-    /// Each begin or end of a crossing counts as one observation. Barcodes with few events, which
+    /// Each start or end of a crossing counts as one observation. Barcodes with few events, which
     /// are similar by chance, thus rank below those with many. Returns `None` when either barcode
     /// is nearly constant or has too few events.
     pub fn least_correlation(&self, other: &Self) -> Option<f64> {

@@ -7,7 +7,7 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MotionError {
     /// The sequence has too few frames.
-    #[error("{name} has {frames}, at least {least} frames are needed", frames = counted(*found))]
+    #[error("{name} has {frames}, but at least {least} frames are needed", frames = counted(*found))]
     TooFewFrames {
         /// Name of the sequence.
         name: String,
@@ -16,9 +16,9 @@ pub enum MotionError {
         /// Number of frames needed.
         least: usize,
     },
-    /// The size of a frame differs from that of the first frame.
+    /// The size of a frame differs from the size of the first frame.
     #[error(
-        "frame {frame} of {name} is {width}×{height} px, but the first one is {first_width}×{first_height} px: all frames must be of one size"
+        "frame {frame} of {name} is {width}×{height} px, but the first frame is {first_width}×{first_height} px. All frames must have the same size"
     )]
     FrameSize {
         /// Name of the sequence.
@@ -35,13 +35,11 @@ pub enum MotionError {
         first_height: usize,
     },
     /// Hardly any pixel moves in the sequence of this name.
-    #[error(
-        "nothing moves in {0}: motion barcodes need things that move in front of a camera that stands still"
-    )]
+    #[error("nothing moves in {0}. Motion barcodes need objects that move in front of a stationary camera")]
     NothingMoves(String),
     /// More than half of the pixels move, so there is no background.
     #[error(
-        "{percent} % of the pixels of {name} show something that moves nearly all the time, so that there is no background: something covers most of the picture, or the light flickers"
+        "{percent} % of the pixels of {name} change nearly all the time, so no background is visible. Something covers most of the picture, or the light flickers"
     )]
     EverythingMoves {
         /// Name of the sequence.
@@ -51,7 +49,7 @@ pub enum MotionError {
     },
     /// The camera is not static.
     #[error(
-        "the camera of {name} moves: its background is shifted by {shift:.1} px in half of the frames; motion barcodes need a camera that stands still, or a recording that was stabilised"
+        "the camera of {name} moves: the background is shifted by {shift:.1} px in half of the frames. Motion barcodes need a stationary camera or a stabilised recording"
     )]
     CameraMoves {
         /// Name of the sequence.
@@ -61,7 +59,7 @@ pub enum MotionError {
     },
     /// The sequences have too few frames in common.
     #[error(
-        "at an offset of {offset} the sequences have {common} frames in common, at least {least} are needed"
+        "at the offset {offset} the sequences have {common} frames in common, but at least {least} are needed"
     )]
     NoOverlap {
         /// Offset of the second sequence, frames.

@@ -148,7 +148,7 @@ mod tests {
         let told = sequence.push(&other).unwrap_err().to_string();
         assert_eq!(
             told,
-            "frame 1 of left is 640×360 px, but the first one is 1280×720 px: all frames must be of one size"
+            "frame 1 of left is 640×360 px, but the first frame is 1280×720 px. All frames must have the same size"
         );
         sequence.repeat_last();
         assert_eq!(sequence.len(), 2);

@@ -259,7 +259,8 @@ impl Silhouettes {
 /// Returns the overlap at an offset: its first frame in each sequence, and its number of frames,
 /// possibly 0.
 pub fn common_frames(counts: [usize; 2], offset: i32) -> ([usize; 2], usize) {
-    let first = [(-offset).max(0) as usize, offset.max(0) as usize];
+    let by = offset.unsigned_abs() as usize;
+    let first = if offset < 0 { [by, 0] } else { [0, by] };
     let left = |k: usize| counts[k].saturating_sub(first[k]);
     (first, left(0).min(left(1)))
 }
@@ -331,7 +332,9 @@ mod tests {
             told(&sequence(80, |x, y, t| texture(x, y) + noise(x, y, t)))
                 .starts_with("nothing moves in left")
         );
-        assert!(told(&sequence(9, |x, y, _| texture(x, y))).starts_with("left has 9 frames, at least 16"));
+        assert!(
+            told(&sequence(9, |x, y, _| texture(x, y))).starts_with("left has 9 frames, but at least 16")
+        );
         // A different texture in every frame.
         let all = sequence(80, |x, y, t| {
             [20.0, 120.0, 220.0][((x / 9) * 73 + (y / 7) * 199 + t * t * 31 + t * 7) % 101 % 3]
@@ -360,5 +363,8 @@ mod tests {
             Silhouettes::overlapping([&first, &second], -30),
             Err(MotionError::NoOverlap { common: 10, .. })
         ));
+        for far in [i32::MIN, i32::MAX] {
+            assert_eq!(common_frames([40, 40], far).1, 0, "{far}");
+        }
     }
 }

@@ -1,9 +1,9 @@
-//! Words for what is known of an epipole.
+//! Words for the position of an epipole and its uncertainty.
 
 use crate::estimate::{EpipoleBearing, EpipoleCertainty};
 
-/// Share of the distance up to which its interval is told as plus or minus. Wider intervals are far
-/// from symmetric.
+/// Share of the distance up to which the interval is written as plus or minus. Wider intervals are
+/// far from symmetric.
 const SYMMETRIC: f64 = 0.2;
 
 /// Describes the 95 % interval of an epipole's distance or direction, seen from the middle of its

@@ -23,7 +23,9 @@ pub fn error_in_words(error: &EstimateError) -> String {
         EstimateError::NoCandidates(_) => ". Choose a point in a textured part of the images",
         EstimateError::NoGeometry => ". Check that the point pairs match, or choose other points",
         EstimateError::NothingWithoutClicks => ". Mark two scene points in both images and try again",
-        EstimateError::Given(_) => ". Give more matches, or use those of the images, too",
+        EstimateError::Given(_) => {
+            ". Give more matches, or leave out given_alone, so that the program adds its own"
+        }
         EstimateError::NoSequences => ". Open sequences, or compare lines by stereo",
         EstimateError::NothingFromBarcodes => {
             ", since too few lines have a distinctive motion. \

@@ -4,30 +4,30 @@ use crate::judge::{
     Affected, CameraChange, Change, Finding, FittingChange, Judgement, Mirror, RowJudgement, Significance,
 };
 
-/// Describes a judgement: what the images show, and what would mend the geometry.
+/// Describes a judgement: whether the geometry fits the images, and which change would correct it.
 pub fn judgement_in_words(judgement: &Judgement) -> String {
     let Judgement { lines_apart, residuals, limit, matches, change, .. } = judgement;
     let apart = px(lines_apart.median);
     match judgement.finding {
         Finding::Fits => format!(
-            "The geometry fits. Half of its lines are within {apart} px of those that the images show, at \
+            "The geometry fits. Half of its lines are within {apart} px of the lines that the images show, at \
              {matches} matches.{}",
             judgement
                 .significance
                 .map_or_else(String::new, |found| difference_in_words(&found, change.as_ref()))
         ),
         Finding::Undecided => format!(
-            "The geometry cannot be judged. Half of its lines are more than {apart} px from those of the best \
-             geometry of the images, which is itself in doubt. Give point pairs or matches of your own."
+            "The geometry cannot be judged. Half of its lines are more than {apart} px from the lines of the \
+             best geometry of the images, which is itself in doubt. Give point pairs or matches of your own."
         ),
         Finding::DoesNotFit => {
             let wrong = if lines_apart.median > *limit {
-                format!("Half of its lines are more than {apart} px from those that the images show")
+                format!("Half of its lines are more than {apart} px from the lines that the images show")
             } else {
                 format!("Half of the matches are more than {} px from its lines", px(residuals.median))
             };
             let mended = change.as_ref().map_or_else(
-                || "No simple change mends it.".to_owned(),
+                || "No simple change makes it fit.".to_owned(),
                 |found| format!("It fits to {} px if {}.", px(found.median), change_in_words(&found.change)),
             );
             format!("The geometry does not fit. {wrong}, at {matches} matches. {mended}")
@@ -40,15 +40,15 @@ fn difference_in_words(found: &Significance, change: Option<&FittingChange>) -> 
     let Significance { chi_square, limit, is_significant } = found;
     let figures = format!("χ² of the difference {chi_square:.0}; up to {limit:.0} would be chance");
     if !is_significant {
-        return format!(" The matches are not precise enough to tell the two apart ({figures}).");
+        return format!(" The matches are too imprecise to tell the two geometries apart ({figures}).");
     }
     let cause = change.map_or_else(String::new, |found| {
         format!(" Half a pixel explains it: {}.", change_in_words(&found.change))
     });
-    format!(" Yet the two differ by more than the matches leave open ({figures}).{cause}")
+    format!(" But the two geometries differ by more than the errors of the matches ({figures}).{cause}")
 }
 
-/// Describes a change as a condition: what holds if the geometry is right after it.
+/// Describes a change as a condition that ends the sentence "It fits if".
 pub fn change_in_words(change: &Change) -> String {
     match *change {
         Change::Convention { reading } => {
@@ -65,7 +65,7 @@ pub fn change_in_words(change: &Change) -> String {
             }
             CameraChange::YUp => "y of the cameras points up",
             CameraChange::PositionForTranslation => {
-                "the translations are positions C of the cameras, for which \
+                "the translations are the positions C of the cameras, and not \
                                                      t = −R C"
             }
             CameraChange::RotationInverted => "the rotations are inverted, and the translations are not",
@@ -124,13 +124,13 @@ pub fn rows_in_words(judgement: &RowJudgement) -> String {
         return format!("The images are rectified: rows agree to {typical:.2} px. {parts}");
     }
     let cause = if judgement.is_far_off() {
-        "This pair was not rectified, or for other cameras: rectify it.".to_owned()
+        "The pair was never rectified, or it was rectified for other cameras. Rectify it.".to_owned()
     } else if *curved > 0.5 * limit {
-        "The rest is curved, as distortion of a lens leaves it: calibrate again.".to_owned()
+        "The remaining difference is curved, as with a wrong lens distortion. Calibrate again.".to_owned()
     } else {
         format!(
-            "A homography of the right image mends it, with a turn by {:+.2}° clockwise (correction2 in the JSON of \
-             epiline judge --rectified).",
+            "A homography of the right image, with a turn of {:+.2}° clockwise, aligns the rows (correction2 in the JSON \
+             of epiline judge --rectified).",
             judgement.roll_degrees
         )
     };

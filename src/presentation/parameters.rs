@@ -106,7 +106,7 @@ const WORDS: [Words; PARAMETERS.len()] = [
     switch(
         "normalise",
         "Normalise",
-        "Divide each cost by the medians of its row and column. Otherwise a line without texture, which matches everything, is preferred.",
+        "Divide the cost of two lines by the medians of all costs of either line. Otherwise a line without texture, which matches everything, is preferred.",
     ),
     number(
         "mutual",
@@ -148,7 +148,7 @@ const WORDS: [Words; PARAMETERS.len()] = [
         "agreement",
         "Agreement",
         1,
-        "Largest mean distance between a line and its mapped partner at which the pair agrees with a geometry, in the search with all lines.",
+        "Largest mean distance between a line and its mapped partner in a pair that agrees with a geometry. For the search with all lines.",
     ),
     number(
         "validated",
@@ -172,7 +172,7 @@ const WORDS: [Words; PARAMETERS.len()] = [
         "resampling",
         "Resampling",
         0,
-        "Largest number of rounds that draw new hypotheses from the matches of the best ones. They end when a round brings nothing.",
+        "Largest number of rounds that draw new hypotheses from the matches of the best ones. The rounds end when one of them finds nothing better.",
     ),
     switch(
         "parallax",

@@ -101,25 +101,23 @@ pub fn reason_in_words(reason: &Reason) -> String {
     }
 }
 
-/// Returns the message of a smooth warp, or of too few matches beside one.
+/// Returns the message if matches beside a smooth warp are too few or do not confirm the epipole.
 fn no_relief(along: usize, across: usize, on_warp: usize) -> String {
     let all = along + across + on_warp;
     if on_warp <= along + across {
         return format!(
-            "The epipole is not certain: too few distinctive matches show it. \
-             {along} of {all} are off one smooth warp along their epipolar lines, {across} across them. \
-             Use images that overlap more."
+            "The epipole is uncertain, because too few distinctive matches confirm it: {along} of {all}. \
+             Another {across} contradict it. Use images that overlap more."
         );
     }
     format!(
-        "The epipole is not certain: {on_warp} of {all} distinctive matches follow one smooth warp, as with a \
-         flat scene or a turned camera. \
-         Of the others, {along} are off it along the epipolar lines and {across} across them. \
+        "{on_warp} of {all} distinctive matches follow one smooth warp, as with a flat scene or a turned camera. \
+         The epipole is uncertain: {along} of the other matches confirm it, and {across} contradict it. \
          Use views from different places, or a scene with more depth."
     )
 }
 
-/// Returns the message of a plane, or of a camera that stood still.
+/// Returns the message if a plane explains the matches, or if the camera stood still.
 fn one_plane(percent: u32, off_the_plane: &str, is_still: bool) -> String {
     if is_still {
         return format!(
@@ -158,7 +156,7 @@ pub fn warning_in_words(warning: &Warning) -> String {
         ),
         Warning::CloseClicks { distance } => format!(
             "Two point pairs are only {distance:.0} px apart. \
-             A small error in one of them turns the epipolar lines far. Choose points farther apart."
+             A small error in one of them turns the epipolar lines a lot. Choose points farther apart."
         ),
         Warning::LittleTexture { pair, textured, lines } => format!(
             "Only {textured} of {lines} lines through point pair {pair} have texture. \
@@ -171,8 +169,7 @@ pub fn warning_in_words(warning: &Warning) -> String {
 mod tests {
     use super::*;
 
-    /// Returns examples of all reasons. The first example of each reason stands in
-    /// `docs/verdicts.md`.
+    /// Returns examples of all reasons. `docs/verdicts.md` has the first example of each reason.
     fn reasons() -> Vec<Reason> {
         vec![
             Reason::NotChecked,
@@ -202,7 +199,7 @@ mod tests {
         ]
     }
 
-    /// Returns examples of all warnings. All of them stand in `docs/verdicts.md`.
+    /// Returns examples of all warnings. `docs/verdicts.md` has all of them.
     fn warnings() -> Vec<Warning> {
         vec![
             Warning::SameEpipolarLine { distance: 0.5 },

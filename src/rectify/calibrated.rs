@@ -29,9 +29,8 @@ const MOST_FORWARD: f64 = 0.87;
 
 /// Rectifies two calibrated views. `matches`, in the views, only measure the rows.
 ///
-/// # Errors
-/// [`RectifyError::Forward`] if one camera stands nearly before the other, and the errors of
-/// sizes as for [`super::rectify`].
+/// # Errors [`RectifyError::Forward`] if one camera stands nearly in front of the other, and the
+/// errors of sizes as for [`super::rectify`].
 pub fn rectify_calibrated(
     pose: &RelativePose,
     views: &ViewPair,

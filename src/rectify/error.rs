@@ -14,7 +14,7 @@ pub enum RectifyError {
          use the polar method"
     )]
     NoCommonPlane,
-    /// One camera stands nearly before the other.
+    /// One camera stands nearly in front of the other.
     #[error(
         "one camera stands nearly in front of the other, so parallel cameras would see nothing. Rectify without \
          --for: the polar method has no such limit"

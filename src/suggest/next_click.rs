@@ -34,9 +34,10 @@ const COMPANY: usize = 3;
 /// tells whether the other image shows the same part of the scene. Half of it leaves few places on
 /// sparsely matched pictures; twice of it reaches across the border of the common part.
 const NEAR: f64 = 0.08;
-/// Smallest number of matches near a place, as a share of their usual number near a match. Beside the common
-/// part of the images, some corners fit F by chance: on three doubtful pairs of `wide` with known matches,
-/// 49 of 1,533 places between matches lie outside the other image without this rule, none of 1,408 with it.
+/// Smallest number of matches near a place, as a share of their usual number near a match. Beside
+/// the common part of the images, some corners fit F by chance. On three doubtful pairs of `wide`
+/// with known matches, 49 of 1,533 places between matches lie outside the other image without this
+/// rule, and none of 1,408 with it.
 const LONELY: f64 = 0.25;
 /// Number of matches that tell the usual number.
 const SOME: usize = 200;

@@ -66,8 +66,8 @@ pub struct Suggestions {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Clarity {
-    /// The best candidate is unrivalled and the reverse search ends at the click, or the nearest known
-    /// matches expect it.
+    /// The best candidate has no rival and the reverse search ends at the click, or the nearest
+    /// known matches expect the candidate there.
     Clear,
     /// The best candidate does not look much like the click.
     Weak,
@@ -87,10 +87,10 @@ impl Suggestions {
 impl fmt::Display for Clarity {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self {
-            Self::Clear => "Clear: no other place fits nearly as well, and searching back ends at the point, or the matches around it expect this place",
-            Self::Weak => "Unclear: the best place looks little like the surroundings of the point",
+            Self::Clear => "Clear: the best place has no rival and the reverse search ends at the point, or the nearest matches confirm it",
+            Self::Weak => "Unclear: the best place hardly looks like the surroundings of the point",
             Self::Ambiguous => "Unclear: other places look nearly as good",
-            Self::NoReturn => "Unclear: searching back from the best place does not end at the point",
+            Self::NoReturn => "Unclear: the reverse search from the best place does not end at the point",
         })
     }
 }

@@ -124,7 +124,7 @@ impl<'a> SearchView<'a> {
         Self { stages: SIDES.map(stage).to_vec(), full: stage(f64::INFINITY), usual }
     }
 
-    /// Returns the distance below which two candidates are one place, full-size px.
+    /// Returns the distance below which two candidates count as one place, full-size px.
     pub fn resolution(&self) -> f64 {
         SEPARATION * self.full.to.frame().longer_side()
     }

@@ -99,7 +99,7 @@ fn unsuitable_input_is_refused() {
     // Nothing is added to a file that is no log, and a folder is none.
     pictures.write("notes.txt", "mine\n");
     let notes = pictures.text("notes.txt");
-    fails(&["judge", "--sample", "--rectified", "--log", &notes], 2, "is another file than a log");
+    fails(&["judge", "--sample", "--rectified", "--log", &notes], 2, "is not a log of this command");
     assert_eq!(std::fs::read_to_string(&notes).unwrap(), "mine\n");
     let folder = pictures.0.path().to_str().unwrap().to_owned();
     fails(&["judge", "--sample", "--rectified", "--log", &folder], 2, "cannot read");

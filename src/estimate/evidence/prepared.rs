@@ -71,7 +71,7 @@ impl PreparedPair {
     /// result as it is.
     ///
     /// # Errors
-    /// Those of [`estimate_fundamental`]. The matches take no part then, and an estimate from them alone
+    /// The errors of [`estimate_fundamental`]. The matches take no part then, and an estimate from them alone
     /// fails.
     pub fn add_matches(&mut self, matches: &[Match], seed: u64) -> Result<(), MatchFitError> {
         let fit = match estimate_fundamental(matches, self.frames(), seed) {

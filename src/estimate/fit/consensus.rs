@@ -35,7 +35,8 @@ const LOCAL_BANDS: [f64; 4] = [6.0, 4.0, BAND, BAND];
 const LEAST_GAIN: f64 = 0.1;
 /// Fewest matches from which samples are drawn: otherwise from the likelier half.
 const LEAST_DRAWN_FROM: usize = 40;
-/// Two geometries are the same if they move at most one match in this many: about as many are wrong.
+/// Two geometries are the same if at most one match in this many moves against its lines by more
+/// than the noise. About as many matches are wrong.
 const SAME_SHARE: usize = 10;
 /// Scales of the search for rivals of a geometry, in units of its noise.
 const RIVAL_SCALES: [f64; 3] = [0.5, 1.0, 2.0];
@@ -43,8 +44,8 @@ const RIVAL_SCALES: [f64; 3] = [0.5, 1.0, 2.0];
 /// Matches to be explained, with the clicks and the images.
 pub(in crate::estimate) struct Evidence<'a> {
     pub matches: &'a [Match],
-    /// Matches from another program. Their noise is estimated apart from that of `matches`. They weigh
-    /// in every fit, but propose no geometry.
+    /// Matches from another program. Their noise is estimated apart from the noise of `matches`.
+    /// They weigh in every fit, but propose no geometry.
     pub given: &'a [Match],
     /// Clicked pairs with their standard deviation, px.
     pub clicks: &'a [Observation],
@@ -61,7 +62,7 @@ pub(in crate::estimate) struct Fitted {
     pub noise: Noise,
     /// Noise of the matches from another program.
     given_noise: Noise,
-    /// Log-likelihood of all matches and clicks, less that of outliers alone.
+    /// Log-likelihood of all matches and clicks, less the value if all were outliers.
     pub log_likelihood: f64,
 }
 
@@ -117,10 +118,10 @@ impl Evidence<'_> {
         all
     }
 
-    /// Returns the covariance of the nine entries of a fitted geometry, row by row. Matches of one region
-    /// of image 1 share their error ([`region`]); clicks are independent. Matches that their neighbours do
-    /// not confirm say nothing: accidental ones far off a plane would determine the epipole. `None` if the
-    /// matches do not determine all seven degrees of freedom.
+    /// Returns the covariance of the nine entries of a fitted geometry, row by row. Matches of one
+    /// region of image 1 share their error ([`region`]); clicks are independent. Matches that their
+    /// neighbours do not confirm are left out: accidental matches far off a plane would determine
+    /// the epipole. `None` if the matches do not determine all seven degrees of freedom.
     pub fn covariance(&self, fitted: &Fitted) -> Option<Matrix9> {
         let observations = self.observations(fitted);
         let (matches, clicks) = observations.split_at(self.matches.len() + self.given.len());
@@ -187,7 +188,7 @@ impl Evidence<'_> {
         Consensus::new(units, &witnesses)
     }
 
-    /// Fits to the matches within reach of a scale, then again to those of the fit.
+    /// Fits to the matches within reach of a scale, then to the matches within reach of that fit.
     fn optimised(&self, f: &FundamentalMatrix, scale: f64) -> Option<FundamentalMatrix> {
         let mut current = *f;
         for band in LOCAL_BANDS {

@@ -35,7 +35,7 @@ pub struct DivisionFit {
     pub gain: f64,
 }
 
-/// Fewest matches: as many as for a fit without a lens, twice.
+/// Fewest matches: twice as many as for a fit without a lens.
 const LEAST_MATCHES: usize = 28;
 /// Largest number of matches in a fit, evenly chosen. It bounds the time.
 const MOST_MATCHES: usize = 1000;
@@ -50,10 +50,11 @@ const LEAST_GAIN: f64 = 0.05;
 /// Width of the band around the lines of the start in which matches count, as a share of the longer
 /// side. A strong lens moves points by a tenth of the side, but mostly along with their neighbours.
 const BAND: f64 = 0.03;
-/// Standard deviations from which a coefficient is clear. By chance, one coefficient in a thousand is as far
-/// from zero: nine regions have 8 degrees of freedom in Student's distribution.
+/// Number of standard deviations from zero at which a coefficient is clear. By chance, one
+/// coefficient in a thousand is as far from zero: nine regions have 8 degrees of freedom in
+/// Student's distribution.
 const CLEAR: f64 = 5.0;
-/// Gain in log-likelihood from which a lens is clear: the matches are ten thousand times as likely.
+/// Gain in log-likelihood at which a lens is clear: the matches are ten thousand times as likely.
 const CLEAR_GAIN: f64 = 9.0;
 /// Directions in which the coefficients change: together, and each by itself.
 const TOGETHER: &[[f64; 2]] = &[[1.0, 1.0]];
@@ -190,9 +191,10 @@ impl Fitter<'_> {
 /// `start` is the geometry without a lens, `aligned` its own, more precise matches. Both images get one
 /// coefficient, or one each if these differ clearly.
 ///
-/// Returns `None` if no lens explains the matches clearly better, and for fewer than 28 matches near the
-/// lines of `start`. A lens is clear if its coefficient is 5 standard deviations from zero. If it leaves
-/// half of the aligned matches farther from the curves than half of the others, it explains chance.
+/// Returns `None` if no lens explains the matches clearly better, and for fewer than 28 matches
+/// near the lines of `start`. A lens is clear if its coefficient is 5 standard deviations from
+/// zero. A lens explains chance if the aligned matches are farther from the curves, by the median,
+/// than the other matches.
 pub(in crate::estimate) fn fit_division(
     matches: &[Match],
     start: &FundamentalMatrix,

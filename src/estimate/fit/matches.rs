@@ -27,15 +27,17 @@ pub struct MatchFit {
 /// The reason why matches gave no fundamental matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum MatchFitError {
-    /// Too few matches were given: so many.
+    /// Too few matches, with their number.
     #[error("a fit needs at least {LEAST_MATCHES} matches, {0} were given")]
     TooFew(usize),
     /// The match of this number, from 1, has no finite points, or an invalid scale or prior.
-    #[error("match {0} needs finite coordinates, a sigma above 0 and a prior above 0 and up to 1")]
+    #[error(
+        "match {0} is invalid: its coordinates must be finite, its sigma above 0, and its prior above 0 and at most 1"
+    )]
     Invalid(usize),
     /// No geometry explains enough matches.
     #[error(
-        "no epipolar geometry explains {} or more of the matches: most of them may be wrong",
+        "no epipolar geometry explains {} or more of the matches. Most of them may be wrong",
         LEAST_MATCHES
     )]
     NoAgreement,

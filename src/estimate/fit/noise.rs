@@ -102,7 +102,7 @@ impl Noise {
         INLIER_SCALES * self.scale
     }
 
-    /// Returns the log-likelihood of residuals, less that of outliers alone.
+    /// Returns the log-likelihood of residuals, less the value if all were outliers.
     pub(super) fn log_likelihood(&self, residuals: &[Residual]) -> f64 {
         residuals.iter().map(|r| self.ratio(r).ln()).sum()
     }

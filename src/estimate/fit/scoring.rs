@@ -4,10 +4,11 @@
 //!     S(F) = Σ gₘ · max(0, 1 − rₘ² / 9),      gₘ = ln(1 + oₘ · L / (σ √2π))
 //! ```
 //!
-//! `r` is the Sampson distance in units of its own standard deviation, `e / √(σ1² |Fᵀx2|² + σ2² |F x1|²)`.
-//! The σ of each image is that of a feature of this scale. `o` are the prior odds of the match. `g` is
-//! the log-likelihood of a match that fits exactly, less that of one that lies anywhere within `L`
-//! pixels. The score is a truncated likelihood (MLESAC, Torr & Zisserman 2000).
+//! `r` is the Sampson distance in units of its own standard deviation,
+//! `e / √(σ1² |Fᵀx2|² + σ2² |F x1|²)`. The σ of each image is that of a feature of this scale. `o` are the prior odds of the
+//! match. `g` is the log-likelihood of a match that fits exactly, less the log-likelihood of a
+//! match anywhere within `L` pixels. The score is a truncated likelihood (MLESAC, Torr & Zisserman
+//! 2000).
 
 use multiversion::multiversion;
 use nalgebra::Matrix3;

@@ -76,12 +76,14 @@ impl EpipoleBearing {
 }
 
 impl Uncertainty {
-    /// `covariance` is that of the nine entries of `fundamental`, row by row, in images resized by `scales`.
+    /// Creates the uncertainty of `fundamental` from the covariance of its nine entries, row by
+    /// row, in images resized by `scales`.
     pub(crate) fn new(fundamental: &FundamentalMatrix, covariance: &Matrix9, scales: [f64; 2]) -> Self {
         Self { fundamental: *fundamental, covariance: *covariance, scales }
     }
 
-    /// Covariance of the nine entries of `F` at full size with Frobenius norm 1, row by row.
+    /// Returns the covariance of the nine entries of `F` at full size with Frobenius norm 1, row by
+    /// row.
     pub fn covariance(&self) -> Matrix9 {
         let [from1, from2] = self.scales.map(rescaling);
         let by_entry = |k: usize| {
@@ -145,9 +147,9 @@ impl Uncertainty {
         self.bearing(true, frame)
     }
 
-    /// The epipole is a point of the unit sphere around the middle of the image, half a side above it.
-    /// Its region is far from the pole where directions have no meaning, or from the equator, where
-    /// distances are infinite. `None` if the covariance is not finite.
+    /// Returns the position of an epipole in an image of this size. The epipole is taken as a point
+    /// of the unit sphere, with the middle of the image at the pole and infinity at the equator, so
+    /// both are ordinary places. `None` if the covariance is not finite.
     fn bearing(&self, second: bool, frame: Frame) -> Option<EpipoleBearing> {
         let [from1, from2] = self.scales.map(rescaling);
         let unscaled = from2.transpose() * self.fundamental.matrix() * from1;

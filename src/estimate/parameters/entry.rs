@@ -19,29 +19,29 @@ pub struct ParameterEntry {
 
 /// Kind of value of a parameter, with functions to read and set the value.
 pub enum ParameterValue {
-    /// Number.
+    /// A number.
     Number {
         /// Smallest and largest value.
         range: [f64; 2],
         /// Whether values outside the range are refused. Otherwise, the range only limits dragging.
         enforced: bool,
-        /// Reads it.
+        /// Reads the value.
         get: fn(&Parameters) -> f64,
-        /// Sets it.
+        /// Sets the value.
         set: fn(&mut Parameters, f64),
     },
     /// On or off.
     Switch {
-        /// Reads it.
+        /// Reads the value.
         get: fn(&Parameters) -> bool,
-        /// Sets it.
+        /// Sets the value.
         set: fn(&mut Parameters, bool),
     },
     /// One of a few choices, by number.
     Choice {
-        /// Reads it.
+        /// Reads the value.
         get: fn(&Parameters) -> usize,
-        /// Sets it.
+        /// Sets the value.
         set: fn(&mut Parameters, usize),
     },
 }

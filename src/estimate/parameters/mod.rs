@@ -27,8 +27,6 @@ named! {
     }
 }
 
-impl Preset {}
-
 named! {
     fn name;
     /// Input from which the geometry is found.
@@ -64,7 +62,7 @@ named! {
     pub enum Search {
         /// Lines alone, as published: bisectors, round trips, and validation over both images.
         Lines,
-        /// Small image patches, which vote for κ and whose support ranks.
+        /// Small image patches: they vote for κ, and their support ranks the combinations.
         Patches,
     }
 }
@@ -85,13 +83,13 @@ pub struct PencilParameters {
     /// Longer side of the images in which pencils are compared, px. The nearest pyramid level is
     /// used.
     pub coarse_side: f64,
-    /// Distance of neighbouring lines of a pencil at the farthest corner, px of that level.
+    /// Distance between neighbouring lines of a pencil at the farthest corner, px of that level.
     pub line_spacing: f64,
     /// Largest in-plane rotation between the images, radians.
     pub rotation: f64,
     /// Fraction of the pencil's median texture below which a line is dropped.
     pub texture: f64,
-    /// Whether each cost is divided by the medians of its row and column.
+    /// Whether each cost is divided by the geometric mean of the medians of its row and its column.
     pub normalise: bool,
     /// Number of best partners: two lines are a candidate if each is among this many best of the
     /// other.

@@ -8,9 +8,9 @@ use crate::geometry::{
 /// Number of clicks that determine `F` by themselves: one for each of the seven unknowns, and one
 /// to test that they agree.
 const CLICKS_ALONE: usize = 8;
-/// Median distance of the clicks from the found geometry, in multiples of their median distance
-/// from the geometry of the other clicks, beyond which they contradict it. A smaller number gives
-/// wrong clicks more say.
+/// The clicks contradict the found geometry if their median distance from it exceeds this multiple
+/// of their median distance from the geometry of the other clicks. A smaller number gives wrong
+/// clicks more influence.
 const CONTRADICTED: f64 = 3.0;
 
 /// Returns the geometry of the clicks alone, if they agree with each other and contradict `found`.

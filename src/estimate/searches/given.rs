@@ -1,5 +1,5 @@
-//! Judgement of the geometry on which matches of another program agree. It stays as it is: the images
-//! and clicks judge it, and what their features propose competes with it.
+//! Judgement of the geometry on which matches of another program agree. The geometry stays as it
+//! is. The images and the clicks judge it, and geometries proposed by features compete with it.
 
 use super::features::{FeatureProposals, ranked};
 use super::judged::{Found, Judged, distinct_hypotheses};

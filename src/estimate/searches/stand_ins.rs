@@ -15,7 +15,7 @@ const CHOSEN_FROM: usize = 120;
 /// largest uncertainty of the lines of a reliable result.
 const EXPLAINED: f64 = 0.002;
 /// Smallest distance between drawn matches, as a share of the longer side. Lines through nearer
-/// matches turn far if a match is a pixel off.
+/// matches turn a lot if a match is a pixel off.
 const APART: f64 = 0.2;
 /// Largest number of draws in the search for distant matches. It bounds the time.
 const TRIES: usize = 200;

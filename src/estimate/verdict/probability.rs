@@ -6,22 +6,22 @@
 
 use crate::estimate::{Assessment, Reason, Trust, Verdict};
 
-/// What speaks against a result, from the least to the most severe.
+/// Severest doubt about a result, from the least to the most severe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Doubt {
     Nothing,
     /// A click off its line, which the images outvote.
     Click,
-    /// Only tests of what the matches determine: the epipoles may be open.
+    /// The matches may not determine the epipoles, but their support is good.
     Epipole,
-    /// Tests of the support: few matches, a rival, contradicting or imprecise matches.
+    /// The support is weak: few matches, a rival, contradicting or imprecise matches.
     Support,
     Unreliable,
 }
 
 impl Doubt {
-    /// Returns what speaks against a result. `None` if a test of the matches was left out, for which
-    /// nothing was measured.
+    /// Returns the severest doubt about a result. `None` if a test of the matches was left out: no
+    /// probability was measured for such results.
     fn of(trust: &Trust) -> Option<Self> {
         let of_reasons = trust.reasons.iter().map(Self::of_reason).collect::<Option<Vec<_>>>()?;
         Some(match trust.verdict {

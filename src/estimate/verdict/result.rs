@@ -34,7 +34,7 @@ pub struct Estimate {
     pub trace: Option<Arc<SearchTrace>>,
 }
 
-/// What the matches of a geometry determine.
+/// Part of a geometry that the matches determine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Determined {
@@ -74,8 +74,8 @@ pub struct Assessment {
     /// Homography of the plane or the camera rotation, if the verdict says that nothing else is
     /// certain.
     pub plane: Option<PlaneHomography>,
-    /// Whether the geometry is that of given matches alone. The matches of the refinement then only
-    /// judge it.
+    /// Whether the geometry was fitted to given matches alone. The matches of the refinement then
+    /// only judge it.
     pub of_given: bool,
 }
 
@@ -197,8 +197,8 @@ impl Estimate {
         self.trace.as_ref().map_or(&[], |trace| &trace.hypotheses)
     }
 
-    /// Returns whether the matches are evidence against another geometry: those of a reliable result,
-    /// and of a doubtful one with [`ENOUGH_MATCHES`].
+    /// Returns whether the matches are evidence against another geometry. True for a reliable
+    /// result, and for a doubtful result with [`ENOUGH_MATCHES`].
     pub fn may_contradict(&self) -> bool {
         match self.assessment.trust.as_ref().map(|trust| trust.verdict) {
             Some(Verdict::Reliable) => true,
@@ -227,9 +227,9 @@ impl Estimate {
         self.assessment.refinement.as_ref()?.uncertainty.as_ref()
     }
 
-    /// Returns where the epipoles are in images of these sizes. `None` without a covariance, and where
-    /// the verdict says that a plane or a turn of the camera explains the matches: then the covariance
-    /// knows only the epipole of this geometry, and others do as well.
+    /// Returns where the epipoles are in images of these sizes. `None` without a covariance, and if
+    /// the verdict says that a plane or a turn of the camera explains the matches. The covariance
+    /// would describe one epipole, and other epipoles fit as well.
     pub fn epipole_bearings(&self, frames: [Frame; 2]) -> Option<[EpipoleBearing; 2]> {
         let uncertainty = self.uncertainty().filter(|_| !self.says_one_plane())?;
         Some([uncertainty.epipole1_bearing(frames[0])?, uncertainty.epipole2_bearing(frames[1])?])

@@ -119,7 +119,8 @@ impl CalibratedCamera {
         is_apart.then(|| (RelativePose { rotation, translation: translation / length }, length))
     }
 
-    /// Returns the distance of two cameras. `None` without poses, and if its length is unknown.
+    /// Returns the distance between two cameras. `None` without poses, and if its length is
+    /// unknown.
     pub fn baseline(pair: &[Self; 2]) -> Option<Baseline> {
         let unit = pair[0].unit;
         let (_, length) = Self::relative_pose(pair)?;

@@ -86,7 +86,7 @@ pub(super) fn middlebury(text: &str) -> Result<Vec<CalibratedCamera>, String> {
     Ok(cameras)
 }
 
-/// Returns whether a row is that of a camera in COLMAP's `cameras.txt`.
+/// Returns whether a row describes a camera in COLMAP's `cameras.txt`.
 pub(super) fn is_colmap(row: &str) -> bool {
     let mut words = row.split_whitespace();
     let is_number = words.next().is_some_and(|id| id.parse::<u32>().is_ok());
@@ -102,7 +102,8 @@ pub(super) fn colmap(text: &str) -> Result<Vec<CalibratedCamera>, String> {
             return Err(format!("line {line}: expected ID MODEL WIDTH HEIGHT PARAMETERS"));
         };
         let side = |word: &str| {
-            word.parse::<usize>().map_err(|_| format!("line {line}: {} is no size", excerpt(word)))
+            word.parse::<usize>()
+                .map_err(|_| format!("line {line}: {} is not a size in pixels", excerpt(word)))
         };
         let frame = Frame::new(side(width)?, side(height)?);
         let numbers = finite_numbers(&parameters.join(" ")).map_err(|e| format!("line {line}: {e}"))?;

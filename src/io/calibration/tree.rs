@@ -51,7 +51,7 @@ pub(super) fn cameras(root: &Value) -> Result<Vec<CalibratedCamera>, String> {
     }
     if found.is_empty() {
         let expected = "K1, D1, K2, D2 of OpenCV, cam0 of Kalibr, or sections with matrix and distortions";
-        return Err(format!("no camera calibration found. Expected are {expected}"));
+        return Err(format!("no camera calibration found. Known names are {expected}"));
     }
     Ok(found)
 }
@@ -213,7 +213,7 @@ impl CameraPose {
         let off = (rotation * rotation.transpose() - Matrix3::identity()).norm();
         let is_finite = translation.iter().all(|v| v.is_finite());
         if off > 1e-3 || rotation.determinant() < 0.0 || !off.is_finite() || !is_finite {
-            return Err("the rotation of the pose is no rotation matrix".into());
+            return Err("the rotation of the pose is not a rotation matrix".into());
         }
         let rotation = Rotation3::from_matrix_eps(rotation, 1e-14, 100, Rotation3::identity());
         Ok(Self { rotation, translation })

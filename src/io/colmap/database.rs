@@ -110,7 +110,7 @@ impl Database {
         all.map_err(|e| in_words(&e))?;
         match &found[..] {
             [image] if (0..MOST_IMAGES).contains(&image.id) => Ok(image.clone()),
-            [image] => Err(format!("the image {} has the impossible number {}", excerpt(wanted), image.id)),
+            [image] => Err(format!("the image {} has the impossible image_id {}", excerpt(wanted), image.id)),
             [] => Err(format!("there is no image {} in it. Name both images (--names)", excerpt(wanted))),
             [first, second, ..] => Err(format!(
                 "{} may be {} or {}. Name both images with their folders (--names)",
@@ -126,7 +126,7 @@ impl Database {
             return Ok(Keypoints::new(2, Vec::new()));
         };
         if !matches!(blob.columns, 2 | 4 | 6) {
-            return Err(format!("keypoints of {} numbers are not known", blob.columns));
+            return Err(format!("keypoints with {} columns are not supported", blob.columns));
         }
         Ok(Keypoints::new(blob.columns, blob.numbers(f32::from_le_bytes)))
     }
@@ -249,7 +249,8 @@ fn bytes<T: Copy, const N: usize>(numbers: &[T], bytes: fn(T) -> [u8; N]) -> Vec
     numbers.iter().flat_map(|number| bytes(*number)).collect()
 }
 
-/// Opens a database that nobody else uses, with everything off that a file could make SQLite do.
+/// Opens a database that no other program uses. Switches off all actions that a file could trigger
+/// in SQLite.
 fn open(path: &Path) -> rusqlite::Result<Connection> {
     let connection = Connection::open_with_flags(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
     for (config, value) in [

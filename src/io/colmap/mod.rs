@@ -1,9 +1,10 @@
 //! Pairs of this program in databases of COLMAP, and match lists for its `matches_importer`.
 //!
-//! A pair goes into a copy of a database: its keypoints are appended to those of both images, its
-//! matches to `matches`, and the geometry with its inliers replaces the row of `two_view_geometries`.
-//! Keypoints that are there keep their numbers, and so do the matches of all pairs. A point at an
-//! old keypoint (within 1 px) takes the keypoint: only shared keypoints join pairs to tracks.
+//! A pair goes into a copy of a database: its keypoints are appended to the keypoints of both
+//! images, its matches to `matches`, and the geometry with its inliers replaces the row of
+//! `two_view_geometries`. Keypoints that are there keep their numbers, and so do the matches of all
+//! pairs. A point at an old keypoint (within 1 px) takes the keypoint: only shared keypoints join
+//! pairs to tracks.
 //!
 //! COLMAP counts the centre of the top-left pixel as (0.5, 0.5). The images of a pair have the
 //! numbers `id1 < id2`, and the pair has the number `2147483647 id1 + id2`; a pair the other way
@@ -62,7 +63,7 @@ struct Pair {
 }
 
 impl GeometryFile {
-    /// Writes a copy of a COLMAP database with the pair added. `names` are those of both images in the
+    /// Writes a copy of a COLMAP database with the pair added. `names` name both images in the
     /// database, by default the names of [`GeometryFile::images`]; folders may be left out.
     pub fn add_to_colmap(
         &self,
@@ -79,7 +80,7 @@ impl GeometryFile {
     }
 
     /// Writes the matches of which both points are keypoints of a COLMAP database, as a list for
-    /// `matches_importer --match_type raw`. Names are those of [`GeometryFile::add_to_colmap`].
+    /// `matches_importer --match_type raw`. `names` are as for [`GeometryFile::add_to_colmap`].
     pub fn write_colmap_matches(
         &self,
         names: Option<[&str; 2]>,
@@ -129,7 +130,7 @@ impl GeometryFile {
     fn images_in(&self, database: &Database, names: Option<[&str; 2]>) -> Result<[Image; 2], String> {
         let notes = self.images.as_ref();
         let own = || notes.map(|notes| notes.each_ref().map(|note| note.name.as_str()));
-        let unnamed = "the result does not name its images. Name those of the database (--names)";
+        let unnamed = "the result does not name its images. Give their names in the database (--names)";
         let [first, second] = names.or_else(own).ok_or(unnamed)?;
         let images = [database.image(first)?, database.image(second)?];
         if images[0].id == images[1].id {

@@ -120,7 +120,7 @@ impl GeometryFile {
 }
 
 /// Advice for an XML file: the conversion to YAML with OpenCV.
-const XML: &str = "this is XML, which is not read. Convert it to YAML with OpenCV in Python: s = cv2.FileStorage('F.xml', 0); cv2.FileStorage('F.yml', 1).write('F', s.getNode('F').mat())";
+const XML: &str = "XML is not supported. Convert it to YAML with OpenCV in Python: s = cv2.FileStorage('F.xml', 0); cv2.FileStorage('F.yml', 1).write('F', s.getNode('F').mat())";
 
 /// Advice for a MATLAB script, which only MATLAB can evaluate.
 const MATLAB_SCRIPT: &str = "this is a MATLAB script, which is written but not read. Save the numbers as text: writematrix(F, 'F.txt', 'Delimiter', ' ')";
@@ -141,7 +141,7 @@ pub(super) fn text_or_rows(path: &Path, bytes: Vec<u8>) -> Result<String, ReadEr
 
 /// Reads the point pairs of a file of any [`Format`]; at least one.
 pub fn read_point_pairs(path: &Path) -> Result<Vec<PointPair>, ReadError> {
-    let none = || ReadError::content(path, "no point pairs found. Expected are rows of x1 y1 x2 y2");
+    let none = || ReadError::content(path, "no point pairs found. Each row needs x1 y1 x2 y2");
     // A pipe can be read only once.
     let text = text_or_rows(path, read_bytes(path)?)?;
     let (file, _) = match GeometryFile::parse(&text) {

@@ -16,8 +16,9 @@ pub(super) enum Quantity {
     Pairs,
 }
 
-/// Each quantity with its accepted names (the symbol, the JSON name, then names used by other
-/// programs) and its description for a comment in the file, in the order of the variants.
+/// Each quantity with its accepted names and its description for a comment in the file, in the
+/// order of the variants. The names are the symbol, the JSON name, and names used by other
+/// programs.
 const QUANTITIES: [(Quantity, &[&str], &str); 11] = [
     (
         Quantity::Fundamental,

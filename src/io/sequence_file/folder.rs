@@ -19,7 +19,7 @@ pub(super) fn read(
 ) -> Result<SequenceFile, SequenceError> {
     let frames = numbered(path)?;
     let Some((first, _)) = frames.first() else {
-        let problem = "there are no numbered pictures in it. Expected are frames such as frame0001.png";
+        let problem = "there are no numbered pictures in it. Number the frames, such as frame0001.png";
         return Err(ReadError::content(path, problem).into());
     };
     let last = frames.last().map_or(*first, |(number, _)| *number);
@@ -40,10 +40,11 @@ pub(super) fn read(
         while expected < *number {
             missing.push(expected);
             gathered.sequence.repeat_last();
-            expected += step;
+            expected = expected.saturating_add(step);
         }
         gathered.push_picture(Picture::open(file)?)?;
-        expected = number + step;
+        // A name may hold the largest number there is.
+        expected = number.saturating_add(step);
     }
     if !missing.is_empty() {
         let named: Vec<String> = missing.iter().take(NAMED).map(ToString::to_string).collect();

@@ -9,10 +9,10 @@ fn read(path: &Path) -> Result<SequenceFile, SequenceError> {
     read_sequence(path, &CancelFlag::default(), &|_| ())
 }
 
-fn folder_of(numbers: &[u32]) -> tempfile::TempDir {
+fn folder_of(numbers: &[u64]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for number in numbers {
-        gray(number % 10).save(folder.path().join(format!("frame{number:04}.png"))).unwrap();
+        gray((number % 10) as u32).save(folder.path().join(format!("frame{number:04}.png"))).unwrap();
     }
     folder
 }
@@ -32,6 +32,17 @@ fn a_folder_of_frames_is_read_by_number_and_gaps_are_filled_and_told() {
 }
 
 #[test]
+fn the_largest_numbers_of_frames_end_a_sequence() {
+    // The number expected after the gap would be larger than any number.
+    let last = u64::MAX;
+    let folder = folder_of(&[last - 20, last - 16, last - 12, last - 8, last - 2, last]);
+    let found = read(folder.path()).unwrap();
+    assert_eq!((found.sequence.len(), found.notes.len()), (11, 1), "in steps of two");
+    let odd = folder_of(&[last - 30, last - 26, last - 22, last - 18, last - 14, last - 10, last - 6, last]);
+    assert_eq!(read(odd.path()).unwrap().sequence.len(), 9, "in steps of four, with one missing frame");
+}
+
+#[test]
 fn what_is_no_sequence_is_a_sentence() {
     let told = |path: &Path| read(path).unwrap_err().to_string();
     let empty = tempfile::tempdir().unwrap();
@@ -45,7 +56,7 @@ fn what_is_no_sequence_is_a_sentence() {
     assert!(told(&few.path().join("nothing.mp4")).contains("there is no such file"));
     let sizes = folder_of(&[1, 2, 3]);
     GrayImage::new(8, 8).save(sizes.path().join("frame0002.png")).unwrap();
-    assert!(told(sizes.path()).contains("8×8 px, but the first one is 40×30 px"));
+    assert!(told(sizes.path()).contains("8×8 px, but the first frame is 40×30 px"));
     let double = folder_of(&[1, 2]);
     gray(1).save(double.path().join("frame1.png")).unwrap();
     assert!(told(double.path()).contains("have the same number"));

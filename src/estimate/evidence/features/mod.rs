@@ -70,7 +70,7 @@ const CAMERA_SIGMA: f64 = 0.5e-3;
 const CLICK_GAIN: f64 = 15.0;
 /// Share of the samples that use the local frames of features in place of further points.
 const FRAMED: f64 = 0.7;
-/// Samples of one task. The streams of random numbers depend on it.
+/// Number of samples of one task. The streams of random numbers depend on it.
 const TASK: usize = 32;
 /// Largest number of clicks in one sample. One of many clicks may be wrong, so no sample needs all.
 /// At least three of its seven equations come from matches.
@@ -117,7 +117,7 @@ const LOCAL_BAND: f64 = 2.0;
 /// Number of rounds of guided matching. The second uses the geometry of the first.
 const REMATCHED: usize = 2;
 /// Probability of being right below which a match is left out of a fit. Its weight would be below a
-/// twentieth of that of a sure match.
+/// twentieth of the weight of a sure match.
 const LEAST_RIGHT: f64 = 0.05;
 
 /// Returns the standard deviation of a coordinate of a feature of this scale, px.

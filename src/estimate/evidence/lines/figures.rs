@@ -1,4 +1,4 @@
-//! Figures of a geometry from its lines, by which hypotheses are ranked and shown.
+//! Scores of a geometry by its lines. Hypotheses are ranked by the scores and shown with them.
 
 use super::bisectors::{bisector_kappas, round_trip_area};
 use super::score::line_scores;
@@ -31,7 +31,7 @@ pub(in crate::estimate) fn unvalidated_figures(
     Some(LineFigures { score: None, round_trip_area: None, construction })
 }
 
-/// Everything that the figures are computed from.
+/// Input from which the figures are computed.
 pub(in crate::estimate) struct LineExaminer<'a> {
     similarity: ScaledSimilarity<'a>,
     clicks: [PointPair; 2],

@@ -47,7 +47,7 @@ const LOOKED_THROUGH: usize = 400;
 /// Largest number of candidates examined for a third pair, in multiples of all candidates. It ends
 /// the search earlier if there are fewer than 100.
 const TIMES_OVER: usize = 4;
-/// Draws of one task. The streams of random numbers depend on it.
+/// Number of draws of one task. The streams of random numbers depend on it.
 const TASK: usize = 64;
 /// Number of candidates on which hypotheses are first counted, evenly spread over all. It
 /// determines a share with a standard deviation of at most 2 %.

@@ -22,7 +22,7 @@ pub(super) struct AlignedFeatures {
     aligned: Vec<OnceLock<LevelMatch>>,
 }
 
-/// Least correlation of an aligned patch: above that of chance matches after alignment.
+/// Least correlation of an aligned patch: above the correlation of chance matches after alignment.
 const LEAST_CORRELATION: f32 = 0.8;
 
 impl AlignedFeatures {

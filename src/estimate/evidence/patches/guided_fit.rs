@@ -26,9 +26,9 @@ use crate::estimate::fit::{Evidence, Fitted, Match, Noise};
 use crate::geometry::{FundamentalMatrix, Observation, sampson_distance};
 use crate::image::GrayPlane;
 
-/// Widest band in which matches are sought, px of the level: that of the first refinement.
+/// Widest band in which matches are sought, px of the level: the band of the first refinement.
 const WIDEST: f64 = 4.0;
-/// Largest number of rounds of consensus. Each begins with the best geometry of the one before.
+/// Largest number of rounds of consensus. Each begins with the best geometry of the round before.
 const ROUNDS: u64 = 3;
 /// Least gain in log-likelihood for another round: a likelihood 2.7 times as large.
 const LEAST_GAIN: f64 = 1.0;
@@ -39,7 +39,7 @@ pub(in crate::estimate) struct Settling<'a> {
     pub clicks: &'a [Observation],
     /// Matches from another program, full-size pixels.
     pub given: &'a [Match],
-    /// Returns whether the clicks leave another geometry (full size) open.
+    /// Whether the clicks allow another geometry (full size).
     pub allows: &'a (dyn Fn(&FundamentalMatrix) -> bool + Sync),
     pub seed: u64,
 }
@@ -126,8 +126,8 @@ impl LevelMatcher<'_> {
         self.refined(Followed { matches, fitted }, &fixed, band)
     }
 
-    /// Returns a geometry (full size) as it is, with the matches along its lines, of which there may be
-    /// few. They tell nothing about its uncertainty.
+    /// Returns a geometry (full size) as it is, with the matches along its lines. There may be few
+    /// matches, and the uncertainty stays unknown.
     pub(super) fn unchanged(&self, f: &FundamentalMatrix) -> Option<Refined> {
         let [s1, s2] = self.level.scales;
         let f = f.rescaled(s1, s2)?;
@@ -186,7 +186,7 @@ fn keep_right(matches: &mut Vec<LevelMatch>, f: &FundamentalMatrix, noise: Noise
     matches.retain(|m| sampson_distance(f, &m.found.pair) < noise.reach() * m.sigma / MATCH_SIGMA);
 }
 
-/// Returns matches relative to an aligned one.
+/// Returns the matches, with deviations relative to an aligned match.
 fn observed(matches: &[LevelMatch]) -> Vec<Match> {
     let of = |m: &LevelMatch| Match {
         pair: m.found.pair,

@@ -10,8 +10,8 @@ use super::near_lines::Places;
 use crate::geometry::Point;
 use crate::image::HALF;
 
-/// Least correlation of matched patches at full size. It is lower than that of aligned patches,
-/// since these stand at whole pixels.
+/// Least correlation of matched patches at full size. It is lower than for aligned patches, since
+/// these stand at whole pixels.
 pub(super) const LEAST_CORRELATION: f32 = 0.75;
 
 /// Indices of two corners, and the warp under which they look alike.

@@ -121,8 +121,9 @@ impl PatchLevels {
         corners.coarse.get_or_make(|| corners.coarse())
     }
 
-    /// Returns the number of distinctive matches of image 1 with the mirror image of image 2, at the
-    /// coarse size, that one homography explains, and the number of corners of image 1.
+    /// Returns the number of distinctive matches of image 1 with the mirror image of image 2 that
+    /// one homography explains, and the number of corners of image 1. Both are counted at the
+    /// coarse size.
     pub fn mirrored(&self) -> [usize; 2] {
         *self.corners.mirrored.get_or_make(|| self.corners.mirrored())
     }

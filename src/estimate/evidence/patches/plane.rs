@@ -47,8 +47,8 @@ pub(in crate::estimate) fn largest_plane(
     Some(if few.len() < matches.len() { largest_of_refits(best.0, matches, tolerance) } else { best })
 }
 
-/// Refits the homography `h` repeatedly to the matches that follow it. Returns the one with most
-/// matches.
+/// Refits the homography `h` repeatedly to the matches that follow it. Returns the homography with
+/// most matches.
 fn largest_of_refits(h: Matrix3<f64>, matches: &[PointPair], tolerance: f64) -> (Matrix3<f64>, usize) {
     let counted = |h: Matrix3<f64>| {
         let on_plane: Vec<PointPair> =

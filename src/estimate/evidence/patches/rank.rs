@@ -76,8 +76,8 @@ pub(in crate::estimate) fn rank_fine(
     Ok(ranked)
 }
 
-/// Number of matches of a hypothesis on which others are compared with it, evenly spread. A share
-/// near the limit of a fifth is thus known to 5 %.
+/// Number of matches of a hypothesis, evenly spread, on which it is compared with other hypotheses.
+/// A share near the limit of a fifth is thus known to 5 %.
 const COMPARED: usize = 60;
 /// Distance, px of the level, within which a line passes a match: the band of support, and the
 /// error of a corner.

@@ -51,7 +51,7 @@ pub(in crate::estimate) struct RefinementLevel {
 /// (`lab/notes.md`).
 const CORNERS: usize = 1500;
 /// Widths of the band, px of the level, one for each round: the error of a ranked geometry, then
-/// that of a refined one.
+/// the error of a refined geometry.
 const BANDS: [f64; 3] = [4.0, 2.0, 1.2];
 /// Width of a band in standard deviations of a match: 99.7 % of Gaussian errors are within it.
 const BAND_DEVIATIONS: f64 = 3.0;
@@ -64,9 +64,10 @@ const LEAST_SCALE: f64 = 1.5;
 pub(in crate::estimate) struct Refined {
     pub fundamental: FundamentalMatrix,
     pub refinement: Refinement,
-    /// Weight of the evidence: the sum over the matches of the correlation excess times the fit, which is
-    /// 1 on the epipolar line, ½ at the deviation of a match, and falls with the square of the distance.
-    /// The right one of several refinements has the largest weight on nearly every pair measured.
+    /// Weight of the evidence: the sum over the matches of the correlation excess times the fit.
+    /// The fit is 1 on the epipolar line, ½ at the deviation of a match, and falls with the square
+    /// of the distance. The right one of several refinements has the largest weight on nearly every
+    /// pair measured.
     pub weight: f64,
     /// Standard deviation of the weight, as a sum over independent matches (Poisson process).
     pub weight_deviation: f64,
@@ -143,7 +144,7 @@ impl RefinementLevel {
     }
 }
 
-/// A level of the refinement with everything that matches along its lines are found by.
+/// A level of the refinement, with everything needed to find matches along the epipolar lines.
 #[derive(Clone, Copy)]
 pub(super) struct LevelMatcher<'a> {
     pub stage: &'a RefinementLevel,

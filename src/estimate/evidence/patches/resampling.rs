@@ -76,7 +76,9 @@ pub(in crate::estimate) fn resample(
     };
     let mut found = Vec::new();
     let pool = pooled(support, &best[..best.len().min(parameters.pooled)]);
-    if pool.len() >= 2 * DRAWN {
+    // Clicks on corners may be in the pool, too. A sample takes each pair once.
+    let others = pool.iter().filter(|pair| !clicks.contains(pair)).count();
+    if pool.len() >= 2 * DRAWN && others >= DRAWN {
         found.extend(draw(0, &|rng| sample(&pool, clicks, rng)));
     }
     for (k, hypothesis) in best.iter().take(if parameters.parallax { PLANES } else { 0 }).enumerate() {
@@ -308,6 +310,21 @@ mod tests {
         assert!(found.len() > ON_MATCHES.samples / 2 && scene.error(&found[0].fundamental) < 1e-4);
         let pool = pooled(&support, &[leader.clone(), leader]);
         assert!(pool.len() <= 40 && pool.iter().enumerate().all(|(k, m)| !pool[..k].contains(m)));
+    }
+
+    #[test]
+    fn clicks_on_the_matches_of_the_pool_leave_nothing_to_draw() {
+        let scene = ExactScene::aside();
+        let pairs = scene.pairs(40);
+        let matches: Vec<_> = pairs.iter().map(|pair| (*pair, 0.9)).collect();
+        let support = Support::of_matches(&matches);
+        let fundamental = scene.fundamental();
+        let leader = Proposal { angles: None, support: support.measure(&fundamental), fundamental };
+        // One match fewer than a sample takes is left.
+        for (clicks, is_empty) in [(&pairs[DRAWN - 1..], true), (&pairs[DRAWN..], false)] {
+            let drawing = Drawing { clicks, parameters: ON_MATCHES, seed: 2 };
+            assert_eq!(drawn(&support, &leader, &drawing).is_empty(), is_empty, "{} clicks", clicks.len());
+        }
     }
 
     #[test]

@@ -1,5 +1,6 @@
-//! Matches found without epipolar lines: in the whole of image 2, or wherever else a match is possible.
-//! They alone testify for a geometry: matches found along its lines agree with it by construction.
+//! Matches found without epipolar lines: in the whole of image 2, or wherever else a match is
+//! possible. Only these matches are evidence for a geometry: matches found along its lines agree
+//! with it by construction.
 
 use rayon::prelude::*;
 

@@ -35,7 +35,7 @@ use refinement::{Objective, RefinedByBarcodes, refine};
 use sharpening::sharpen;
 
 /// Mean distance between the lines of two geometries, as a share of the longer side, up to which
-/// the geometries are the same. Twice that of pictures, since barcodes are less precise.
+/// the geometries are the same. Twice the limit for pictures, since barcodes are less precise.
 const SAME: f64 = 0.02;
 
 /// Adapts parameters to barcodes. All rotations are allowed, since a barcode does not depend on the

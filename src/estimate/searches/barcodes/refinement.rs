@@ -23,9 +23,9 @@ pub(super) struct Steps {
     pub rounds: usize,
 }
 
-/// Steps from a proposal of lines: a few per cent of the side.
+/// Steps of a search that starts at a proposal of lines: a few per cent of the side.
 pub(super) const FROM_AFAR: Steps = Steps { first: 0.015, rounds: 8 };
-/// Steps from a refined geometry: a fifth of those from a proposal.
+/// Steps of a search that starts at a refined geometry: a fifth of [`FROM_AFAR`].
 pub(super) const NEARBY: Steps = Steps { first: 0.003, rounds: 10 };
 
 /// Number of samples in a round: about six for each of seven unknowns.

@@ -24,7 +24,7 @@ const LOOK_SIDE: f64 = 256.0;
 /// the other end of the image.
 const SAME_LINE: f64 = 0.05;
 /// Distance between clicks, as a share of the longer side, below which a small error turns the
-/// lines far. An error of a pixel is twelve pixels at the far side.
+/// lines a lot. An error of a pixel is twelve pixels at the far side.
 const CLOSE: f64 = 0.08;
 /// A pair has little texture if fewer than one in this many of its lines have texture. It decides
 /// only whether there is a warning.

@@ -1,4 +1,4 @@
-//! Figures of any geometry, computed like those of hypotheses.
+//! Figures of any geometry, computed like the figures of hypotheses.
 
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::{LineExaminer, LineFigures, PencilAngles};

@@ -1,8 +1,8 @@
 //! Test whether neighbouring matches are off their lines by the same distance.
 //!
 //! In a rigid scene, matches are off their lines by independent errors. If a lens bends one image
-//! against the other, or if F is only approximate, neighbours are off alike. Let `d` be the signed
-//! distances of matches from their lines. With means over neighbours `i, j`,
+//! against the other, or if F is only approximate, neighbours are off by nearly the same distance.
+//! Let `d` be the signed distances of matches from their lines. With means over neighbours `i, j`,
 //!
 //! ```text
 //!     c = E[dᵢ dⱼ] / E[dᵢ²]
@@ -14,8 +14,8 @@
 use crate::estimate::verdict::trust::ResidualPattern;
 use crate::geometry::{FundamentalMatrix, PointPair};
 
-/// Smallest and largest distance of neighbours, as shares of the longer side. Patches of nearer
-/// matches have pixels in common.
+/// Smallest and largest distance between neighbours, as shares of the longer side. Patches of
+/// nearer matches have pixels in common.
 const APART: [f64; 2] = [0.015, 0.05];
 /// Number of matches whose neighbours are examined, evenly spread over all. The share is precise to
 /// a few per cent.

@@ -9,7 +9,7 @@
 //! Matches beside the warp are wrong, and lie in any direction from their place
 //! on it. If the epipole is right, they lie along their epipolar lines.
 //!
-//! Only matches that were found without the geometry testify: the others lie on the lines by
+//! Only matches that were found without the geometry are evidence: the others lie on the lines by
 //! construction.
 
 use std::collections::HashSet;

@@ -28,7 +28,8 @@ pub(super) const MOTIONS_BY_CHANCE: f64 = 1.0;
 /// Number of motions off the plane that any epipole fits: two lines always meet.
 pub(in crate::estimate) const ANY_EPIPOLE: usize = 2;
 /// Least share of the matches that are beside the smooth warp along their lines. In flat scenes and
-/// with turned cameras it is below. Chosen on pairs with and without parallax: a debt.
+/// with turned cameras it is below. Chosen on pairs with and without parallax; not yet tested on
+/// other pairs.
 pub(super) const LEAST_ALONG: f64 = 0.05;
 /// Least share along the lines among the matches along and across, at the lower end of its interval:
 /// three quarters. By chance, half are along and half across.
@@ -46,8 +47,8 @@ const WRONG_BY_CHANCE: f64 = 1e-3;
 /// Least share of the corners that match if one image is flipped. Mirror images have 20 to 43 %, a
 /// facade seen from its left and from its right 3 %.
 const MIRRORED: f64 = 0.1;
-/// Largest probability that half of all distinctive matches are wrong and chance does the rest. It is
-/// looser than the other one, since half is far more than are wrong on any right result.
+/// Largest probability that half of all distinctive matches are wrong and chance does the rest. It
+/// is looser than [`WRONG_BY_CHANCE`], since on any right result far fewer than half are wrong.
 const HALF_WRONG_BY_CHANCE: f64 = 1e-2;
 /// Expected fraction of distinctive matches that agree on a wrong motion (repeated structure). Of
 /// 200 matches five may contradict the geometry; with half and twice the fraction, four and eight.
@@ -69,7 +70,8 @@ pub(in crate::estimate) struct OffPlane {
     pub groups: usize,
     /// Number of groups that agree with `F`.
     pub agreeing: usize,
-    /// Number of motions among the agreeing groups with more matches than are wrong.
+    /// Number of motions among the agreeing groups. Each has more matches than are expected to be
+    /// wrong.
     pub motions: usize,
     /// Expected number of epipoles that do as well by chance.
     pub by_chance: f64,
@@ -129,11 +131,12 @@ impl PlaneEvidence {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(in crate::estimate) struct Witnesses {
     pub on_warp: usize,
-    /// Number of matches that are beside it along their epipolar lines.
+    /// Number of matches beside the warp, along their epipolar lines.
     pub along: usize,
-    /// Number of matches that are beside it across their epipolar lines. They are some of those off.
+    /// Number of matches beside the warp, across their epipolar lines. `off` counts them too.
     pub across: usize,
-    /// Number of matches that are beside it, not along their epipolar lines and clearly off them.
+    /// Number of matches beside the warp that are clearly off their epipolar lines and not along
+    /// them.
     pub off: usize,
 }
 
@@ -178,8 +181,9 @@ pub(in crate::estimate) struct Relief {
 }
 
 impl Relief {
-    /// Returns the matches that leave the epipoles undetermined. `None` if parallax shows them. It must
-    /// not vanish beside the finer warp: a rolling shutter may swing faster than the other one follows.
+    /// Returns the matches that leave the epipoles undetermined. `None` if parallax shows them. It
+    /// must not vanish beside the finer warp: a rolling shutter may swing faster than the coarser
+    /// warp follows.
     pub(super) fn doubt(self) -> Option<Witnesses> {
         let Self { beside, finer, .. } = self;
         if !beside.show_the_epipole() {
@@ -230,20 +234,20 @@ impl Mirror {
 /// Counts of distinctive matches, found without `F`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(in crate::estimate) struct Together {
-    /// Number of these matches.
+    /// Number of all distinctive matches.
     pub all: usize,
-    /// Number of these matches that contradict `F`.
+    /// Number of all distinctive matches that contradict `F`.
     pub off: usize,
-    /// Number of these matches that move like their neighbours.
+    /// Number of distinctive matches that move like their neighbours.
     pub matches: usize,
-    /// Number of those that contradict `F`.
+    /// Number of matches that move like their neighbours and contradict `F`.
     pub contradicting: usize,
 }
 
 impl Together {
-    /// Returns how many matches contradict `F`, and of how many, if more do than are wrong by
-    /// chance. Of matches that move like their neighbours few are wrong (Poisson distribution). Of
-    /// all distinctive matches, fewer than half are.
+    /// Returns the number of matches that contradict `F` and the number of matches tested, if more
+    /// contradict `F` than are wrong by chance. Few of the matches that move like their neighbours
+    /// are wrong (Poisson distribution), and fewer than half of all distinctive matches.
     pub(super) fn contradict(self) -> Option<(usize, usize)> {
         let expected = WRONG_TOGETHER * self.matches as f64;
         if 1.0 - fewer_than(self.contradicting, expected) < WRONG_BY_CHANCE {
@@ -299,7 +303,8 @@ pub(in crate::estimate) enum RefinedOn {
     TooFewMatches,
     /// This number of matches.
     Matches(usize),
-    /// Matches of another program alone. This number of matches of the images lies along its lines.
+    /// Matches of another program alone. This number of matches of the images lies along the lines
+    /// of the result.
     Given(usize),
 }
 

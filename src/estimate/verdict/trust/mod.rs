@@ -1,5 +1,5 @@
-//! Verdict on a result, with its reasons. `evidence` has the figures and what each says alone,
-//! `rules` the verdict on all of them.
+//! Verdict on a result, with its reasons. `evidence` has the figures and tests each by itself;
+//! `rules` combines the tests into the verdict.
 
 mod evidence;
 mod rules;
@@ -72,7 +72,7 @@ pub enum Reason {
         pair: usize,
         /// Sampson distance, px.
         distance: f64,
-        /// The likelier culprit.
+        /// The part that is more likely wrong.
         suspect: Suspect,
     },
     /// More distinctive matches contradict the geometry than are wrong by chance. Only matches that
@@ -131,7 +131,7 @@ pub enum Reason {
     },
 }
 
-/// Likelier culprit if a click and a geometry disagree.
+/// The part that is more likely wrong if a click and a geometry disagree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Suspect {
