@@ -4,7 +4,6 @@
 //! applied.
 
 mod action;
-pub mod conditions;
 mod dialogs;
 mod keys;
 mod named;
@@ -20,6 +19,7 @@ use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::tones::TonesCommand;
 pub use action::Action;
+pub use keys::GROUPS;
 
 /// All actions. Those with shortcuts come first, in the order of the list of keys.
 pub static ACTIONS: LazyLock<Vec<Action>> = LazyLock::new(|| {
