@@ -3,6 +3,7 @@
 use egui::{Key, Modifiers};
 
 use super::action::{Action, action, tab};
+use crate::app::model::look::Tool;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::{Command, ExchangeCommand, Model, SessionCommand, StageId, TabId};
@@ -123,14 +124,14 @@ pub fn with_keys() -> Vec<Action> {
     ];
     let display = vec![
         action(
-            Command::ToggleInspectTool,
+            Command::ToggleTool(Tool::Inspect),
             "Pin tool",
             "Pin the epipolar lines through each place you click. Escape returns to placing points.",
         )
         .key(NONE, Key::I)
         .listed(|_| "Pin tool: pin line pairs"),
         action(
-            Command::ToggleMeasureTool,
+            Command::ToggleTool(Tool::Measure),
             "Measure tool",
             "Measure distance, direction and intensities between two places of one image. Escape returns to \
              placing points.",

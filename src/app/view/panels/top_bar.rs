@@ -67,8 +67,9 @@ fn icons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     button(ui, Icon::Undo, Command::Undo, model.can_undo(), false);
     button(ui, Icon::Redo, Command::Redo, model.history.can_redo(), false);
     ui.separator();
-    button(ui, Icon::Pin, Command::ToggleInspectTool, any, model.tool == Tool::Inspect);
-    button(ui, Icon::Measure, Command::ToggleMeasureTool, any, model.tool == Tool::Measure);
+    for (icon, tool) in [(Icon::Pin, Tool::Inspect), (Icon::Measure, Tool::Measure)] {
+        button(ui, icon, Command::ToggleTool(tool), any, model.tool == tool);
+    }
     button(ui, Icon::Fit, Command::FitAll, any, false);
     if any {
         tones::show(ui, model, commands);
