@@ -57,10 +57,7 @@ impl Inspector {
             Command::Redo => self.travel(false),
             Command::DeleteSelected => model.delete_selected(),
             Command::DeletePair(pair) => model.edit(|document| document.remove(pair)),
-            Command::IncludePair(pair, included) => {
-                model.edit_roles(|document| document.include(pair, included));
-            }
-            Command::CheckOnly(pair, only) => model.edit_roles(|document| document.check_only(pair, only)),
+            Command::SetRole(pair, role) => model.set_role([pair], role),
             Command::Points(command) => self.apply_to_points(ctx, command),
             Command::Refine(pair) => {
                 if let Some(question) = model.repair_question(pair) {
@@ -131,11 +128,8 @@ impl Inspector {
             Command::Inspect(number) => model.open.focus.inspect(number),
             Command::Unpin(number) => model.open.focus.unpin(number),
             Command::UnpinAll => model.open.focus.unpin_all(),
-            Command::ToggleInspectTool => {
-                model.tool = if model.tool == Tool::Inspect { Tool::Points } else { Tool::Inspect };
-            }
-            Command::ToggleMeasureTool => {
-                model.tool = if model.tool == Tool::Measure { Tool::Points } else { Tool::Measure };
+            Command::ToggleTool(tool) => {
+                model.tool = if model.tool == tool { Tool::Points } else { tool };
             }
             Command::Measure(side, point) => {
                 model.open.measuring = Some(Measuring::after_click(model.open.measuring, side, point));
@@ -246,7 +240,8 @@ impl Inspector {
         match command {
             PointsCommand::Choose(pair, how) => model.choose_pair(pair, how),
             PointsCommand::ChooseAll => model.choose_all_pairs(),
-            PointsCommand::Edit(what) => model.edit_chosen(what),
+            PointsCommand::SetRole(role) => model.set_role(model.document.chosen.clone(), role),
+            PointsCommand::Delete => model.delete_chosen(),
             PointsCommand::Rename(pair, name) => model.rename_pair(pair, &name),
             PointsCommand::Copy if model.document.pairs.is_empty() => {}
             PointsCommand::Copy => {

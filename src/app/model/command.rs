@@ -5,10 +5,11 @@ use std::path::PathBuf;
 
 use super::comparison::{Contestant, Subject};
 use super::dock::DockEdge;
-use super::document::{PointRef, Side};
+use super::document::{PointRef, Role, Side};
 use super::exchange::ExportOrder;
 use super::focus::{LineSource, Target};
 use super::ids::{MethodStep, OverlayId, StageId, TabId};
+use super::look::Tool;
 use super::point_table::PointsCommand;
 use super::recording::PlayerCommand;
 use super::rectified::RectifiedCommand;
@@ -47,9 +48,7 @@ pub enum Command {
     /// Remove the selected pairs, or the pair of the selected point.
     DeleteSelected,
     DeletePair(usize),
-    IncludePair(usize, bool),
-    /// Use a pair as a check only, or in the estimate.
-    CheckOnly(usize, bool),
+    SetRole(usize, Role),
     Points(PointsCommand),
     /// Find a better place for the right point of a pair, and move the point there.
     Refine(usize),
@@ -89,8 +88,8 @@ pub enum Command {
     /// Remove a pinned line pair, by its place in the list.
     Unpin(usize),
     UnpinAll,
-    ToggleInspectTool,
-    ToggleMeasureTool,
+    /// Take up a tool, or lay it down.
+    ToggleTool(Tool),
     Measure(Side, Point),
     MeasureFrom(Side, Point),
     CopyPosition(Point),

@@ -83,7 +83,6 @@ use messages::{MessageKind, Messages};
 use open_pair::OpenPair;
 use pane_view::PaneView;
 use picture::Opened;
-use point_table::ChosenEdit;
 use recents::Recents;
 use rectified::WritingProgress;
 use session::{SessionState, Work};
@@ -213,7 +212,7 @@ impl Model {
                 self.open.focus.unpin(number);
             }
         } else if !self.document.chosen.is_empty() {
-            self.edit_chosen(ChosenEdit::Delete);
+            self.delete_chosen();
         } else if let Some(at) = self.document.selection {
             self.edit(|document| document.remove(at.pair));
         }

@@ -23,6 +23,10 @@ impl Model {
         Some([left?, right?])
     }
 
+    pub fn has_sequences(&self) -> bool {
+        self.recordings().is_some()
+    }
+
     /// Returns the sequences with their time offset.
     pub fn synchronised(&self) -> Option<Synchronised> {
         let recordings = self.recordings()?;

@@ -32,12 +32,7 @@ pub struct Thumbnails {
 impl Thumbnails {
     /// Starts over when another folder is open.
     pub fn follow(&mut self, folder: Option<&Arc<PairFolder>>) {
-        let same = match (&self.folder, folder) {
-            (Some(own), Some(other)) => Arc::ptr_eq(own, other),
-            (None, None) => true,
-            _ => false,
-        };
-        if !same {
+        if self.folder.as_ref().map(Arc::as_ptr) != folder.map(Arc::as_ptr) {
             *self = Self { folder: folder.cloned(), ..Self::default() };
         }
     }

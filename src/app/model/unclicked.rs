@@ -1,7 +1,7 @@
 //! Estimates without clicks, and the matches that replace the clicks.
 
 use super::Model;
-use super::document::{Document, Side};
+use super::document::{Document, Role, Side};
 use crate::estimate::{Method, Parameters, RefinedMatch, Search};
 use crate::geometry::PointPair;
 use crate::io::PairOrigin;
@@ -45,12 +45,14 @@ impl Document {
 }
 
 impl Model {
-    /// Changes which pairs are used. If too few are left under a result of patches, the images decide
+    /// Changes the role of these pairs. If too few are left under a result of patches, the images decide
     /// alone: leaving out a misplaced pair must not lose the geometry that the images support.
-    pub fn edit_roles(&mut self, change: impl FnOnce(&mut Document)) {
+    pub fn set_role(&mut self, pairs: impl IntoIterator<Item = usize>, role: Role) {
         let keeps = self.result().is_some() && self.document.parameters.search == Search::Patches;
         self.edit(|document| {
-            change(document);
+            for pair in pairs {
+                document.set_role(pair, role);
+            }
             document.unclicked |= keeps && document.used().count() < document.pairs_needed();
         });
     }

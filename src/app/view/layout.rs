@@ -2,7 +2,6 @@
 
 use egui::{Context, Frame, Margin, Panel, Rect, Ui, UiBuilder, Vec2, vec2};
 
-use super::actions::conditions::has_strip;
 use super::capture::WantedView;
 use super::dialogs::Dialogs;
 use super::panels;
@@ -132,7 +131,7 @@ impl View {
             let mut inside = ui.new_child(UiBuilder::new().max_rect(dock).id_salt("dock"));
             panels::dock::show(&mut inside, dock, edge, model, commands);
         }
-        if model.recordings().is_some() && !model.open.alone {
+        if model.has_sequences() && !model.open.alone {
             let (rest, player) = stage.split_top_bottom_at_y(stage.max.y - PLAYER);
             ui.painter().rect_filled(player, 0.0, ui.visuals().panel_fill);
             let mut inside =
@@ -244,7 +243,7 @@ impl View {
 
     /// Shows the images of the folder over the lower edge of the stage.
     fn drawer(&mut self, ui: &mut Ui, stage: Rect, model: &Model, commands: &mut Vec<Command>) {
-        let open = has_strip(model) && model.look.drawer && !model.open.alone;
+        let open = model.has_strip() && model.look.drawer && !model.open.alone;
         let Some(folder) = model.folder().filter(|_| open) else {
             self.strip.hide();
             return;

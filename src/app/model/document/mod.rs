@@ -201,24 +201,14 @@ impl Document {
         self.unclicked = false;
     }
 
-    pub fn include(&mut self, pair: usize, included: bool) {
-        if included {
-            self.excluded.remove(&pair);
-        } else if pair < self.pairs.len() {
-            self.excluded.insert(pair);
-        }
-    }
-
-    /// Uses a pair as a check only, or in the estimate. An excluded pair is included again.
-    pub fn check_only(&mut self, pair: usize, only: bool) {
-        if pair < self.pairs.len() {
-            self.excluded.remove(&pair);
-            if only {
-                self.checks.insert(pair);
-            } else {
-                self.checks.remove(&pair);
-            }
-        }
+    pub fn set_role(&mut self, pair: usize, role: Role) {
+        self.excluded.remove(&pair);
+        self.checks.remove(&pair);
+        match role {
+            Role::Check if pair < self.pairs.len() => self.checks.insert(pair),
+            Role::Excluded if pair < self.pairs.len() => self.excluded.insert(pair),
+            _ => false,
+        };
     }
 
     pub fn included(&self) -> impl Iterator<Item = PointPair> + '_ {
@@ -278,9 +268,9 @@ impl Document {
         }
     }
 
-    /// Returns whether a pair could be used. The published search may have all the pairs it takes.
-    pub fn can_be_used(&self, pair: usize) -> bool {
-        self.role(pair) != Role::Check || self.checks.contains(&pair)
+    /// Returns whether a pair can have this role. The published search may have all the pairs it takes.
+    pub fn can_have(&self, pair: usize, role: Role) -> bool {
+        role != Role::Used || self.role(pair) != Role::Check || self.checks.contains(&pair)
     }
 
     /// Returns the nearest point inside the image.

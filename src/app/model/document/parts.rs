@@ -160,6 +160,10 @@ pub enum Role {
     Excluded,
 }
 
+impl Role {
+    pub const ALL: [Self; 3] = [Self::Used, Self::Check, Self::Excluded];
+}
+
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PairNote {
     /// Given name; without one, the pair has the name of its place.

@@ -48,14 +48,14 @@ fn all_pairs_but_checks_are_used_and_the_published_search_limits_their_number() 
     let mut document = document();
     document.set_pairs(vec![PointPair::new(1.0, 2.0, 3.0, 4.0); 5], PairOrigin::Clicked);
     assert_eq!(document.used_pairs().map(|pairs| pairs.len()), Some(5));
-    document.check_only(1, true);
-    document.include(3, false);
+    document.set_role(1, Role::Check);
+    document.set_role(3, Role::Excluded);
     assert_eq!(document.used().collect::<Vec<_>>(), [0, 2, 4]);
     assert_eq!((document.role(1), document.role(3)), (Role::Check, Role::Excluded));
     document.remove(0);
     assert_eq!(document.used().collect::<Vec<_>>(), [1, 3], "numbers follow when an earlier pair is removed");
-    document.check_only(2, false);
-    document.check_only(0, false);
+    document.set_role(2, Role::Used);
+    document.set_role(0, Role::Used);
     assert_eq!(document.used().count(), 4);
     document.parameters = Parameters::from(Preset::Paper);
     assert_eq!((document.used().count(), document.role(2)), (2, Role::Check));
@@ -69,16 +69,16 @@ fn an_excluded_pair_makes_room_for_the_next_one_in_the_published_search() {
     document.parameters = Parameters::from(Preset::Paper);
     let pair = |x: f64| PointPair::new(x, 1.0, x, 1.0);
     document.set_pairs([1.0, 2.0, 3.0, 4.0].map(pair).to_vec(), PairOrigin::Clicked);
-    document.include(1, false);
+    document.set_role(1, Role::Excluded);
     assert_eq!(document.used_pairs(), Some(vec![pair(1.0), pair(3.0)]));
     let roles: Vec<_> = (0..4).map(|k| document.role(k)).collect();
     assert_eq!(roles, [Role::Used, Role::Excluded, Role::Used, Role::Check]);
     document.remove(0);
     assert_eq!(document.role(0), Role::Excluded, "numbers follow when an earlier pair is removed");
-    document.include(0, true);
+    document.set_role(0, Role::Used);
     assert_eq!(document.used_pairs(), Some(vec![pair(2.0), pair(3.0)]));
-    document.include(1, false);
-    document.include(2, false);
+    document.set_role(1, Role::Excluded);
+    document.set_role(2, Role::Excluded);
     assert_eq!(document.used_pairs(), None);
 }
 

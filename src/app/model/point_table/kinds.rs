@@ -1,5 +1,7 @@
 //! Selection and commands of the list of point pairs.
 
+use crate::app::model::document::Role;
+
 /// Effect of a click on the selection of rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Choosing {
@@ -11,21 +13,15 @@ pub enum Choosing {
     Through,
 }
 
-/// Edit of all selected pairs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ChosenEdit {
-    Delete,
-    Use,
-    CheckOnly,
-    Exclude,
-}
-
 /// A command about the list.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum PointsCommand {
     Choose(usize, Choosing),
     ChooseAll,
-    Edit(ChosenEdit),
+    /// Set the role of the selected pairs.
+    SetRole(Role),
+    /// Delete the selected pairs.
+    Delete,
     Rename(usize, String),
     /// Copy the selected pairs, or all, as a table.
     Copy,
@@ -34,3 +30,11 @@ pub enum PointsCommand {
     /// Add the pairs of a table.
     Paste(String),
 }
+
+/// The edits of all selected pairs, in the order of menus.
+pub const CHOSEN_EDITS: [PointsCommand; 4] = [
+    PointsCommand::SetRole(Role::Used),
+    PointsCommand::SetRole(Role::Check),
+    PointsCommand::SetRole(Role::Excluded),
+    PointsCommand::Delete,
+];

@@ -7,7 +7,7 @@ mod tests;
 
 use std::fmt::Write as _;
 
-pub use kinds::{Choosing, ChosenEdit, PointsCommand};
+pub use kinds::{CHOSEN_EDITS, Choosing, PointsCommand};
 use pasting::{is_name_of_a_place, parse_table};
 
 use super::Model;
@@ -63,26 +63,10 @@ impl Model {
         self.document.chosen = (0..self.document.pairs.len()).collect();
     }
 
-    /// Edits all selected pairs in one step.
-    pub fn edit_chosen(&mut self, what: ChosenEdit) {
+    /// Deletes all selected pairs in one step.
+    pub fn delete_chosen(&mut self) {
         let chosen = self.document.chosen.clone();
-        if what == ChosenEdit::Delete {
-            self.edit(|document| document.remove_all(chosen));
-            return;
-        }
-        self.edit_roles(|document| match what {
-            ChosenEdit::Delete => {}
-            ChosenEdit::Use | ChosenEdit::CheckOnly => {
-                for pair in chosen {
-                    document.check_only(pair, what == ChosenEdit::CheckOnly);
-                }
-            }
-            ChosenEdit::Exclude => {
-                for pair in chosen {
-                    document.include(pair, false);
-                }
-            }
-        });
+        self.edit(|document| document.remove_all(chosen));
     }
 
     /// Names a pair. The letters of one name are one step.

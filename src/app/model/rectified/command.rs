@@ -6,7 +6,7 @@ use super::{RectifiedLayout, RectifiedView, RectifyQuestion};
 use crate::io::{RectifiedOptions, TrustNote};
 use crate::rectify::RectifyMethod;
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RectifiedCommand {
     SetMethod(RectifyMethod),
     LayOut(RectifiedLayout),

@@ -4,7 +4,7 @@ use super::Tone;
 use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::computation::{EstimateFailure, Freshness};
-use crate::app::model::document::pair_name;
+use crate::app::model::document::{Role, pair_name};
 use crate::estimate::{Reason, Suspect, Trust, Verdict};
 
 /// Text of the button that undoes the distortion of the lens.
@@ -90,7 +90,7 @@ impl Model {
     pub fn card_alternative(&self) -> Option<CardAction> {
         let Command::MoveToMatch(pair) = self.card_action()?.command else { return None };
         let label = format!("Leave out {}", pair_name(pair));
-        Some(CardAction::new(label, Command::IncludePair(pair, false)))
+        Some(CardAction::new(label, Command::SetRole(pair, Role::Excluded)))
     }
 
     /// Returns the switch of the lines of an unreliable geometry.

@@ -2,7 +2,7 @@ use super::facts::bearing_text;
 use super::*;
 use crate::app::fake;
 use crate::app::model::computation::EstimateNews;
-use crate::app::model::document::PictureIdentity;
+use crate::app::model::document::{PictureIdentity, Role};
 use crate::estimate::{EpipoleBearing, Estimate, Reason, Trust, Verdict, Warning};
 use crate::geometry::{Frame, HomogeneousPoint, PointPair};
 
@@ -85,7 +85,7 @@ fn a_checked_pair_far_off_speaks_against_the_result() {
     for (off, tone) in [(0.0, Tone::Good), (90.0, Tone::Caution)] {
         document.pairs.truncate(2);
         document.pairs.push(PointPair { point1, point2: at(off) });
-        document.check_only(2, true);
+        document.set_role(2, Role::Check);
         let told = verdict(&document, &computation);
         assert_eq!(told.tone, tone, "{off} px: {:?}", told.warnings);
         let named = told.sentence.starts_with("Pair r, which is only checked, is ");
@@ -100,7 +100,7 @@ fn a_checked_pair_far_off_speaks_against_the_result() {
 fn sentences_use_the_names_of_pairs() {
     let pairs = vec![PointPair::new(1.0, 2.0, 3.0, 4.0); 14];
     let mut document = Document { pairs, ..Document::default() };
-    document.check_only(1, true);
+    document.set_role(1, Role::Check);
     let named = |sentence: &str| in_names(sentence, &document);
     assert_eq!(named("point pair 1 is 3 px off"), "Point pair p is 3 px off");
     assert_eq!(named("through point pair 12: choose"), "Through point pair 13: choose");

@@ -13,6 +13,8 @@ pub struct Action {
     pub tooltip: &'static str,
     /// Keyboard shortcuts; the first one is displayed.
     pub keys: Vec<KeyboardShortcut>,
+    /// Group in the list of keys.
+    pub group: &'static str,
     /// Whether the shortcuts work while a text field or a dialog has the keyboard.
     pub works_while_typing: bool,
     /// Title in the list of all commands; `None` if the action is not listed under a title of its
@@ -55,6 +57,7 @@ pub fn action(command: impl Into<Command>, name: &'static str, tooltip: &'static
         name,
         tooltip,
         keys,
+        group: "",
         works_while_typing: false,
         listed: None,
         makes_sense,

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use super::action::{Action, action};
 use crate::app::model::exchange::ExportOrder;
-use crate::app::model::point_table::{ChosenEdit, PointsCommand};
+use crate::app::model::point_table::PointsCommand;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::session::OpenSession;
 use crate::app::model::tones::TonesCommand;
-use crate::app::model::{Command, ExchangeCommand, LineSource, OverlayId, SessionCommand};
+use crate::app::model::{Command, ExchangeCommand, LineSource, OverlayId, Role, SessionCommand};
 use crate::camera::FocalLength;
 
 /// Returns the actions offered only on buttons of dialogs and tables.
@@ -32,26 +32,22 @@ pub fn in_dialogs() -> Vec<Action> {
         ),
         action(Command::DeletePair(0), "Delete", "Remove this pair from both images."),
         action(TonesCommand::Adjust(None), "Adjust", "Choose which image the controls change."),
+        action(PointsCommand::Delete, "Delete chosen", "Remove the chosen pairs from both images."),
+        action(PointsCommand::SetRole(Role::Used), "Use chosen", "Use the chosen pairs for the estimate."),
         action(
-            PointsCommand::Edit(ChosenEdit::Delete),
-            "Delete chosen",
-            "Remove the chosen pairs from both images.",
-        ),
-        action(PointsCommand::Edit(ChosenEdit::Use), "Use chosen", "Use the chosen pairs for the estimate."),
-        action(
-            PointsCommand::Edit(ChosenEdit::CheckOnly),
+            PointsCommand::SetRole(Role::Check),
             "Check only chosen",
             "Use the chosen pairs only to measure how well the geometry fits.",
         ),
         action(
-            PointsCommand::Edit(ChosenEdit::Exclude),
+            PointsCommand::SetRole(Role::Excluded),
             "Leave out chosen",
             "Leave the chosen pairs out of the estimate and of all measures.",
         ),
         action(
-            Command::IncludePair(0, true),
+            Command::SetRole(0, Role::Excluded),
             "Leave out",
-            "Leave the pair out of the estimate and of all measures, or include it again.",
+            "Leave the pair out of the estimate and of all measures.",
         ),
         action(
             Command::Refine(0),
@@ -64,9 +60,9 @@ pub fn in_dialogs() -> Vec<Action> {
             "Move the right point to its match on the epipolar line. This takes a reliable or doubtful result, \
              and a clear match in the images; without one, drag the point or leave the pair out.",
         ),
-        action(Command::CheckOnly(0, false), "Use", "Use the pair for the estimate."),
+        action(Command::SetRole(0, Role::Used), "Use", "Use the pair for the estimate."),
         action(
-            Command::CheckOnly(0, true),
+            Command::SetRole(0, Role::Check),
             "Check only",
             "Use the pair only to measure how well the geometry fits, not for the estimate.",
         ),

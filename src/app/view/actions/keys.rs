@@ -3,7 +3,7 @@
 use egui::{Key, Modifiers};
 
 use super::action::{Action, action, tab};
-use super::conditions::{has_neighbour, has_sequences, has_strip};
+use crate::app::model::look::Tool;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::{Command, ExchangeCommand, Model, SessionCommand, StageId, TabId};
@@ -13,17 +13,14 @@ const COMMAND: Modifiers = Modifiers::COMMAND;
 const SHIFT: Modifiers = Modifiers::SHIFT;
 const COMMAND_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
+/// Groups of actions, in the order of the list of keys.
+pub const GROUPS: [&str; 6] = ["Points", "Result", "Files", "Display", "Panels", "Program"];
+
 /// Returns the actions with shortcuts, in the order of the list of keys. A shortcut with Shift
 /// comes before the same key without Shift, which would consume both.
 #[expect(clippy::too_many_lines, reason = "it is a table")]
 pub fn with_keys() -> Vec<Action> {
-    vec![
-        action(Command::TogglePalette, "Commands", "Search for any command by name and run it.")
-            .key(COMMAND, Key::K)
-            .key(COMMAND, Key::P)
-            .while_typing()
-            // The action closes this list.
-            .when(|_| false),
+    let points = vec![
         action(
             Command::AcceptSuggestion,
             "Accept the suggested match",
@@ -32,29 +29,52 @@ pub fn with_keys() -> Vec<Action> {
         .key(NONE, Key::Enter)
         .when(|model| model.accepted_suggestion().is_some()),
         action(
-            Command::ToggleInspectTool,
-            "Pin tool",
-            "Pin the epipolar lines through each place you click. Escape returns to placing points.",
+            Command::ShowMe,
+            "Show me",
+            "Place two point pairs on the sample and show the geometry they give.",
         )
-        .key(NONE, Key::I)
-        .listed(|_| "Pin tool: pin line pairs"),
+        .key(NONE, Key::S)
+        .listed(|_| "Show me: place two pairs on the sample")
+        .when(|model| model.open.show_me.is_some()),
+        action(Command::Redo, "Redo", "Redo the last undone step.")
+            .key(COMMAND_SHIFT, Key::Z)
+            .key(COMMAND, Key::Y)
+            .when(|model| model.history.can_redo()),
+        action(Command::Undo, "Undo", "Undo the last step. A drag is one step.")
+            .key(COMMAND, Key::Z)
+            .when(Model::can_undo),
         action(
-            Command::ToggleMeasureTool,
-            "Measure tool",
-            "Measure distance, direction and intensities between two places of one image. Escape returns to \
-             placing points.",
+            Command::DeleteSelected,
+            "Delete the selected pair",
+            "Remove the selected pair from both images. With the pin tool, remove the pinned line pair.",
         )
-        .key(NONE, Key::D)
-        .listed(|_| "Measure tool: distance and direction")
-        .when(|model| model.document.pictures.is_some()),
-        action(Command::ToggleLink, "Link views", "Zoom and move both images together, each about the match of the other. Alt moves one alone.").key(NONE, Key::L),
+        .key(NONE, Key::Delete)
+        .key(NONE, Key::Backspace)
+        .when(|model| model.document.selection.is_some() || model.open.focus.inspected().is_some()),
+    ];
+    let result = vec![
         action(
-            Command::ToggleStacked,
-            "Stack vertically",
-            "Show the images one above the other, or side by side. Wide images have more room when stacked.",
+            Command::ToggleTruth,
+            "Ground truth",
+            "Compare with the true geometry: its lines and matches in blue, and the error of the result.",
         )
-        .key(NONE, Key::V)
-        .listed(|_| "Stack the images vertically or show them side by side"),
+        .key(NONE, Key::G)
+        .listed(|model| {
+            if model.truth().is_some() { "Hide the ground truth" } else { "Compare with the ground truth" }
+        })
+        .when(|model| model.open.known().is_some()),
+        action(Command::Recompute, "Compute again", "Run the estimate again from the same points.")
+            .key(NONE, Key::F5)
+            .when(|model| model.document.used_pairs().is_some()),
+        action(
+            Command::ChooseHypothesis(None),
+            "Back to the result",
+            "Show the result of the estimate in the whole window again.",
+        )
+        .key(NONE, Key::R)
+        .when(Model::shows_another),
+    ];
+    let files = vec![
         action(
             Command::ShowOpenDialog,
             "Open images",
@@ -71,43 +91,79 @@ pub fn with_keys() -> Vec<Action> {
         )
         .key(COMMAND, Key::S),
         action(
-            Command::ShowMe,
-            "Show me",
-            "Place two point pairs on the sample and show the geometry they give.",
-        )
-        .key(NONE, Key::S)
-        .listed(|_| "Show me: place two pairs on the sample")
-        .when(|model| model.open.show_me.is_some()),
-        action(
             Command::StepPair { forward: false },
             "Previous pair",
             "Open the previous pair of the folder.",
         )
         .key(NONE, Key::PageUp)
-        .when(|model| has_neighbour(model, false)),
+        .when(|model| model.has_neighbour(false)),
         action(
             Command::StepPair { forward: true },
             "Next pair",
             "Open the next pair of the folder. In a series of views, the two stay equally far apart.",
         )
         .key(NONE, Key::PageDown)
-        .when(|model| has_neighbour(model, true)),
+        .when(|model| model.has_neighbour(true)),
         action(
-            PlayerCommand::TogglePlay,
-            "Play or pause",
-            "Play the two sequences together, or pause.",
+            RectifiedCommand::ShowExport,
+            "Export rectified pair…",
+            "Write the rectified pair at full size into a folder, with its homographies or tables and its \
+             quality measures.",
         )
-        .key(NONE, Key::K)
-        .listed(|_| "Sequences: play or pause")
-        .when(has_sequences),
+        .key(COMMAND_SHIFT, Key::E)
+        .listed(|_| "Export rectified pair…")
+        .when(|model| model.shown().is_some() && model.activity.writing.is_none()),
+        action(
+            ExchangeCommand::ShowExport,
+            "Export…",
+            "Write the geometry, the point pairs, the result, a profile or the view as a file for other programs.",
+        )
+        .key(COMMAND, Key::E)
+        .listed(|_| "Export… (geometry, point pairs, report, profile, view)")
+        .when(|model| model.document.pictures.is_some()),
+    ];
+    let display = vec![
+        action(
+            Command::ToggleTool(Tool::Inspect),
+            "Pin tool",
+            "Pin the epipolar lines through each place you click. Escape returns to placing points.",
+        )
+        .key(NONE, Key::I)
+        .listed(|_| "Pin tool: pin line pairs"),
+        action(
+            Command::ToggleTool(Tool::Measure),
+            "Measure tool",
+            "Measure distance, direction and intensities between two places of one image. Escape returns to \
+             placing points.",
+        )
+        .key(NONE, Key::D)
+        .listed(|_| "Measure tool: distance and direction")
+        .when(|model| model.document.pictures.is_some()),
+        action(
+            Command::ToggleLink,
+            "Link views",
+            "Zoom and move both images together, each about the match of the other. Alt moves one alone.",
+        )
+        .key(NONE, Key::L),
+        action(
+            Command::ToggleStacked,
+            "Stack vertically",
+            "Show the images one above the other, or side by side. Wide images have more room when stacked.",
+        )
+        .key(NONE, Key::V)
+        .listed(|_| "Stack the images vertically or show them side by side"),
+        action(PlayerCommand::TogglePlay, "Play or pause", "Play the two sequences together, or pause.")
+            .key(NONE, Key::K)
+            .listed(|_| "Sequences: play or pause")
+            .when(Model::has_sequences),
         action(PlayerCommand::Step(-1), "Previous frame", "Show the previous frame.")
             .key(NONE, Key::Comma)
             .listed(|_| "Sequences: previous frame")
-            .when(has_sequences),
+            .when(Model::has_sequences),
         action(PlayerCommand::Step(1), "Next frame", "Show the next frame.")
             .key(NONE, Key::Period)
             .listed(|_| "Sequences: next frame")
-            .when(has_sequences),
+            .when(Model::has_sequences),
         action(
             PlayerCommand::ToggleSilhouettes,
             "Show motion",
@@ -116,56 +172,10 @@ pub fn with_keys() -> Vec<Action> {
         )
         .key(NONE, Key::W)
         .listed(|_| "Sequences: show motion")
-        .when(has_sequences),
-        action(
-            Command::ToggleTruth,
-            "Ground truth",
-            "Compare with the true geometry: its lines and matches in blue, and the error of the result.",
-        )
-        .key(NONE, Key::G)
-        .listed(|model| {
-            if model.truth().is_some() { "Hide the ground truth" } else { "Compare with the ground truth" }
-        })
-        .when(|model| model.open.known().is_some()),
-        action(Command::Redo, "Redo", "Redo the last undone step.")
-            .key(COMMAND_SHIFT, Key::Z)
-            .key(COMMAND, Key::Y)
-            .when(|model| model.history.can_redo()),
-        action(Command::Undo, "Undo", "Undo the last step. A drag is one step.")
-            .key(COMMAND, Key::Z)
-            .when(Model::can_undo),
-        action(
-            Command::DeleteSelected,
-            "Delete the selected pair",
-            "Remove the selected pair from both images. With the pin tool, remove the pinned line pair.",
-        )
-        .key(NONE, Key::Delete)
-        .key(NONE, Key::Backspace)
-        .when(|model| model.document.selection.is_some() || model.open.focus.inspected().is_some()),
-        action(
-            Command::Cancel,
-            "Cancel",
-            "Cancel a drag or the first click of a pair, or close a dialog or the topmost message.",
-        )
-        .key(NONE, Key::Escape)
-        .while_typing()
-        // This action closes the list, too.
-        .when(|_| false),
+        .when(Model::has_sequences),
         action(Command::FitAll, "Fit", "Show both images completely. A double click fits one image.")
             .key(NONE, Key::F)
             .listed(|_| "Fit both images (zoom out)"),
-        action(Command::Recompute, "Compute again", "Run the estimate again from the same points.")
-            .key(NONE, Key::F5)
-            .when(|model| model.document.used_pairs().is_some()),
-        action(Command::FoldDock, "Hide or show the dock", "Fold the dock to one line with the verdict, or unfold it.")
-            .key(NONE, Key::B),
-        action(
-            Command::ToggleAlone,
-            "Pictures alone",
-            "Show the pictures without bars and dock. Escape brings everything back.",
-        )
-        .key(NONE, Key::H)
-        .key(NONE, Key::F11),
         action(
             Command::Blink,
             "Blink",
@@ -174,18 +184,29 @@ pub fn with_keys() -> Vec<Action> {
         .key(NONE, Key::X)
         .listed(|_| "Blink: swap the two pictures on the screen")
         .when(|model| model.document.pictures.is_some()),
+    ];
+    let panels = vec![
+        action(
+            Command::FoldDock,
+            "Hide or show the dock",
+            "Fold the dock to one line with the verdict, or unfold it.",
+        )
+        .key(NONE, Key::B),
+        action(
+            Command::ToggleAlone,
+            "Pictures alone",
+            "Show the pictures without bars and dock. Escape brings everything back.",
+        )
+        .key(NONE, Key::H)
+        .key(NONE, Key::F11),
         action(
             Command::ToggleDrawer,
             "Images of the folder",
             "Show all images of the folder in a drawer over the pictures, or hide them.",
         )
         .key(NONE, Key::A)
-        .when(has_strip),
-        tab(
-            TabId::Profiles,
-            Key::Num1,
-            "Intensities along one line pair, and the matching of its samples.",
-        ),
+        .when(Model::has_strip),
+        tab(TabId::Profiles, Key::Num1, "Intensities along one line pair, and the matching of its samples."),
         tab(TabId::Method, Key::Num2, "The steps of the method on these pictures, one by one."),
         tab(TabId::Residuals, Key::Num3, "Distances of points from their epipolar lines."),
         tab(
@@ -210,36 +231,33 @@ pub fn with_keys() -> Vec<Action> {
         .key(NONE, Key::Num7)
         .listed(|_| "3-D: cameras and triangulated matches")
         .when(|model| model.can_rectify() && !model.compares_barcodes()),
-        action(Command::StepMethod { forward: false }, "Previous step", "Show the previous step of the method.")
-            .key(SHIFT, Key::N)
-            .listed(|_| "Method: previous step"),
+        action(
+            Command::StepMethod { forward: false },
+            "Previous step",
+            "Show the previous step of the method.",
+        )
+        .key(SHIFT, Key::N)
+        .listed(|_| "Method: previous step"),
         action(Command::StepMethod { forward: true }, "Next step", "Show the next step of the method.")
             .key(NONE, Key::N)
             .listed(|_| "Method: next step"),
+    ];
+    let program = vec![
+        action(Command::TogglePalette, "Commands", "Search for any command by name and run it.")
+            .key(COMMAND, Key::K)
+            .key(COMMAND, Key::P)
+            .while_typing()
+            // The action closes this list.
+            .when(|_| false),
         action(
-            RectifiedCommand::ShowExport,
-            "Export rectified pair…",
-            "Write the rectified pair at full size into a folder, with its homographies or tables and its \
-             quality measures.",
+            Command::Cancel,
+            "Cancel",
+            "Cancel a drag or the first click of a pair, or close a dialog or the topmost message.",
         )
-        .key(COMMAND_SHIFT, Key::E)
-        .listed(|_| "Export rectified pair…")
-        .when(|model| model.shown().is_some() && model.activity.writing.is_none()),
-        action(
-            ExchangeCommand::ShowExport,
-            "Export…",
-            "Write the geometry, the point pairs, the result, a profile or the view as a file for other programs.",
-        )
-        .key(COMMAND, Key::E)
-        .listed(|_| "Export… (geometry, point pairs, report, profile, view)")
-        .when(|model| model.document.pictures.is_some()),
-        action(
-            Command::ChooseHypothesis(None),
-            "Back to the result",
-            "Show the result of the estimate in the whole window again.",
-        )
-        .key(NONE, Key::R)
-        .when(Model::shows_another),
+        .key(NONE, Key::Escape)
+        .while_typing()
+        // This action closes the list, too.
+        .when(|_| false),
         action(Command::ToggleTheme, "Light or dark theme", "Switch between the light and the dark theme.")
             .key(NONE, Key::T),
         action(Command::ToggleShortcuts, "Keys", "Show the keys and mouse actions.")
@@ -247,5 +265,8 @@ pub fn with_keys() -> Vec<Action> {
             .key(NONE, Key::F1)
             .listed(|_| "List of keys"),
         action(Command::Quit, "Quit", "Close the window.").key(COMMAND, Key::Q).while_typing(),
-    ]
+    ];
+    let groups = [points, result, files, display, panels, program];
+    let named = GROUPS.into_iter().zip(groups);
+    named.flat_map(|(group, own)| own.into_iter().map(move |action| Action { group, ..action })).collect()
 }

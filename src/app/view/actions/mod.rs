@@ -4,7 +4,6 @@
 //! applied.
 
 mod action;
-pub mod conditions;
 mod dialogs;
 mod keys;
 mod named;
@@ -15,11 +14,13 @@ use std::sync::LazyLock;
 use egui::KeyboardShortcut;
 
 use crate::app::model::command::{Command, ExchangeCommand, SessionCommand};
-use crate::app::model::point_table::{ChosenEdit, PointsCommand};
+use crate::app::model::document::Role;
+use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::tones::TonesCommand;
 pub use action::Action;
+pub use keys::GROUPS;
 
 /// All actions. Those with shortcuts come first, in the order of the list of keys.
 pub static ACTIONS: LazyLock<Vec<Action>> = LazyLock::new(|| {
@@ -35,10 +36,10 @@ enum Kind {
     Tones(Discriminant<TonesCommand>),
     /// Also the sign of the step: forwards and backwards have separate entries.
     Player(Discriminant<PlayerCommand>, Option<i32>),
-    /// Also the edit of the chosen rows.
-    Points(Discriminant<PointsCommand>, Option<ChosenEdit>),
-    /// Whether the pair only checks: both values have separate entries.
-    CheckOnly(bool),
+    /// Also the role of the chosen rows.
+    Points(Discriminant<PointsCommand>, Option<Role>),
+    /// Each role has an entry.
+    Role(Role),
     Other(Discriminant<Command>),
 }
 
@@ -53,10 +54,10 @@ fn kind(command: &Command) -> Kind {
             Kind::Player(discriminant(command), by)
         }
         Command::Points(command) => {
-            let edit = if let PointsCommand::Edit(edit) = command { Some(*edit) } else { None };
-            Kind::Points(discriminant(command), edit)
+            let role = if let PointsCommand::SetRole(role) = command { Some(*role) } else { None };
+            Kind::Points(discriminant(command), role)
         }
-        Command::CheckOnly(_, only) => Kind::CheckOnly(*only),
+        Command::SetRole(_, role) => Kind::Role(*role),
         other => Kind::Other(discriminant(other)),
     }
 }

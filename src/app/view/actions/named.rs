@@ -1,7 +1,6 @@
 //! Actions listed among all commands, without keyboard shortcuts.
 
 use super::action::{Action, action};
-use super::conditions::{has_rectified, has_sequences, is_published_search};
 use crate::app::model::command::PickPurpose;
 use crate::app::model::comparison::Contestant;
 use crate::app::model::dock::DockEdge;
@@ -11,7 +10,7 @@ use crate::app::model::rectified::{RectifiedCommand, RectifiedLayout};
 use crate::app::model::tones::TonesCommand;
 use crate::app::model::verdict::USE_LENS;
 use crate::app::model::{Command, ExchangeCommand, Model, Side};
-use crate::estimate::{Method, Preset};
+use crate::estimate::{Method, Preset, Search};
 use crate::io::Notation;
 use crate::rectify::RectifyMethod;
 
@@ -24,10 +23,13 @@ pub fn by_name() -> Vec<Action> {
     let layouts = "Show the rectified pictures side by side, alternating, in red and cyan, with a wipe, or \
                    as disparities.";
     let layout = |layout| {
-        action(RectifiedCommand::LayOut(layout), "Layout of the rectified pair", layouts).when(has_rectified)
+        action(RectifiedCommand::LayOut(layout), "Layout of the rectified pair", layouts)
+            .when(|model| model.open.rectified.is_some())
     };
-    let method =
-        |method| action(Command::SetMethod(method), "Published method", methods).when(is_published_search);
+    let method = |method| {
+        action(Command::SetMethod(method), "Published method", methods)
+            .when(|model| model.document.parameters.search == Search::Lines)
+    };
     let preset = |preset| action(Command::SetPreset(preset), "Preset", presets);
     let place = "Put the dock at the bottom or at the right, or where it costs the pictures least.";
     let dock = |edge| action(Command::PlaceDock(edge), "Place of the dock", place);
@@ -82,7 +84,7 @@ pub fn by_name() -> Vec<Action> {
             "Find the time offset at which the two sequences agree best, up to 50 frames either way.",
         )
         .listed(|_| "Sequences: find their offset in time")
-        .when(|model| has_sequences(model) && !model.activity.aligning),
+        .when(|model| model.has_sequences() && !model.activity.aligning),
         action(
             Command::FindWithoutClicks,
             "Find without clicks",
@@ -261,7 +263,7 @@ pub fn by_name() -> Vec<Action> {
             "Show the rectified pictures completely. A double click does the same.",
         )
         .listed(|_| "Fit the rectified pair")
-        .when(has_rectified),
+        .when(|model| model.open.rectified.is_some()),
         action(RectifiedCommand::StopExport, "Stop", "Stop writing the rectified pair.")
             .listed(|_| "Stop the export of the rectified pair")
             .when(|model| model.activity.writing.is_some()),

@@ -6,10 +6,11 @@ use std::sync::Arc;
 
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{
-    Align2, Color32, ColorImage, CornerRadius, CursorIcon, FontId, Pos2, Rect, ScrollArea, Sense, Stroke,
-    StrokeKind, TextureHandle, TextureOptions, Ui, UiBuilder, pos2, vec2,
+    Align2, Button, Color32, ColorImage, CornerRadius, CursorIcon, FontId, Pos2, Rect, RichText, ScrollArea,
+    Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, UiBuilder, Vec2, pos2, vec2,
 };
 
+use super::dialog::named;
 use crate::app::model::document::counted;
 use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::picture::Overview;
@@ -236,18 +237,10 @@ fn side_button(
     };
     let area = Rect::from_min_size(pos2(x, caption.min.y), vec2(CAPTION - 1.0, CAPTION - 3.0));
     let is_open = pair[side.index()] == view;
-    let palette = theme::palette(ui.visuals());
-    let response = ui.interact(area, ui.scope_id().with(letter), Sense::click());
     let label = format!("Show {} on the {}", folder.names()[view], side.name());
-    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, is_open, &label));
-    let visuals = ui.style().interact(&response);
-    let (fill, text) = if is_open {
-        (palette.accent, palette.on_accent)
-    } else {
-        (visuals.weak_bg_fill, visuals.text_color())
-    };
-    ui.painter().rect_filled(area, CornerRadius::same(3), fill);
-    ui.painter().text(area.center(), Align2::CENTER_CENTER, letter, FontId::proportional(11.0), text);
+    ui.spacing_mut().button_padding = Vec2::ZERO;
+    let button = Button::selectable(is_open, RichText::new(letter).size(11.0)).frame_when_inactive(true);
+    let response = named(ui.put(area, button), &label);
     let mut views = pair;
     views[side.index()] = view;
     // An image that is open on the other side trades places.

@@ -4,7 +4,7 @@ use egui::{Button, RichText, Ui};
 
 use super::menu_entry;
 use super::tabs::describe_lines;
-use crate::app::model::point_table::{ChosenEdit, PointsCommand};
+use crate::app::model::point_table::CHOSEN_EDITS;
 use crate::app::model::{Command, ExchangeCommand, LineSource, Model, Role, Side, TabId, pair_name};
 use crate::geometry::Point;
 use crate::io::Notation;
@@ -16,8 +16,8 @@ pub fn pair_menu(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Com
     let together = chosen > 1 && document.chosen.contains(&pair);
     ui.weak(if together { format!("{chosen} chosen pairs") } else { format!("Pair {}", pair_name(pair)) });
     if together {
-        for edit in [ChosenEdit::Use, ChosenEdit::CheckOnly, ChosenEdit::Exclude, ChosenEdit::Delete] {
-            menu_entry(ui, PointsCommand::Edit(edit).into(), true, commands);
+        for command in CHOSEN_EDITS {
+            menu_entry(ui, command.into(), true, commands);
         }
         return;
     }
@@ -25,10 +25,9 @@ pub fn pair_menu(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Com
         menu_entry(ui, Command::Refine(pair), model.repair_question(pair).is_some(), commands);
         menu_entry(ui, Command::MoveToMatch(pair), model.better_place(pair).is_some(), commands);
         ui.separator();
-        let only = document.role(pair) == Role::Used;
-        menu_entry(ui, Command::CheckOnly(pair, only), only || document.can_be_used(pair), commands);
-        let is_out = document.role(pair) == Role::Excluded;
-        menu_entry(ui, Command::IncludePair(pair, is_out), true, commands);
+        for role in Role::ALL.into_iter().filter(|role| *role != document.role(pair)) {
+            menu_entry(ui, Command::SetRole(pair, role), document.can_have(pair, role), commands);
+        }
         menu_entry(ui, Command::Pin(LineSource::Pair(pair)), model.shown().is_some(), commands);
         ui.separator();
     }

@@ -8,7 +8,6 @@ use super::icons::{Icon, icon_button};
 use crate::app::model::document::counted;
 use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::{Command, Model, Side};
-use crate::app::view::actions::conditions::has_strip;
 
 /// Shows the choice of the pair, and the button of the drawer with all images.
 pub fn show(ui: &mut Ui, model: &Model, folder: &PairFolder, pair: [usize; 2], commands: &mut Vec<Command>) {
@@ -21,7 +20,7 @@ pub fn show(ui: &mut Ui, model: &Model, folder: &PairFolder, pair: [usize; 2], c
         pair_chooser(ui, folder, pair, commands);
     }
     step(ui, folder, pair, true, commands);
-    if has_strip(model) {
+    if model.has_strip() {
         let drawer = icon_button(ui, Icon::Images, true, model.look.drawer);
         let drawer = named(drawer, Command::ToggleDrawer.name());
         finish_button(ui, drawer, Command::ToggleDrawer, commands);

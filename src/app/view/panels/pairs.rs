@@ -10,7 +10,7 @@ use egui::{
 use super::dialog::named;
 use super::gauge;
 use super::{command_button, finish_button, pair_menu};
-use crate::app::model::point_table::{Choosing, ChosenEdit, PointsCommand};
+use crate::app::model::point_table::{CHOSEN_EDITS, Choosing, PointsCommand};
 use crate::app::model::residuals::check_summary;
 use crate::app::model::{Command, ExchangeCommand, Model, PointRef, Role, Side, Target, pair_name};
 use crate::app::view::theme;
@@ -231,8 +231,8 @@ fn line(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
 fn chosen_edits(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
         ui.weak(format!("{} chosen", model.document.chosen.len()));
-        for edit in [ChosenEdit::Use, ChosenEdit::CheckOnly, ChosenEdit::Exclude, ChosenEdit::Delete] {
-            let command = Command::from(PointsCommand::Edit(edit));
+        for command in CHOSEN_EDITS {
+            let command = Command::from(command);
             let button = ui.add(Button::new(command.name()).small());
             finish_button(ui, button, command, commands);
         }
@@ -287,12 +287,8 @@ fn name_field(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Comman
 fn role(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     let document = &model.document;
     let now = document.role(pair);
-    for (role, command) in [
-        (Role::Used, Command::CheckOnly(pair, false)),
-        (Role::Check, Command::CheckOnly(pair, true)),
-        (Role::Excluded, Command::IncludePair(pair, now == Role::Excluded)),
-    ] {
-        let is_free = role != Role::Used || document.can_be_used(pair);
+    for role in Role::ALL {
+        let (command, is_free) = (Command::SetRole(pair, role), document.can_have(pair, role));
         let response = ui.add_enabled(is_free, Button::selectable(now == role, command.name()).small());
         let label = format!("{} pair {}", command.name(), pair_name(pair));
         response.widget_info(|| WidgetInfo::selected(egui::Role::Button, is_free, now == role, &label));

@@ -2,9 +2,7 @@
 
 use egui::{Align2, Grid, Label, RichText, ScrollArea, TextStyle, Ui, Window, vec2};
 
-use crate::app::model::command::Command;
-use crate::app::model::rectified::RectifiedCommand;
-use crate::app::view::actions::ACTIONS;
+use crate::app::view::actions::{ACTIONS, GROUPS};
 use crate::app::view::keyboard::key_text;
 
 /// Mouse actions in an image.
@@ -18,45 +16,6 @@ const MOUSE: [(&str, &str); 8] = [
     ("Arrow keys", "Move the selected point by 0.1 px"),
     ("Shift and arrow keys", "Move the selected point by 1 px"),
 ];
-
-/// Groups of actions, in the order of the list.
-const GROUPS: [&str; 6] = ["Points", "Result", "Files", "Display", "Panels", "Program"];
-
-fn group(command: &Command) -> &'static str {
-    match command {
-        Command::ShowOpenDialog
-        | Command::StepPair { .. }
-        | Command::Session(_)
-        | Command::Exchange(_)
-        | Command::Rectified(RectifiedCommand::ShowExport) => "Files",
-        Command::ToggleInspectTool
-        | Command::ToggleMeasureTool
-        | Command::ToggleLink
-        | Command::FitAll
-        | Command::Blink
-        | Command::ToggleStacked
-        | Command::ToggleLoupe
-        | Command::Tones(_)
-        | Command::Player(_)
-        | Command::Rectified(_) => "Display",
-        Command::ShowTab(_)
-        | Command::ShowStage(_)
-        | Command::StepMethod { .. }
-        | Command::FoldDock
-        | Command::ToggleAlone
-        | Command::ToggleDrawer => "Panels",
-        Command::ToggleTruth
-        | Command::Recompute
-        | Command::ChooseHypothesis(_)
-        | Command::ChooseContestant(_) => "Result",
-        Command::TogglePalette
-        | Command::ToggleTheme
-        | Command::ToggleShortcuts
-        | Command::Cancel
-        | Command::Quit => "Program",
-        _ => "Points",
-    }
-}
 
 /// Shows the list. `open` becomes false when the user closes it.
 pub fn show(ctx: &egui::Context, open: &mut bool) {
@@ -98,7 +57,7 @@ type ShortcutRows = Vec<(String, &'static str)>;
 
 /// Returns the shortcuts of a group, each with the first sentence of its tooltip.
 fn keys_of(ctx: &egui::Context, name: &str) -> ShortcutRows {
-    let actions = ACTIONS.iter().filter(|action| !action.keys.is_empty() && group(&action.command) == name);
+    let actions = ACTIONS.iter().filter(|action| !action.keys.is_empty() && action.group == name);
     let rows = actions.map(|action| {
         let keys = key_text(ctx, &action.command).unwrap_or_default();
         (keys, action.tooltip.split(['.', ';']).next().unwrap_or_default())

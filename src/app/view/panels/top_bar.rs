@@ -9,7 +9,6 @@ use super::{copy_fundamental_menu, finish_button, menu_entry, overlays_menu, pai
 use crate::app::model::look::Tool;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::{Command, ExchangeCommand, Model, SessionCommand, StageId};
-use crate::app::view::actions::conditions::has_strip;
 use crate::app::view::theme;
 
 /// Width from which the search has a field rather than an icon, screen points, and the room that the choice of a
@@ -24,7 +23,7 @@ const STAGE: f32 = 80.0;
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let area = ui.max_rect();
     ui.spacing_mut().item_spacing.x = 3.0;
-    let middle = area.width() >= ROOM_FOR_MIDDLE && !has_strip(model);
+    let middle = area.width() >= ROOM_FOR_MIDDLE && !model.has_strip();
     ui.horizontal_centered(|ui| {
         icons(ui, model, commands);
         if let Some((folder, pair)) = model.folder() {
@@ -68,8 +67,9 @@ fn icons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     button(ui, Icon::Undo, Command::Undo, model.can_undo(), false);
     button(ui, Icon::Redo, Command::Redo, model.history.can_redo(), false);
     ui.separator();
-    button(ui, Icon::Pin, Command::ToggleInspectTool, any, model.tool == Tool::Inspect);
-    button(ui, Icon::Measure, Command::ToggleMeasureTool, any, model.tool == Tool::Measure);
+    for (icon, tool) in [(Icon::Pin, Tool::Inspect), (Icon::Measure, Tool::Measure)] {
+        button(ui, icon, Command::ToggleTool(tool), any, model.tool == tool);
+    }
     button(ui, Icon::Fit, Command::FitAll, any, false);
     if any {
         tones::show(ui, model, commands);

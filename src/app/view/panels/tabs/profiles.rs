@@ -40,7 +40,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             "The two lines are being compared."
         } else if model.open.computation.is_running() {
             "Intensities along a line pair appear here with the first result."
-        } else if model.recordings().is_some() {
+        } else if model.has_sequences() {
             "The motion along a line pair appears here once there are enough point pairs."
         } else {
             "Intensities along a line pair appear here once there are enough point pairs."

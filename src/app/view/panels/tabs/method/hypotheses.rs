@@ -62,16 +62,46 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
             if number(row).is_some() { scales.gauge(figure, value) } else { scales.of_result(figure, value) }
         })
     };
-    let epipole = |title, side: Side, tooltip| {
-        let epipole = move |row: usize| side.epipole(listed.hypothesis(row).fundamental());
-        let centre = model.document.frame(side).map_or(Point::origin(), |frame| frame.centre());
-        let away = move |row: usize| {
-            finite_point(&epipole(row)).map_or(f64::INFINITY, |point| (point - centre).norm())
-        };
-        Column::figures(title, 130.0, tooltip, away, |_| String::new())
-            .written(move |row| epipole_text(&epipole(row), None))
-    };
-    let own = if step == MethodStep::RoundTrip {
+    let epipoles = Side::BOTH.map(|side| epipole(listed, model, side));
+    let mut columns: Vec<Column> =
+        std::iter::once(rank).chain(of_step(step, figure)).chain(epipoles).collect();
+    if ui.available_width() < ROOM_FOR_ALL {
+        columns.pop();
+    }
+    let touched = Table {
+        name: if step == MethodStep::RoundTrip { "round trips" } else { "validation" },
+        columns: &columns,
+        rows: listed.rows(),
+        revision: model.open.computation.revision(),
+        row_name: &|row| {
+            let mark = if standing(row) == Some(Standing::Rival) { ", the rival" } else { "" };
+            number(row).map_or("Result".to_owned(), |number| format!("Hypothesis {}{mark}", number + 1))
+        },
+        about: &|row| match number(row) {
+            Some(number) => Some(Standing::of(listed.result?, number)?.in_words(listed.result?, number)),
+            None => Some(RESULT.to_owned()),
+        },
+        look: &|row| RowLook {
+            chosen: chosen == number(row),
+            lit: number(row).is_some() && lit == number(row),
+        },
+    }
+    .show(ui);
+    if let Some(number) = touched.hovered.and_then(number) {
+        commands.push(Command::PointAt(Target::Hypothesis(number)));
+    }
+    if let Some(row) = touched.clicked {
+        let clicked = number(row);
+        commands.push(Command::ChooseHypothesis(clicked.filter(|_| clicked != chosen)));
+    }
+}
+
+/// Returns the columns with the figures of a step.
+fn of_step<'a>(
+    step: MethodStep,
+    figure: impl Fn(&'static str, f32, &'static str, HypothesisFigure, usize) -> Column<'a>,
+) -> [Column<'a>; 2] {
+    if step == MethodStep::RoundTrip {
         [
             figure(
                 "Round trip",
@@ -110,49 +140,29 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
                 1,
             ),
         ]
+    }
+}
+
+/// Returns the column with the epipoles of one image.
+fn epipole<'a>(listed: &'a Listed, model: &Model, side: Side) -> Column<'a> {
+    let (title, tooltip) = match side {
+        Side::Left => (
+            "Left epipole",
+            "Position of the other camera in the left image, px, or its direction if far away. Sorted by the \
+             distance from the image centre.",
+        ),
+        Side::Right => (
+            "Right epipole",
+            "Position of the other camera in the right image, px, or its direction if far away. Sorted by the \
+             distance from the image centre.",
+        ),
     };
-    let left = epipole(
-        "Left epipole",
-        Side::Left,
-        "Position of the other camera in the left image, px, or its direction if far away. Sorted by the \
-         distance from the image centre.",
-    );
-    let right = epipole(
-        "Right epipole",
-        Side::Right,
-        "Position of the other camera in the right image, px, or its direction if far away. Sorted by the \
-         distance from the image centre.",
-    );
-    let mut columns: Vec<Column> = std::iter::once(rank).chain(own).chain([left, right]).collect();
-    if ui.available_width() < ROOM_FOR_ALL {
-        columns.pop();
-    }
-    let touched = Table {
-        name: if step == MethodStep::RoundTrip { "round trips" } else { "validation" },
-        columns: &columns,
-        rows: listed.rows(),
-        revision: model.open.computation.revision(),
-        row_name: &|row| {
-            let mark = if standing(row) == Some(Standing::Rival) { ", the rival" } else { "" };
-            number(row).map_or("Result".to_owned(), |number| format!("Hypothesis {}{mark}", number + 1))
-        },
-        about: &|row| match number(row) {
-            Some(number) => Some(Standing::of(listed.result?, number)?.in_words(listed.result?, number)),
-            None => Some(RESULT.to_owned()),
-        },
-        look: &|row| RowLook {
-            chosen: chosen == number(row),
-            lit: number(row).is_some() && lit == number(row),
-        },
-    }
-    .show(ui);
-    if let Some(number) = touched.hovered.and_then(number) {
-        commands.push(Command::PointAt(Target::Hypothesis(number)));
-    }
-    if let Some(row) = touched.clicked {
-        let clicked = number(row);
-        commands.push(Command::ChooseHypothesis(clicked.filter(|_| clicked != chosen)));
-    }
+    let epipole = move |row: usize| side.epipole(listed.hypothesis(row).fundamental());
+    let centre = model.document.frame(side).map_or(Point::origin(), |frame| frame.centre());
+    let away =
+        move |row: usize| finite_point(&epipole(row)).map_or(f64::INFINITY, |point| (point - centre).norm());
+    Column::figures(title, 130.0, tooltip, away, |_| String::new())
+        .written(move |row| epipole_text(&epipole(row), None))
 }
 
 /// Rows of the table: the final result, then the hypotheses by rank.

@@ -2,8 +2,8 @@
 
 use egui::{Grid, Key, Label, RichText, Ui};
 
-use super::super::dialog::dialog;
-use super::super::{finish_button, main_button};
+use super::dialog::dialog;
+use super::{finish_button, main_button};
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::exchange::{ImportFound, ImportedMatrix};
 use crate::app::model::verdict::sentence;

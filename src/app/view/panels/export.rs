@@ -6,8 +6,8 @@ use egui::{
     Align, Button, ComboBox, DragValue, Label, Layout, RichText, Role, ScrollArea, Ui, WidgetInfo, vec2,
 };
 
-use super::super::copy_fundamental_menu;
-use super::super::dialog::{PathField, dialog, ending, path_of, row_label};
+use super::copy_fundamental_menu;
+use super::dialog::{PathField, dialog, ending, path_of, row_label};
 use crate::app::model::command::PickPurpose;
 use crate::app::model::exchange::{
     ExportKind, ExportOrder, FigureFormat, PROFILE_CONVENTION, ReportFormat, ViewPart, result_note,
