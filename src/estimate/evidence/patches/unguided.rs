@@ -22,7 +22,7 @@ pub(in crate::estimate) struct UnguidedMatch {
 }
 
 /// Least probability of a likely match: it is likelier than all similar places together.
-const LIKELY: f32 = 0.5;
+pub(in crate::estimate) const LIKELY: f32 = 0.5;
 
 impl UnguidedMatch {
     /// Returns whether this is more likely the right match than not, among similar places.

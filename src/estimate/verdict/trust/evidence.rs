@@ -178,18 +178,18 @@ pub(in crate::estimate) struct Relief {
     pub further: Witnesses,
     /// Beside a warp that follows the rows more closely.
     pub finer: Witnesses,
+    /// Beside the warp, matches alone that are clearly likelier than all similar places together.
+    pub clear: Witnesses,
 }
 
 impl Relief {
     /// Returns the matches that leave the epipoles undetermined. `None` if parallax shows them. It
     /// must not vanish beside the finer warp: a rolling shutter may swing faster than the coarser
-    /// warp follows.
+    /// warp follows. Nor may it rest on matches that are equalled elsewhere, as on wallpaper.
     pub(super) fn doubt(self) -> Option<Witnesses> {
-        let Self { beside, finer, .. } = self;
-        if !beside.show_the_epipole() {
-            return Some(beside);
-        }
-        (!finer.are_mostly_along()).then_some(finer)
+        let Self { beside, finer, clear, .. } = self;
+        let doubted = [beside, clear].into_iter().find(|found| !found.show_the_epipole());
+        doubted.or((!finer.are_mostly_along()).then_some(finer))
     }
 }
 

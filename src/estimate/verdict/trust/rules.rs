@@ -140,7 +140,7 @@ mod tests {
         deviation: Some(0.05),
         plane: Some(plane(0.3, 1, 1.0)),
         together: Together { all: 260, off: 20, matches: 200, contradicting: 2 },
-        relief: Some(Relief { beside: SHOWN, further: NOTHING, finer: SHOWN }),
+        relief: Some(Relief { beside: SHOWN, further: NOTHING, finer: SHOWN, clear: SHOWN }),
         mirror: None,
         pattern: Some(ResidualPattern { share: 0.1, size: 0.1 }),
         side: 768.0,
@@ -218,7 +218,7 @@ mod tests {
     fn the_epipole_is_open_if_matches_off_the_warp_are_few_or_point_anywhere() {
         let reasons = |on_warp, along, across, off| {
             let beside = Witnesses { on_warp, along, across, off };
-            let relief = Some(Relief { beside, further: NOTHING, finer: SHOWN });
+            let relief = Some(Relief { beside, further: NOTHING, finer: SHOWN, clear: SHOWN });
             Trust::judge(&Evidence { relief, ..GOOD }).reasons
         };
         let told = |on_warp, along, across| [Reason::NoRelief { on_warp, along, across }];
@@ -240,8 +240,12 @@ mod tests {
         assert_eq!(Trust::judge(&Evidence { relief: None, ..GOOD }).reasons, []);
         // It vanishes beside a warp that follows the rows.
         let finer = Witnesses { on_warp: 395, along: 3, across: 2, off: 12 };
-        let relief = Some(Relief { beside: SHOWN, further: NOTHING, finer });
+        let relief = Some(Relief { beside: SHOWN, further: NOTHING, finer, clear: SHOWN });
         assert_eq!(Trust::judge(&Evidence { relief, ..GOOD }).reasons, told(395, 3, 2));
+        // It rests on matches that are equalled elsewhere.
+        let clear = Witnesses { on_warp: 0, along: 5, across: 1, off: 1 };
+        let relief = Some(Relief { beside: SHOWN, further: NOTHING, finer: SHOWN, clear });
+        assert_eq!(Trust::judge(&Evidence { relief, ..GOOD }).reasons, told(0, 5, 1));
     }
 
     #[test]
@@ -250,7 +254,7 @@ mod tests {
         let shown = Witnesses { on_warp: 90, along: 30, across: 2, off: 8 };
         let open = Witnesses { on_warp: 90, along: 10, across: 8, off: 28 };
         let with = |plane, further| {
-            let relief = Some(Relief { beside: SHOWN, further, finer: SHOWN });
+            let relief = Some(Relief { beside: SHOWN, further, finer: SHOWN, clear: SHOWN });
             verdict(&Evidence { plane: Some(plane), relief, ..GOOD })
         };
         assert_eq!(with(few_motions, shown), Verdict::Reliable);
