@@ -134,8 +134,7 @@ impl Inspector {
                     self.model.open.done.tell(format!("Exported {what} to {}", path.display()));
                 }
                 Written::Export { result: Err(problem), .. } => {
-                    let text = format!("Nothing was exported: {problem}. Choose another place.");
-                    self.model.messages.tell(text);
+                    self.view.dialogs.export.refuse(format!("Nothing was exported: {problem}."));
                 }
             }
         }
