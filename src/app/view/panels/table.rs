@@ -136,25 +136,26 @@ impl Table<'_> {
             sort = Sort { column: clicked, descending };
             ui.data_mut(|data| data.insert_temp(id, sort));
         }
-        let order = self.remembered_order(ui, id.with("order"), sort);
+        let (order, is_new) = self.remembered_order(ui, id.with("order"), sort);
         let mut touched = Touched::default();
         ui.spacing_mut().item_spacing.y = 0.0;
-        ScrollArea::vertical().id_salt(self.name).auto_shrink([false, false]).show_rows(
-            ui,
-            ROW,
-            order.len(),
-            |ui, visible| {
-                for place in visible {
-                    let response = self.row(ui, order[place], place, &edges, id, &font);
-                    if response.contains_pointer() {
-                        touched.hovered = Some(order[place]);
-                    }
-                    if response.clicked() {
-                        touched.clicked = Some(order[place]);
-                    }
+        let mut area = ScrollArea::vertical().id_salt(self.name).auto_shrink([false, false]);
+        if is_new {
+            // Another order begins at its top, or where the chosen row is in the middle.
+            let chosen = order.iter().position(|row| (self.look)(*row).chosen).unwrap_or(0);
+            area = area.vertical_scroll_offset((chosen as f32 * ROW - ui.available_height() / 2.0).max(0.0));
+        }
+        area.show_rows(ui, ROW, order.len(), |ui, visible| {
+            for place in visible {
+                let response = self.row(ui, order[place], place, &edges, id, &font);
+                if response.contains_pointer() {
+                    touched.hovered = Some(order[place]);
                 }
-            },
-        );
+                if response.clicked() {
+                    touched.clicked = Some(order[place]);
+                }
+            }
+        });
         touched
     }
 
@@ -170,17 +171,17 @@ impl Table<'_> {
         self.columns.iter().scan(0.0, right).collect()
     }
 
-    /// Returns the order of the rows, sorted again only after a change.
-    fn remembered_order(&self, ui: &Ui, id: Id, sort: Sort) -> Arc<[usize]> {
+    /// Returns the order of the rows, sorted again only after a change, and whether it was.
+    fn remembered_order(&self, ui: &Ui, id: Id, sort: Sort) -> (Arc<[usize]>, bool) {
         let (revision, rows) = (self.revision, self.rows);
         let kept = ui.data(|data| data.get_temp::<Ordered>(id));
         if let Some(kept) = kept.filter(|k| k.sort == sort && k.revision == revision && k.rows == rows) {
-            return kept.order;
+            return (kept.order, false);
         }
         let order: Arc<[usize]> = self.order(sort).into();
         let kept = Ordered { sort, revision, rows, order: Arc::clone(&order) };
         ui.data_mut(|data| data.insert_temp(id, kept));
-        order
+        (order, true)
     }
 
     fn order(&self, sort: Sort) -> Vec<usize> {
