@@ -15,6 +15,8 @@ use crate::app::view::theme;
 /// A column: its heading, and what its cells hold.
 pub struct Column<'a> {
     title: &'static str,
+    /// Written behind the title.
+    unit: &'static str,
     /// One sentence about the column.
     tooltip: &'static str,
     /// Relative width.
@@ -53,7 +55,12 @@ impl<'a> Column<'a> {
         text: impl Fn(usize) -> String + 'a,
     ) -> Self {
         let (key, gauge) = (Box::new(|row| row as f64), Box::new(|_| None));
-        Self { title, tooltip, width, is_text: true, key, text: Box::new(text), gauge }
+        Self { title, unit: "", tooltip, width, is_text: true, key, text: Box::new(text), gauge }
+    }
+
+    /// Tells the unit of the figures in the heading.
+    pub fn in_unit(self, unit: &'static str) -> Self {
+        Self { unit, ..self }
     }
 
     /// Writes other texts than the figures.
@@ -216,7 +223,8 @@ impl Table<'_> {
             let (start, end) = (cell.left_center() + vec2(INSET, 0.0), cell.right_center() - vec2(14.0, 0.0));
             let (at, align) =
                 if column.is_text { (start, Align2::LEFT_CENTER) } else { (end, Align2::RIGHT_CENTER) };
-            let title = ui.painter().text(at, align, column.title, font.clone(), color);
+            let title = format!("{}{}", column.title, column.unit);
+            let title = ui.painter().text(at, align, title, font.clone(), color);
             if sort.column == number {
                 let mark = title.right_center() + vec2(8.0, 0.0);
                 sort_mark(ui, mark, sort.descending, color);
