@@ -80,6 +80,32 @@ fn typed_paths_open() {
 }
 
 #[test]
+fn after_a_failure_the_field_that_was_typed_in_has_the_focus() {
+    let files = Files::new();
+    let mut window = sample();
+    press_with(&mut window, Modifiers::COMMAND, Key::O);
+    let role = egui::accesskit::Role::TextInput;
+    window.get_by_role_and_label(role, "Import").focus();
+    window.step();
+    let path = files.0.path().join("missing.txt").display().to_string();
+    window.get_by_role_and_label(role, "Import").type_text(&path);
+    window.step();
+    press(&mut window, Key::Enter);
+    window.get_by_label_contains("missing.txt");
+    assert!(window.get_by_role_and_label(role, "Import").is_focused());
+}
+
+#[test]
+fn an_empty_file_is_called_empty() {
+    let files = Files::new();
+    let mut window = sample();
+    let empty = files.0.path().join("empty.png");
+    std::fs::write(&empty, "").unwrap();
+    drop_files(&mut window, &[empty, files.image("b.png", 64, 48)]);
+    assert!(window.state().messages().any(|text| text.contains("the file is empty")));
+}
+
+#[test]
 fn a_file_dialog_that_cannot_open_is_told() {
     let mut window = sample();
     tap(&mut window, "Open");
