@@ -38,12 +38,10 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             "This line does not cross the left image. Pin another pair to compare its intensities."
         } else if model.inspected().is_some() {
             "The two lines are being compared."
-        } else if model.open.computation.is_running() {
-            "Intensities along a line pair appear here with the first result."
         } else if model.recordings().is_some() {
-            "The motion along a line pair appears here once there are enough point pairs."
+            "The motion along a line pair appears here with the first result."
         } else {
-            "Intensities along a line pair appear here once there are enough point pairs."
+            "Intensities along a line pair appear here with the first result."
         };
         empty(ui, text);
         return;
