@@ -62,6 +62,26 @@ fn two_dropped_files_open_and_one_waits_for_the_other() {
 }
 
 #[test]
+fn swapped_images_keep_their_points() {
+    let files = Files::new();
+    let mut window = open([files.image("a.png", 320, 240), files.image("b.png", 300, 260)]);
+    click_two_pairs(&mut window);
+    let before = window.state().document().clone();
+    let f = *window.state().estimate().unwrap().fundamental();
+    run_command(&mut window, "Swap the images");
+    let after = window.state().document();
+    let names = after.pictures.clone().unwrap().map(|picture| picture.name);
+    assert_eq!(names, ["b.png", "a.png"]);
+    assert_eq!(after.pairs, before.pairs.iter().map(|pair| pair.swapped()).collect::<Vec<_>>());
+    // The left pane shows the image of the left points.
+    let placed = point(&window, P_LEFT);
+    assert_eq!(placed, before.pairs[0].point2);
+    assert!(*window.state().estimate().unwrap().fundamental() != f, "the result is computed again");
+    run_command(&mut window, "Swap the images");
+    assert_eq!(window.state().document().pairs, before.pairs);
+}
+
+#[test]
 fn typed_paths_open() {
     let files = Files::new();
     let mut window = sample();

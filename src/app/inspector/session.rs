@@ -30,8 +30,7 @@ impl Inspector {
     /// Returns whether there is unsaved work on the user's own files. Clicks on the sample can be
     /// made again.
     fn has_own_unsaved_work(&self) -> bool {
-        let own = self.model.document.pictures.iter().flatten().any(|picture| picture.path.is_some());
-        own && self.model.has_unsaved_work()
+        self.model.document.is_of_files() && self.model.has_unsaved_work()
     }
 
     /// Offers to restore the newest copy of unsaved work, and lists all of them.
