@@ -91,6 +91,10 @@ pub fn run(start: Start, mut services: Services) -> Result<(), AppError> {
             options,
             Box::new(move |creation| {
                 theme::install(&creation.egui_ctx);
+                // The toolkit keeps scroll positions, which belong to the content of another run.
+                creation
+                    .egui_ctx
+                    .memory_mut(|memory| memory.data.remove_by_type::<egui::scroll_area::State>());
                 let mut inspector = Inspector::new(start, services);
                 if let Some(look) = creation.storage.and_then(|storage| eframe::get_value(storage, LOOK)) {
                     inspector.set_look(look);

@@ -13,7 +13,7 @@ use super::result_output::{Beside, ResultArguments};
 use crate::estimate::{CancelFlag, Estimate, Method, Monitor, PreparedPair, Preset, estimate_prepared};
 use crate::geometry::PointPair;
 use crate::io::{SequenceFile, read_sequence};
-use crate::motion::{BackgroundParameters, MOST_OFFSET, MotionError, Silhouettes, find_offset};
+use crate::motion::{BackgroundParameters, MOST_OFFSET, MotionError, Silhouettes, clear_offset, find_offset};
 use crate::similarity::LineMeasure;
 use crate::synthetic::{BallScene, ThrownBalls};
 
@@ -45,7 +45,7 @@ pub(super) struct BarcodeArguments {
     /// are simultaneous
     #[arg(long, value_name = "N", default_value_t = 0, conflicts_with = "find_offset")]
     offset: i32,
-    /// Find the offset, up to 50 frames in either direction
+    /// Find the offset, up to 50 frames in either direction; 0 if none is clear
     #[arg(long)]
     find_offset: bool,
     /// Preset of the parameters
@@ -137,16 +137,21 @@ fn moving(files: &[SequenceFile; 2]) -> Result<[Silhouettes; 2], MotionError> {
     Ok([of(first)?, of(second)?])
 }
 
-/// Finds the offset with the highest correlation of barcodes, and prints the best ones.
+/// Finds the offset with the highest correlation of barcodes, and prints the best ones. Returns 0 if
+/// none is clear.
 fn best_offset(both: [&Silhouettes; 2]) -> Result<i32, CliError> {
     let found = find_offset(both, MOST_OFFSET, &CancelFlag::default())?;
-    let Some(best) = found.first() else {
+    if found.is_empty() {
         return Err(CliError::Arguments(
             "the sequences are too short to find their offset. Give it with --offset".into(),
         ));
-    };
+    }
     let told: Vec<String> =
         found.iter().take(TOLD).map(|one| format!("{} ({:.3})", one.offset, one.correlation)).collect();
     tell(format_args!("Best offsets (correlation): {}", told.join(", ")));
-    Ok(best.offset)
+    let clear = clear_offset(&found);
+    if clear.is_none() {
+        tell(format_args!("Note: No offset is clear. The sequences are compared without one"));
+    }
+    Ok(clear.map_or(0, |best| best.offset))
 }

@@ -226,9 +226,12 @@ impl ConventionCheck {
     pub fn sentence(&self) -> String {
         let best = self.best();
         if !self.fits() {
+            // The least distance of a hundred readings tells nothing far beyond the limit.
+            let is_near = best.median <= FAR * self.limit;
+            let which =
+                if is_near { format!("the best one ({})", best.reading) } else { "each of them".to_owned() };
             return format!(
-                "No reading fits. Under the best one ({}), half of the {} matches lie more than {} px from their epipolar lines; the limit is {} px. The matrix may belong to other images, most matches may be wrong, or the convention may be one that is not tried: y pointing up, or only one of the images resized.",
-                best.reading,
+                "No reading fits. Under {which}, half of the {} matches lie more than {} px from their epipolar lines; the limit is {} px. The matrix may belong to other images, most matches may be wrong, or the convention may be one that is not tried: y pointing up, or only one of the images resized.",
                 self.matches,
                 pixels(best.median),
                 pixels(self.limit)

@@ -167,7 +167,7 @@ fn nothing_fits_matches_of_other_images() {
     let check = check_convention(&f, &matches).unwrap();
     assert!(!check.fits());
     let sentence = check.sentence();
-    assert!(sentence.starts_with("No reading fits"), "{sentence}");
+    assert!(sentence.starts_with("No reading fits. Under each of them, half"), "no name: {sentence}");
     assert!(sentence.contains("y pointing up, or only one of the images resized"), "{sentence}");
 }
 

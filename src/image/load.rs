@@ -47,7 +47,11 @@ impl Picture {
         // Any reasonable picture compresses to fewer bytes than its pixels.
         let most_bytes = options.most_pixels.saturating_mul(super::limit::WIDE_PIXEL).max(1 << 20);
         let long = || LoadError::LongFile { path: shown.clone(), megabytes: most_bytes / 1_000_000 };
+        let empty = || failed("the file is empty".to_owned());
         let pixels = if let Some(size) = input.size {
+            if size == 0 {
+                return Err(empty());
+            }
             if size > most_bytes {
                 return Err(long());
             }
@@ -57,6 +61,9 @@ impl Picture {
             let mut bytes = Vec::new();
             let read = input.file.take(most_bytes + 1).read_to_end(&mut bytes);
             read.map_err(|e| failed(reason(&e)))?;
+            if bytes.is_empty() {
+                return Err(empty());
+            }
             if bytes.len() as u64 > most_bytes {
                 return Err(long());
             }

@@ -223,6 +223,11 @@ impl ImageReference {
         }
     }
 
+    /// Returns whether the picture belongs to a built-in sample.
+    pub fn is_sample(&self) -> bool {
+        matches!(self.source, ImageSource::Sample { .. })
+    }
+
     /// Returns the path as written, or the name of the sample.
     fn place(&self) -> &str {
         match &self.source {

@@ -19,6 +19,6 @@ mod silhouettes;
 pub use background::BackgroundParameters;
 pub use barcode::{Barcode, FEWEST_CHANGES};
 pub use error::MotionError;
-pub use offset::{MOST_OFFSET, OffsetAgreement, find_offset};
+pub use offset::{MOST_OFFSET, OffsetAgreement, clear_offset, find_offset};
 pub use sequence::{FEWEST_FRAMES, FrameSequence, LONGEST_SIDE};
 pub use silhouettes::{Silhouettes, common_frames};

@@ -1,10 +1,12 @@
 //! The time offset between two recordings.
 
+use std::f64::consts::TAU;
+
 use rayon::prelude::*;
 
 use super::{Barcode, FEWEST_FRAMES, MotionError, Silhouettes, common_frames};
 use crate::cancel::CancelFlag;
-use crate::geometry::{AnchoredLine, line_grid};
+use crate::geometry::{AnchoredLine, line_grid, median};
 
 /// Largest offset tried in either direction, frames.
 pub const MOST_OFFSET: i32 = 50;
@@ -14,6 +16,12 @@ const LINES: usize = 500;
 /// counterpart.
 const BEST: f64 = 0.2;
 
+/// Largest probability that an offset is called clear by chance: one in 25, as for the agreement of a
+/// geometry.
+const BY_CHANCE: f64 = 0.04;
+/// Standard deviation of normal deviates over the median of their absolute values.
+const TO_SIGMA: f64 = 1.4826;
+
 /// Agreement of the barcodes of two sequences at an offset.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OffsetAgreement {
@@ -22,6 +30,25 @@ pub struct OffsetAgreement {
     /// Mean lower bound of the correlation ([`Barcode::least_correlation`]) over the best line
     /// pairs, −1 to 1.
     pub correlation: f64,
+}
+
+/// Returns the best offset if it is clear: the lines agree, better than chance explains, and only at
+/// this offset and its neighbours. `found` is the outcome of [`find_offset`], whose other offsets show
+/// the agreement by chance.
+pub fn clear_offset(found: &[OffsetAgreement]) -> Option<&OffsetAgreement> {
+    let best = found.first().filter(|best| best.correlation > 0.0)?;
+    let middle = median(found.iter().map(|one| one.correlation));
+    let deviation = TO_SIGMA * median(found.iter().map(|one| (one.correlation - middle).abs()));
+    let stands_out = |one: &&OffsetAgreement| {
+        let height = one.correlation - middle;
+        let z = height / deviation;
+        // Mills' bound for a normal deviate, one for each offset.
+        let chance = found.len() as f64 * (-0.5 * z * z).exp() / (z * TAU.sqrt());
+        chance < BY_CHANCE && height > 0.5 * (best.correlation - middle)
+    };
+    let peak = || found.iter().filter(stands_out).map(|one| one.offset);
+    let width = peak().max()? - peak().min()? + 1;
+    (width as usize == peak().count()).then_some(best)
 }
 
 /// Returns the agreement at every offset from `−reach` to `reach` that leaves enough frames, best
@@ -88,7 +115,28 @@ mod tests {
             });
             let found = find_offset([&first, &second], 50, &CancelFlag::default()).unwrap();
             assert_eq!(found.len(), 101);
-            assert_eq!(found[0].offset, offset, "{:?}", &found[..4]);
+            assert_eq!(clear_offset(&found).map(|best| best.offset), Some(offset), "{:?}", &found[..4]);
         }
+    }
+
+    #[test]
+    fn only_one_high_peak_of_agreement_is_clear() {
+        // Agreements of unrelated recordings, with a peak.
+        let found = |peaks: &[(i32, f64)], level: f64| {
+            let one = |offset: i32| {
+                let by_chance = level + 0.02 * f64::from(offset * offset * 7 % 11 - 5) / 5.0;
+                let peak = |&(at, height): &(i32, f64)| height / f64::from(1 + (offset - at).abs());
+                let correlation = peaks.iter().map(peak).fold(by_chance, f64::max);
+                OffsetAgreement { offset, correlation }
+            };
+            let mut found: Vec<_> = (-50..=50).map(one).collect();
+            found.sort_by(|a, b| b.correlation.total_cmp(&a.correlation));
+            clear_offset(&found).map(|best| best.offset)
+        };
+        assert_eq!(found(&[(7, 0.3)], 0.0), Some(7));
+        assert_eq!(found(&[], 0.0), None, "nothing stands out");
+        assert_eq!(found(&[(7, 0.3), (-20, 0.28)], 0.0), None, "two offsets agree");
+        assert_eq!(found(&[(7, -0.3)], -0.9), None, "the lines disagree");
+        assert_eq!(clear_offset(&[]), None);
     }
 }

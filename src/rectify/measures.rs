@@ -4,6 +4,7 @@ use nalgebra::Matrix2;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::Rectification;
 use super::extent::Range;
 use super::map::ImageMap;
 use super::outline::{diagonals, middle_lines};
@@ -80,6 +81,17 @@ impl Measures {
                 Distortion::of(&maps[0], frames[0], size, scale),
                 Distortion::of(&maps[1], frames[1], size, scale),
             ],
+        }
+    }
+}
+
+impl Rectification {
+    /// Measures the range of disparities on other matches than the row errors. Nothing changes without
+    /// a match in both pictures.
+    pub fn measure_disparities(&mut self, matches: &[PointPair]) {
+        let measured = RowErrors::of(&self.maps, matches);
+        if let (Some(rows), Some(measured)) = (&mut self.measures.rows, measured) {
+            rows.disparity = measured.disparity;
         }
     }
 }

@@ -329,9 +329,9 @@ fn overlays_keys_and_themes_can_be_switched() {
     let mut window = sample();
     click_two_pairs(&mut window);
     press(&mut window, Key::Questionmark);
-    window.get_by_label("Keys and mouse");
+    window.get_by_label_contains(concat!("Keys and mouse, Epiline ", env!("CARGO_PKG_VERSION")));
     press(&mut window, Key::Escape);
-    assert!(window.query_by_label("Keys and mouse").is_none());
+    assert!(window.query_by_label_contains("Keys and mouse, ").is_none());
     let dark = window.ctx.theme();
     press(&mut window, Key::T);
     assert_ne!(window.ctx.theme(), dark);

@@ -373,9 +373,19 @@ fn an_export_that_fails_says_so_and_one_that_replaces_as_well() {
     let files = Files::new();
     let mut window = sample();
     click_two_pairs(&mut window);
-    export(&mut window, &[], &files.0.path().join("no/such/folder/g.json"));
-    assert!(told(&window, "Nothing was exported: cannot write"));
+    let place = |window: &Window| window.get_by_label("File").accesskit_node().value().unwrap_or_default();
     press_with(&mut window, Modifiers::COMMAND, Key::E);
+    let suggested = place(&window);
+    press(&mut window, Key::Escape);
+    let nowhere = files.0.path().join("no/such/folder/g.json");
+    export(&mut window, &[], &nowhere);
+    // The dialog stays, with the reason, to correct the path.
+    window.get_by_label_contains("Nothing was exported: cannot write");
+    assert!(window.get_by_label("File").is_focused() && place(&window) == nowhere.display().to_string());
+    press(&mut window, Key::Escape);
+    press_with(&mut window, Modifiers::COMMAND, Key::E);
+    assert!(window.query_by_label_contains("Nothing was exported").is_none());
+    assert_eq!(place(&window), suggested, "a folder that is missing is not proposed");
     type_into(&mut window, "File", &file(&files, "there.json", "old"));
     window.get_by_label_contains("exists and will be replaced");
     tap(&mut window, "Browse for the export file");

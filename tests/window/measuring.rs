@@ -50,6 +50,24 @@ fn two_clicks_measure_a_distance_until_escape() {
 }
 
 #[test]
+fn a_drag_measures_like_two_clicks_and_does_not_move_the_image() {
+    let mut window = sample();
+    press(&mut window, Key::D);
+    let [from, to] = [-0.2, 0.2].map(|x| at(&window, Side::Left, x, 0.1));
+    drag(&mut window, from, to, egui::PointerButton::Primary);
+    let width = window.state().document().frame(Side::Left).unwrap().width as f64;
+    let whole = distance(&window, Side::Left).unwrap();
+    assert!((whole - 0.4 * width).abs() < 1.0, "{whole} px");
+    assert!(texts(&window, Side::Left).iter().any(|text| text.starts_with("intensity ")));
+    assert!(window.state().model().open.measuring.unwrap().end.is_some());
+    // The image was not moved: a click is where the image is drawn when it fits.
+    press(&mut window, Key::D);
+    click(&mut window, from);
+    let half = window.state().document().half.unwrap();
+    assert!((screen_of(&window, Side::Left, half.point) - from).length() < 0.1);
+}
+
+#[test]
 fn escape_removes_the_measurement_then_the_tool_and_only_then_an_unfinished_pair() {
     let mut window = sample();
     click_at(&mut window, Side::Left, -0.2, 0.1);

@@ -62,6 +62,26 @@ fn two_dropped_files_open_and_one_waits_for_the_other() {
 }
 
 #[test]
+fn swapped_images_keep_their_points() {
+    let files = Files::new();
+    let mut window = open([files.image("a.png", 320, 240), files.image("b.png", 300, 260)]);
+    click_two_pairs(&mut window);
+    let before = window.state().document().clone();
+    let f = *window.state().estimate().unwrap().fundamental();
+    run_command(&mut window, "Swap the images");
+    let after = window.state().document();
+    let names = after.pictures.clone().unwrap().map(|picture| picture.name);
+    assert_eq!(names, ["b.png", "a.png"]);
+    assert_eq!(after.pairs, before.pairs.iter().map(|pair| pair.swapped()).collect::<Vec<_>>());
+    // The left pane shows the image of the left points.
+    let placed = point(&window, P_LEFT);
+    assert_eq!(placed, before.pairs[0].point2);
+    assert!(*window.state().estimate().unwrap().fundamental() != f, "the result is computed again");
+    run_command(&mut window, "Swap the images");
+    assert_eq!(window.state().document().pairs, before.pairs);
+}
+
+#[test]
 fn typed_paths_open() {
     let files = Files::new();
     let mut window = sample();
@@ -77,6 +97,32 @@ fn typed_paths_open() {
     tap(&mut window, "Open these");
     let pictures = window.state().document().pictures.clone().unwrap();
     assert_eq!(pictures.map(|picture| picture.name), ["left.png", "right.png"]);
+}
+
+#[test]
+fn after_a_failure_the_field_that_was_typed_in_has_the_focus() {
+    let files = Files::new();
+    let mut window = sample();
+    press_with(&mut window, Modifiers::COMMAND, Key::O);
+    let role = egui::accesskit::Role::TextInput;
+    window.get_by_role_and_label(role, "Import").focus();
+    window.step();
+    let path = files.0.path().join("missing.txt").display().to_string();
+    window.get_by_role_and_label(role, "Import").type_text(&path);
+    window.step();
+    press(&mut window, Key::Enter);
+    window.get_by_label_contains("missing.txt");
+    assert!(window.get_by_role_and_label(role, "Import").is_focused());
+}
+
+#[test]
+fn an_empty_file_is_called_empty() {
+    let files = Files::new();
+    let mut window = sample();
+    let empty = files.0.path().join("empty.png");
+    std::fs::write(&empty, "").unwrap();
+    drop_files(&mut window, &[empty, files.image("b.png", 64, 48)]);
+    assert!(window.state().messages().any(|text| text.contains("the file is empty")));
 }
 
 #[test]

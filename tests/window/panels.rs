@@ -605,7 +605,7 @@ fn the_key_sheet_fits_a_laptop() {
     let mut window = sample();
     window.set_size(vec2(1440.0, 900.0));
     press(&mut window, Key::F1);
-    let bottom = window.get_by_label("Keys and mouse").rect().max.y + 760.0;
+    let bottom = window.get_by_label_contains("Keys and mouse, Epiline ").rect().max.y + 760.0;
     for last in [
         "Write the geometry, the point pairs, the result, a profile or the view as a file for other programs",
         "Show both images redrawn with corresponding points in the same row",

@@ -178,7 +178,18 @@ fn the_scene_asks_for_cameras_and_goes_with_its_pictures() {
     tap(&mut window, "3-D");
     assert_eq!(stage(&window), StageId::Pictures);
     window.get_by_label("Focal lengths");
+    // Neither the keyboard nor the mouse reaches the window behind the dialog.
+    for _ in 0..8 {
+        press(&mut window, Key::Tab);
+        assert!(!window.get_by_label("3-D").is_focused() && !window.get_by_label("Open").is_focused());
+    }
+    let pairs = window.state().document().pairs.clone();
+    for side in Side::BOTH {
+        click_at(&mut window, side, 0.35, -0.4);
+    }
+    assert!(window.state().document().pairs == pairs && window.state().document().half.is_none());
     press(&mut window, Key::Escape);
+    assert!(window.query_by_label("Focal lengths").is_none());
 
     let mut window = calibrated(exact());
     tap(&mut window, "3-D");

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex};
 
 use egui::Key;
 use egui_kittest::kittest::Queryable;
+use epiline::estimate::Estimate;
 use epiline::geometry::{Frame, PointPair};
 use epiline::internals::app::model::document::Side;
 use epiline::internals::app::{Opening, Services, Start};
@@ -108,6 +109,20 @@ fn lines_are_compared_by_what_moves_in_the_frames_in_common() {
     window.get_by_label("Frames 115 and 119 of 120");
     undo(&mut window);
     assert_eq!(window.state().document().offset, 0);
+}
+
+#[test]
+fn a_result_of_sequences_without_clicks_has_lines_and_barcodes() {
+    let files = Files::new();
+    let fundamental = BallScene::new(SMALL).unwrap().fundamental().unwrap();
+    let services = Services { estimate: Box::new(move |_, _| Ok(Estimate::from(fundamental))), ..services() };
+    let mut window = opened(recorded(&files, SMALL), services);
+    tap(&mut window, "Find without clicks");
+    let model = window.state().model();
+    assert!(model.standing_in().is_empty() && model.inspected().is_some());
+    assert_eq!(model.unclicked_places().len(), 2);
+    press(&mut window, Key::Num1);
+    window.get_by_label("Motion barcodes");
 }
 
 #[test]

@@ -276,9 +276,24 @@ fn clicks_on_the_sample_are_kept_too_when_other_images_are_opened() {
     let before = made(&window);
     drop_files(&mut window, &both);
     let told = |words: &str| window.state().messages().any(|text| text.contains(words));
-    assert!(told("1 point pair on ") && told(" was not saved"), "{:?}", window.state().messages().next());
+    assert!(
+        told("1 point pair on the sample ") && told(" was not saved"),
+        "{:?}",
+        window.state().messages().next()
+    );
     tap(&mut window, "Restore");
     assert_eq!(made(&window).pairs, before.pairs);
+}
+
+#[test]
+fn files_of_one_name_are_no_sample() {
+    let (files, others, copies) = (Files::new(), Files::new(), tempfile::tempdir().unwrap());
+    let mut window = window(Start::default(), with_copies(copies.path()));
+    drop_files(&mut window, &[files.image("a.png", 64, 48), others.image("a.png", 50, 70)]);
+    click_at(&mut window, Side::Left, 0.1, 0.1);
+    click_at(&mut window, Side::Right, 0.1, 0.1);
+    drop_files(&mut window, &[files.image("b.png", 64, 48), files.image("c.png", 50, 70)]);
+    assert!(window.state().messages().any(|text| text.contains("1 point pair on a.png and a.png was not")));
 }
 
 #[test]

@@ -442,6 +442,23 @@ fn a_small_window_has_room_for_rows_of_residuals() {
 }
 
 #[test]
+fn the_rows_of_another_result_begin_at_the_top() {
+    let files = vgg(2);
+    let mut window = open_with_clicks(&files);
+    press(&mut window, Key::Num3);
+    assert!(painted(&window, "Result, px"), "the unit of the figures");
+    let place = window.get_by_label("True match 2").rect().center();
+    scroll_by(&mut window, place, -400.0);
+    assert!(window.query_by_label("True match 1").is_none(), "scrolled");
+    // The same result keeps its place.
+    press(&mut window, Key::Num4);
+    press(&mut window, Key::Num3);
+    assert!(window.query_by_label("True match 1").is_none());
+    press(&mut window, Key::F5);
+    window.get_by_label("True match 1");
+}
+
+#[test]
 fn rows_of_true_matches_are_linked_with_the_images() {
     let files = vgg(2);
     let mut window = open_with_clicks(&files);

@@ -68,6 +68,7 @@ impl Inspector {
             Command::ClearPairs => model.edit(|document| document.set_pairs(Vec::new(), PairOrigin::Clicked)),
             Command::Cancel => self.cancel(),
             Command::TurnView(side) => self.view.panes[side.index()].turn(),
+            Command::SwapImages => self.swap_images(ctx),
             Command::FitAll => self.fit_all(),
             Command::FitAfterDoubleClick(side) => self.fit_after_double_click(side),
             Command::ToggleTheme => {

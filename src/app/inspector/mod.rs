@@ -153,7 +153,7 @@ impl Inspector {
         }
         match self.tasks.writing.take(&mut self.model.activity.writing) {
             Some(Ok(text)) => self.model.messages.say(MessageKind::Done, text, Vec::new()),
-            Some(Err(text)) => self.model.messages.tell(text),
+            Some(Err(text)) => self.view.dialogs.export.refuse(text),
             None => {}
         }
         if let Some(found) = self.tasks.aligning.latest() {

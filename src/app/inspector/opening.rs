@@ -98,6 +98,25 @@ impl Inspector {
         }
     }
 
+    /// Opens the pictures in the other order, with the same points. The folder and its other pairs belong to
+    /// the old order.
+    pub(super) fn swap_images(&mut self, ctx: &egui::Context) {
+        let is_of_files = self.model.document.is_of_files();
+        let Some([left, right]) = self.model.open.pictures.clone().filter(|_| is_of_files) else { return };
+        let pictures = [right, left];
+        let set_aside = self.model.album.is_some() && self.set_aside();
+        self.replace_pictures(ctx, &pictures);
+        self.tasks.thumbnailing.forget();
+        self.model.thumbnails.follow(None);
+        let document = std::mem::take(&mut self.model.document).swapped();
+        self.model.open(pictures, None, false, None);
+        self.model.document = document;
+        self.model.open.done.tell("Swapped the images");
+        if set_aside {
+            self.offer_left_behind();
+        }
+    }
+
     /// Shows other pictures, or other lenses of the same ones, and forgets what was asked about the earlier ones.
     fn replace_pictures(&mut self, ctx: &egui::Context, pictures: &[Opened; 2]) {
         for (pane, opened) in self.view.panes.iter_mut().zip(pictures) {

@@ -30,8 +30,7 @@ impl Inspector {
     /// Returns whether there is unsaved work on the user's own files. Clicks on the sample can be
     /// made again.
     fn has_own_unsaved_work(&self) -> bool {
-        let own = self.model.document.pictures.iter().flatten().any(|picture| picture.path.is_some());
-        own && self.model.has_unsaved_work()
+        self.model.document.is_of_files() && self.model.has_unsaved_work()
     }
 
     /// Offers to restore the newest copy of unsaved work, and lists all of them.
@@ -134,8 +133,7 @@ impl Inspector {
                     self.model.open.done.tell(format!("Exported {what} to {}", path.display()));
                 }
                 Written::Export { result: Err(problem), .. } => {
-                    let text = format!("Nothing was exported: {problem}. Choose another place.");
-                    self.model.messages.tell(text);
+                    self.view.dialogs.export.refuse(format!("Nothing was exported: {problem}."));
                 }
             }
         }

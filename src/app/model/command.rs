@@ -57,6 +57,8 @@ pub enum Command {
     ClearPairs,
     Cancel,
     TurnView(Side),
+    /// Open the pictures in the other order, with the same points.
+    SwapImages,
     FitAll,
     /// Fit an image into its pane, and remove the point placed by the first of the two clicks.
     FitAfterDoubleClick(Side),

@@ -27,7 +27,7 @@ pub fn guide(model: &Model) -> String {
         };
     }
     if model.tool == Tool::Measure {
-        return "Measure tool: click two places in one image. Escape goes back to placing points.".into();
+        return "Measure tool: click two places in one image, or drag from one to the other. Escape goes back to placing points.".into();
     }
     if document.half.is_some() {
         let name = pair_name(document.pairs.len());

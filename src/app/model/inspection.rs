@@ -117,6 +117,14 @@ impl Inspection {
             .then(|| self.lines[1].point_at(f64::from(partner) * self.step * self.scale))
     }
 
+    /// Returns whether the sample with this number, from the first one of the left line, has a match in the
+    /// right image that is like it at all. Otherwise its cost is a fixed one.
+    pub fn has_counterpart(&self, number: usize) -> bool {
+        let own = self.warped.profile1.values.get(number);
+        let other = self.warped.warped2.get(number).copied().flatten();
+        own.zip(other).is_some_and(|(own, other)| f32::from(own.abs_diff(other)).powi(2) < self.largest)
+    }
+
     /// Returns how alike a sample and its match are, from 0 to 1.
     pub fn likeness(&self, sample: i32) -> f32 {
         let place = usize::try_from(sample - self.warped.profile1.first).ok();
@@ -187,6 +195,16 @@ mod tests {
                 Some(true)
             );
         }
+    }
+
+    #[test]
+    fn samples_that_cost_a_fixed_amount_have_no_counterpart() {
+        let mut inspection = request(&shifted(), 20.0).inspect();
+        // The first samples match places to the left of the right image.
+        assert!(!inspection.has_counterpart(0) && inspection.has_counterpart(80));
+        inspection.warped.warped2[80] = Some(inspection.warped.profile1.values[80] ^ 0x80);
+        assert!(!inspection.has_counterpart(80));
+        assert!(!inspection.has_counterpart(10_000));
     }
 
     #[test]

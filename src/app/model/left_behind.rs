@@ -7,7 +7,7 @@ use super::command::SessionCommand;
 use super::document::counted;
 use super::messages::{MessageAction, dated};
 use super::session::{OpenSession, Work};
-use crate::io::{ImageReference, SessionFile};
+use crate::io::SessionFile;
 
 /// A copy of unsaved work.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,9 +32,11 @@ impl LeftBehind {
             (_, _) => format!("{} and {lines}", counted(pairs)),
         };
         let were = if pairs + pins < 2 { "was" } else { "were" };
-        let images = match copy.images.each_ref().map(ImageReference::name) {
-            [left, right] if left == right => format!("the sample {left}"),
-            [left, right] => format!("{left} and {right}"),
+        let [left, right] = &copy.images;
+        let images = if left.is_sample() {
+            format!("the sample {}", left.name())
+        } else {
+            format!("{} and {}", left.name(), right.name())
         };
         let changed = path.metadata().and_then(|file| file.modified()).ok();
         Some(Self { path: path.to_owned(), text: format!("{what} on {images} {were} not saved."), changed })

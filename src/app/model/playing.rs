@@ -10,7 +10,7 @@ use super::document::Side;
 use super::history::EditKey;
 use super::recording::{InspectedBarcodes, OffsetFound, PlayerCommand, Recordings, Synchronised};
 use crate::geometry::{Frame, Point, rescaled};
-use crate::motion::FEWEST_FRAMES;
+use crate::motion::{FEWEST_FRAMES, OffsetAgreement, clear_offset};
 use crate::similarity::LineMeasure;
 
 /// Playback speed, frames per second.
@@ -137,27 +137,23 @@ impl Model {
         true
     }
 
-    /// Sets the offset that was found, and reports it.
+    /// Sets the offset that was found if it is clear, and reports it.
     pub fn take_offset(&mut self, (recordings, outcome): OffsetFound) {
         if self.recordings() != Some(recordings) {
             return;
         }
         match outcome {
             Ok(found) => {
-                let Some((best, others)) = found.split_first() else {
+                if found.is_empty() {
                     self.messages.tell("The sequences are too short to find their offset. Set it yourself.");
-                    return;
-                };
-                let next = others.iter().find(|other| (other.offset - best.offset).abs() > 1);
-                let next = next.map_or(String::new(), |next| {
-                    format!("; the next best is {:+} ({:.2})", next.offset, next.correlation)
-                });
-                self.open.done.tell(format!(
-                    "Best time offset in frames: {:+} (agreement {:.2}){next}.",
-                    best.offset, best.correlation
-                ));
-                let offset = best.offset;
-                self.edit(|document| document.offset = offset);
+                } else if let Some(&OffsetAgreement { offset, correlation }) = clear_offset(&found) {
+                    self.open.done.tell(format!(
+                        "Time offset {offset:+} frames. The best lines have a correlation of at least {correlation:.2}."
+                    ));
+                    self.edit(|document| document.offset = offset);
+                } else {
+                    self.messages.tell("No offset is clear. The present one is kept.");
+                }
             }
             Err(error) => self.messages.tell(format!("The offset was not found: {error}.")),
         }

@@ -90,18 +90,33 @@ fn barcodes_are_of_the_frames_in_common() {
     assert!(model.compared_recordings().is_none() && model.synchronised().is_some());
 }
 
+/// Returns these agreements before those of unrelated recordings at other offsets.
+fn agreeing(best: &[(i32, f64)]) -> Vec<OffsetAgreement> {
+    let others = (20..60).map(|offset| (offset, 0.01 * f64::from(offset % 7 - 3)));
+    best.iter()
+        .copied()
+        .chain(others)
+        .map(|(offset, correlation)| OffsetAgreement { offset, correlation })
+        .collect()
+}
+
 #[test]
 fn an_offset_of_other_sequences_is_ignored() {
     let mut model = model();
     let others = [Shared::new(example(20)), Shared::new(example(20))];
-    let outcome = |offset| Ok(vec![OffsetAgreement { offset, correlation: 0.8 }]);
+    let outcome = |offset| Ok(agreeing(&[(offset, 0.8)]));
     model.take_offset((others, outcome(7)));
     assert_eq!(model.document.offset, 0);
     let own = model.recordings().unwrap();
     model.take_offset((own.clone(), outcome(7)));
     assert_eq!(model.document.offset, 7);
-    assert!(model.open.done.text().is_some_and(|text| text.contains("+7 (agreement 0.80)")));
-    model.take_offset((own, Ok(Vec::new())));
+    assert!(model.open.done.text().is_some_and(|text| text.contains("+7 frames") && text.contains("0.80")));
+    model.take_offset((own.clone(), Ok(Vec::new())));
     assert_eq!(model.document.offset, 7);
     assert_eq!(model.messages.list().len(), 1);
+    // Two offsets agree as well.
+    let unclear = Ok(agreeing(&[(3, 0.5), (-12, 0.4)]));
+    model.take_offset((own, unclear));
+    assert_eq!(model.document.offset, 7);
+    assert_eq!(model.messages.list().last().unwrap().text, "No offset is clear. The present one is kept.");
 }

@@ -174,6 +174,7 @@ impl Model {
             pictures: self.open.pictures()?,
             fundamental: *shown.fundamental,
             matches,
+            scene: self.known_matches().into_iter().chain(self.found_matches()).collect(),
             method: self.document.rectification,
             moving: shown.freshness == Freshness::Followed || dragging,
             bent: self.open.undistorted().and_then(|views| {
@@ -185,12 +186,21 @@ impl Model {
     /// Returns the matches for measuring the shown geometry: true ones, else matches of the result,
     /// else clicked pairs.
     pub fn matches_beside(&self) -> MatchesAtHand {
-        let known = self.truth().and(self.open.known()).map(|known| known.truth.clone());
-        let found = self.open.computation.shared_result().filter(|(found, _)| !found.matches().is_empty());
+        let known = self.truth().and_then(|_| self.known_matches());
         known
-            .map(MatchesAtHand::True)
-            .or_else(|| found.map(|(found, _)| MatchesAtHand::Found(found)))
+            .or_else(|| self.found_matches())
             .unwrap_or_else(|| MatchesAtHand::Clicked(self.document.pairs.clone()))
+    }
+
+    /// Returns the true matches, whether or not the ground truth is in use.
+    fn known_matches(&self) -> Option<MatchesAtHand> {
+        self.open.known().map(|known| MatchesAtHand::True(known.truth.clone()))
+    }
+
+    /// Returns the matches of the result, if it has any.
+    fn found_matches(&self) -> Option<MatchesAtHand> {
+        let (found, _) = self.open.computation.shared_result()?;
+        (!found.matches().is_empty()).then_some(MatchesAtHand::Found(found))
     }
 
     /// Returns the matches for checking an imported matrix: true ones, else clicked pairs, else

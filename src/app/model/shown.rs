@@ -213,6 +213,15 @@ impl Model {
         Some([pair(0.3)?, pair(0.65)?])
     }
 
+    /// Returns places on corresponding lines of a result without clicks: the matches that replace the clicks, or
+    /// else any places, as sequences have no matches.
+    pub fn unclicked_places(&self) -> Vec<PointPair> {
+        let found = self.standing_in();
+        let result = self.result().filter(|_| found.is_empty() && self.document.is_unclicked());
+        let any = result.and_then(|estimate| self.stand_in_clicks(estimate.fundamental()));
+        any.map_or(found, Vec::from)
+    }
+
     /// Returns the suggested second point if the suggestion is clear. Enter places it.
     pub fn accepted_suggestion(&self) -> Option<(Side, Point)> {
         let half = self.document.half?;
@@ -227,8 +236,8 @@ impl Model {
         })
     }
 
-    /// Returns the lines through one of the matches that replace clicks: those of which both images
-    /// show most.
+    /// Returns the lines through one of the places that replace clicks: those of which both images show
+    /// most.
     fn through_longest(&self) -> Option<LineSource> {
         let shown = |source: &LineSource| {
             let length = |side: Side, line: &AnchoredLine| {
@@ -238,7 +247,7 @@ impl Model {
             Some(length(Side::Left, &line1)?.min(length(Side::Right, &line2)?))
         };
         let through = |found: PointPair| LineSource::Through { side: Side::Left, point: found.point1 };
-        let sources = self.standing_in().into_iter().map(through);
+        let sources = self.unclicked_places().into_iter().map(through);
         let longest = sources.filter_map(|source| Some((shown(&source)?, source)));
         longest.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, source)| source)
     }

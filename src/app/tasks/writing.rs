@@ -27,7 +27,10 @@ impl Writing {
     pub fn new(waker: Waker) -> Self {
         Self(Task::new("writing", waker, Waiting::Newest, |order: RectifyOrder, turn| {
             let report = |progress| turn.tell(WritingNews::Progress(progress));
-            Some(WritingNews::Ended(order.write(&turn.cancel, &report)))
+            let end = order.write(&turn.cancel, &report);
+            // A stop that was asked for is no failure.
+            let is_stopped = turn.cancel.is_cancelled();
+            Some(WritingNews::Ended(end.or_else(|text| if is_stopped { Ok(text) } else { Err(text) })))
         }))
     }
 

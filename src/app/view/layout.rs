@@ -141,6 +141,10 @@ impl View {
         }
         let hover = self.stage(ui, stage, model, commands);
         self.drawer(ui, stage, model, commands);
+        if self.dialogs.is_open() {
+            // A press beside a dialog must not reach the window behind it.
+            ui.interact(ui.max_rect(), egui::Id::unique("behind a dialog"), egui::Sense::click_and_drag());
+        }
         // Nothing may cover the images in a screenshot.
         if self.capture.is_none() {
             panels::messages(&ctx, stage, model, commands);

@@ -90,6 +90,11 @@ impl Document {
         Some(self.frames()?[side.index()])
     }
 
+    /// Returns whether the pictures are from files, and not built in.
+    pub fn is_of_files(&self) -> bool {
+        self.pictures.iter().flatten().any(|picture| picture.path.is_some())
+    }
+
     /// Returns whether both points of a pair are inside the pictures.
     pub fn contains(&self, pair: &PointPair) -> bool {
         self.frames().is_some_and(|frames| is_inside(pair, frames))

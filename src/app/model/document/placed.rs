@@ -1,4 +1,4 @@
-//! A document in other coordinates: those of another calibration.
+//! A document in other coordinates: those of another calibration, or of the pictures in the other order.
 
 use super::{Document, Given};
 use crate::estimate::Match;
@@ -23,5 +23,27 @@ impl Document {
             Given::new(given.file, given.matches.iter().filter_map(placed).collect())
         });
         self
+    }
+
+    /// Returns this document about the pictures in the other order. The ground truth belongs to the old
+    /// order and is not used any more.
+    #[must_use]
+    pub fn swapped(mut self) -> Self {
+        if let Some(pictures) = &mut self.pictures {
+            pictures.reverse();
+        }
+        self.pairs.iter_mut().for_each(|pair| *pair = pair.swapped());
+        if let Some(half) = &mut self.half {
+            half.side = half.side.other();
+        }
+        if let Some(imported) = &mut self.imported {
+            imported.fundamental = imported.fundamental.swapped();
+            imported.cameras.iter_mut().for_each(|cameras| cameras.reverse());
+        }
+        self.given = self.given.map(|given| {
+            let swapped = given.matches.iter().map(|found| Match { pair: found.pair.swapped(), ..*found });
+            Given::new(given.file, swapped.collect())
+        });
+        Self { offset: -self.offset, truth: None, selection: None, ..self }
     }
 }

@@ -57,6 +57,8 @@ pub struct RectifyQuestion {
     pub fundamental: FundamentalMatrix,
     /// Matches for the measures.
     pub matches: MatchesAtHand,
+    /// Matches of the scene, for the range of disparities: the true ones and those of the result.
+    pub scene: Vec<MatchesAtHand>,
     pub method: RectifyMethod,
     /// Whether the geometry is moving, so that another request follows soon.
     pub moving: bool,
@@ -68,7 +70,11 @@ impl RectifyQuestion {
     /// Rectifies at the largest size within `limits`.
     pub fn rectification(&self, limits: &Limits) -> Result<Rectification, RectifyError> {
         let frames = self.pictures.each_ref().map(|picture| picture.frame());
-        rectify(&self.fundamental, frames, &self.matches.pairs(), self.method, limits)
+        let mut made = rectify(&self.fundamental, frames, &self.matches.pairs(), self.method, limits)?;
+        let scene: Vec<PointPair> =
+            self.scene.iter().flat_map(|matches| matches.pairs().into_owned()).collect();
+        made.measure_disparities(&scene);
+        Ok(made)
     }
 
     /// Returns the pictures to draw from, with the maps that lead to them.
@@ -182,6 +188,7 @@ pub fn example() -> RectifyQuestion {
         pictures: sample.pictures.map(|opened| opened.picture),
         fundamental: sample.truth.fundamental,
         matches: MatchesAtHand::True(Shared::new(sample.truth)),
+        scene: Vec::new(),
         method: RectifyMethod::Auto,
         moving: false,
         bent: None,
@@ -191,6 +198,22 @@ pub fn example() -> RectifyQuestion {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_range_of_disparities_is_that_of_the_scene_whatever_measures_the_rows() {
+        let whole = example();
+        let range = |question: &RectifyQuestion| {
+            let made = question.rectification(&DRAFT).unwrap();
+            made.measures.rows.map(|rows| (rows.matches, rows.disparity)).unwrap()
+        };
+        let (all, expected) = range(&whole);
+        let one = MatchesAtHand::Clicked(whole.matches.pairs()[..1].to_vec());
+        let of_one = RectifyQuestion { matches: one, ..whole.clone() };
+        assert_ne!(range(&of_one).1, expected);
+        let of_scene = RectifyQuestion { scene: vec![whole.matches.clone()], ..of_one };
+        assert_eq!(range(&of_scene), (1, expected));
+        assert!(all > 1);
+    }
 
     #[test]
     fn pictures_are_small_while_the_geometry_moves_and_large_at_rest() {

@@ -48,6 +48,13 @@ pub fn by_name() -> Vec<Action> {
     vec![
         turn(Side::Left).listed(|_| "Turn the left view clockwise by 90°"),
         turn(Side::Right).listed(|_| "Turn the right view clockwise by 90°"),
+        action(
+            Command::SwapImages,
+            "Swap the images",
+            "Exchange the left and the right image, with all points. The result is computed again.",
+        )
+        .listed(|_| "Swap the images")
+        .when(|model| model.document.is_of_files()),
         copy(Notation::NumPy, "Copy F of the shown geometry as Python code that makes a NumPy array.")
             .listed(|_| "Copy F, the fundamental matrix, as NumPy"),
         copy(Notation::Cpp, "Copy F of the shown geometry as C++ code that makes a cv::Matx33d.")

@@ -17,10 +17,11 @@ const LABEL_WIDTH: f32 = 84.0;
 const HEIGHT: f32 = 26.0;
 const BROWSE_WIDTH: f32 = 72.0;
 
-/// Shows a centred dialog with content of the given width. Returns whether it stays open.
+/// Shows a centred dialog with content of the given width. Tab moves inside the dialog only. Returns
+/// whether it stays open.
 pub fn dialog(ctx: &Context, title: &str, width: f32, content: impl FnOnce(&mut Ui)) -> bool {
     let mut open = true;
-    Window::new(title)
+    let shown = Window::new(title)
         .open(&mut open)
         .collapsible(false)
         .resizable(false)
@@ -30,6 +31,9 @@ pub fn dialog(ctx: &Context, title: &str, width: f32, content: impl FnOnce(&mut 
             ui.set_width(width.min(ctx.content_rect().width() - 56.0));
             content(ui);
         });
+    if let Some(shown) = shown {
+        ctx.memory_mut(|memory| memory.set_modal_layer(shown.response.layer_id));
+    }
     open
 }
 

@@ -37,6 +37,8 @@ pub struct FileExport {
     suggested: String,
     /// Path typed for each kind, in the order of [`ExportKind::all`].
     typed: [Option<PathBuf>; ExportKind::COUNT],
+    /// Reason why the last export failed.
+    problem: Option<String>,
     just_opened: bool,
 }
 
@@ -44,13 +46,19 @@ impl FileExport {
     /// Opens the dialog, for this kind if there is one. `begin` is the folder and stem of exports of
     /// these images.
     pub fn show_with(&mut self, begin: PathBuf, what: Option<ExportKind>) {
-        (self.open, self.just_opened) = (true, true);
-        if begin != self.images {
+        (self.open, self.just_opened, self.problem) = (true, true, None);
+        // A folder that has gone is not proposed again.
+        if begin != self.images || !has_folder(&self.begin) || !has_folder(Path::new(&self.path)) {
             (self.images, self.begin) = (begin.clone(), begin);
             self.typed = Default::default();
             self.path.clear();
         }
         self.choose(what.unwrap_or(self.order.what));
+    }
+
+    /// Opens the dialog again as it was, with the reason why the export failed.
+    pub fn refuse(&mut self, problem: String) {
+        (self.open, self.just_opened, self.problem) = (true, true, Some(problem));
     }
 
     pub fn offer(&mut self, path: &Path) {
@@ -105,6 +113,7 @@ impl FileExport {
     }
 
     fn choose(&mut self, what: ExportKind) {
+        self.problem = None;
         self.note_typed();
         self.order.what = what;
         self.suggest();
@@ -146,17 +155,22 @@ impl FileExport {
             if self.just_opened {
                 file.request_focus();
             }
+            if file.changed() {
+                self.problem = None;
+            }
             let path = path_of(&self.path);
             let missing = self.order.what.missing(model);
             let replaces = !is_folder && path.as_ref().is_some_and(|path| path.exists());
-            let note = match (missing, replaces) {
-                (Some(missing), _) => RichText::new(missing),
-                (None, true) => RichText::new("A file of that name exists and will be replaced.")
-                    .color(theme::palette(ui.visuals()).caution)
+            let palette = theme::palette(ui.visuals());
+            let note = match (&self.problem, missing) {
+                (Some(problem), _) => RichText::new(problem).color(palette.bad),
+                (None, Some(missing)) => RichText::new(missing),
+                (None, None) if replaces => RichText::new("A file of that name exists and will be replaced.")
+                    .color(palette.caution)
                     .strong(),
-                (None, false) => RichText::new(""),
+                (None, None) => RichText::new(""),
             };
-            ui.add(Label::new(note).truncate());
+            ui.add(Label::new(note).wrap());
             ui.add_space(6.0);
             let order =
                 path.filter(|_| missing.is_none()).map(|path| ExportOrder { path, ..self.order.clone() });
@@ -373,6 +387,11 @@ fn trust(ui: &mut Ui, what: ExportKind, model: &Model) {
         let first: String = note.reasons.first().cloned().unwrap_or_default();
         ui.add(Label::new(RichText::new(first).color(color).small()).wrap());
     }
+}
+
+/// Returns whether a file can be created at a path, as far as its folder matters.
+fn has_folder(path: &Path) -> bool {
+    path.parent().is_none_or(|folder| folder.as_os_str().is_empty() || folder.is_dir())
 }
 
 /// Shows a labelled option, aligned with the others.

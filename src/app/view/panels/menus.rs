@@ -88,6 +88,7 @@ pub fn place_menu(ui: &mut Ui, model: &Model, side: Side, point: Point, commands
         }
     }
     for (command, is_there) in [
+        (Command::SwapImages, document.is_of_files()),
         (ExchangeCommand::RemoveGiven.into(), document.given.is_some()),
         (Command::RemoveCalibration, model.open.views().is_some()),
     ] {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Button, Key, Label, RichText, ScrollArea, Ui};
+use egui::{Button, Key, Label, Response, RichText, ScrollArea, Ui};
 
 use super::dialog::{PathField, dialog, path_of};
 use super::{busy, command_button, finish_button};
@@ -23,6 +23,8 @@ pub struct OpenDialog {
     import: String,
     /// Reason why the last attempt opened nothing.
     problem: Option<String>,
+    /// Number of the field that was typed in last, from the top.
+    last: usize,
     just_opened: bool,
 }
 
@@ -113,6 +115,16 @@ impl OpenDialog {
         lone.is_none_or(|one| is_importable(&one) || one.is_dir())
     }
 
+    /// Notes a field with the focus. The field that was typed in last gets the focus again after a failure.
+    fn keep_focus(&mut self, number: usize, field: &Response) {
+        if field.has_focus() {
+            self.last = number;
+        }
+        if self.just_opened && self.last == number {
+            field.request_focus();
+        }
+    }
+
     pub fn show(&mut self, ctx: &egui::Context, model: &Model, commands: &mut Vec<Command>) {
         if !self.open {
             return;
@@ -128,11 +140,9 @@ impl OpenDialog {
                 ("Right image", "Browse for the right image", Side::Right),
             ];
             let rows = rows.map(|(name, browse, side)| {
-                let row = field(name, "path of the image", browse, PickPurpose::Image(side));
+                let row = row_of(name, "path of the image", browse, PickPurpose::Image(side));
                 let (field, place) = row.show_field(ui, &mut self.paths[side.index()]);
-                if self.just_opened && side == Side::Left {
-                    field.request_focus();
-                }
+                self.keep_focus(side.index(), &field);
                 (row, place)
             });
             let mut elsewhere = false;
@@ -145,8 +155,9 @@ impl OpenDialog {
                  or pairs NAMEA.*, NAMEB.* with NAME.txt or NAME_F.txt), results can be compared with it.",
             );
             ui.add_space(2.0);
-            let row = field("Folder", "path of the folder", "Browse for the folder", PickPurpose::Folder);
-            let (_, place) = row.show_field(ui, &mut self.folder);
+            let row = row_of("Folder", "path of the folder", "Browse for the folder", PickPurpose::Folder);
+            let (field, place) = row.show_field(ui, &mut self.folder);
+            self.keep_focus(2, &field);
             elsewhere |= row.show_browse(ui, place, commands).has_focus();
             ui.add_space(6.0);
             ui.weak(
@@ -155,8 +166,9 @@ impl OpenDialog {
             );
             ui.add_space(2.0);
             let browse = "Browse for a file to import";
-            let row = field("Import", "path of the file", browse, PickPurpose::Import);
-            let (_, place) = row.show_field(ui, &mut self.import);
+            let row = row_of("Import", "path of the file", browse, PickPurpose::Import);
+            let (field, place) = row.show_field(ui, &mut self.import);
+            self.keep_focus(3, &field);
             elsewhere |= row.show_browse(ui, place, commands).has_focus();
             ui.add_space(6.0);
             elsewhere |= recents(ui, model, commands);
@@ -240,7 +252,7 @@ fn recents(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
     focused
 }
 
-fn field<'a>(name: &'a str, hint: &'a str, browse: &'a str, purpose: PickPurpose) -> PathField<'a> {
+fn row_of<'a>(name: &'a str, hint: &'a str, browse: &'a str, purpose: PickPurpose) -> PathField<'a> {
     PathField { name, hint, width: 330.0, browse, purpose }
 }
 

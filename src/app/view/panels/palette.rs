@@ -135,15 +135,26 @@ fn found(entries: Vec<PaletteEntry>, text: &str) -> Vec<PaletteEntry> {
     ranked.into_iter().map(|(_, entry)| entry).collect()
 }
 
-/// Returns the rank of an entry, lower is better: the positions of the words in the title, or else in the tooltip,
-/// or else a large number if the title has the letters in this order. `None` if it has not.
+/// Returns the rank of an entry, lower is better: by the words in the title, or else in the tooltip, or else a
+/// large number if words of the title begin with the letters in this order. `None` if they do not.
 fn rank(title: &str, tooltip: &str, text: &str) -> Option<usize> {
-    let words = |of: &str| text.split_whitespace().map(|word| of.find(word)).sum::<Option<usize>>();
-    words(title).or_else(|| Some(1000 + words(tooltip)?)).or_else(|| {
-        let mut rest = title.chars();
+    let words = |of: &str| text.split_whitespace().map(|word| place(of, word)).sum::<Option<usize>>();
+    words(title).or_else(|| Some(100_000 + words(tooltip)?)).or_else(|| {
+        let mut initials = title.split(|c: char| !c.is_alphanumeric()).filter_map(|word| word.chars().next());
         let mut letters = text.chars().filter(|letter| !letter.is_whitespace());
-        letters.all(|letter| rest.any(|other| other == letter)).then_some(10_000 + title.len())
+        letters.all(|letter| initials.any(|other| other == letter)).then_some(1_000_000 + title.len())
     })
+}
+
+/// Returns the rank of a word in a text by its position. Whole words come before beginnings of words,
+/// and these before letters inside a word.
+fn place(text: &str, word: &str) -> Option<usize> {
+    let rank = |(at, found): (usize, &str)| {
+        let begins = !text[..at].ends_with(char::is_alphanumeric);
+        let ends = !text[at + found.len()..].starts_with(char::is_alphanumeric);
+        at + 1000 * if begins { usize::from(!ends) } else { 2 }
+    };
+    text.match_indices(word).map(rank).min()
 }
 
 #[cfg(test)]
@@ -167,8 +178,13 @@ mod tests {
         assert_eq!(search("view link"), ["Link views"]);
         assert_eq!(search("lv"), ["Link views"]);
         let rank_of = |text: &str| rank("blink: swap", "exchange the two pictures.", text);
-        assert!(rank_of("swap") < rank_of("exchange") && rank_of("exchange") < rank_of("bksp"));
+        assert!(rank_of("swap") < rank_of("exchange") && rank_of("exchange") < rank_of("bs"));
         assert_eq!(rank_of("pinned"), None);
+        let ranks =
+            ["remove the lens correction", "lenses", "solense"].map(|title| rank(title, "", "lens").unwrap());
+        assert!(ranks.is_sorted(), "{ranks:?}");
+        assert!(rank("import a file…", "a calibration of the lens distortion.", "lens").unwrap() > ranks[2]);
+        assert_eq!(rank("show me: place two pairs on the sample", "", "swap"), None);
         assert_eq!(search("").len(), titles.len());
         assert!(search("zzz").is_empty());
     }

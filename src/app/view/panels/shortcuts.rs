@@ -1,6 +1,7 @@
 //! The list of keys and mouse actions.
 
-use egui::{Align2, Grid, Label, RichText, ScrollArea, TextStyle, Ui, Window, vec2};
+use egui::gui_zoom::kb_shortcuts;
+use egui::{Align2, Grid, KeyboardShortcut, Label, RichText, ScrollArea, TextStyle, Ui, Window, vec2};
 
 use crate::app::view::actions::{ACTIONS, GROUPS};
 use crate::app::view::keyboard::key_text;
@@ -17,9 +18,16 @@ const MOUSE: [(&str, &str); 8] = [
     ("Shift and arrow keys", "Move the selected point by 1 px"),
 ];
 
+/// Keys of the toolkit.
+const INTERFACE: [(KeyboardShortcut, &str); 3] = [
+    (kb_shortcuts::ZOOM_IN, "Make the texts and buttons larger"),
+    (kb_shortcuts::ZOOM_OUT, "Make the texts and buttons smaller"),
+    (kb_shortcuts::ZOOM_RESET, "Show the texts and buttons at their usual size"),
+];
+
 /// Shows the list. `open` becomes false when the user closes it.
 pub fn show(ctx: &egui::Context, open: &mut bool) {
-    Window::new("Keys and mouse")
+    Window::new(concat!("Keys and mouse, Epiline ", env!("CARGO_PKG_VERSION")))
         .open(open)
         .collapsible(false)
         .resizable(false)
@@ -62,7 +70,8 @@ fn keys_of(ctx: &egui::Context, name: &str) -> ShortcutRows {
         let keys = key_text(ctx, &action.command).unwrap_or_default();
         (keys, action.tooltip.split(['.', ';']).next().unwrap_or_default())
     });
-    rows.collect()
+    let interface = INTERFACE.iter().filter(|_| name == "Program");
+    rows.chain(interface.map(|(keys, what)| (ctx.format_shortcut(keys), *what))).collect()
 }
 
 /// Shows groups one below the other. The column of keys is as wide as the longest of them.

@@ -15,6 +15,8 @@ use crate::app::view::theme;
 /// A column: its heading, and what its cells hold.
 pub struct Column<'a> {
     title: &'static str,
+    /// Written behind the title.
+    unit: &'static str,
     /// One sentence about the column.
     tooltip: &'static str,
     /// Relative width.
@@ -53,7 +55,12 @@ impl<'a> Column<'a> {
         text: impl Fn(usize) -> String + 'a,
     ) -> Self {
         let (key, gauge) = (Box::new(|row| row as f64), Box::new(|_| None));
-        Self { title, tooltip, width, is_text: true, key, text: Box::new(text), gauge }
+        Self { title, unit: "", tooltip, width, is_text: true, key, text: Box::new(text), gauge }
+    }
+
+    /// Tells the unit of the figures in the heading.
+    pub fn in_unit(self, unit: &'static str) -> Self {
+        Self { unit, ..self }
     }
 
     /// Writes other texts than the figures.
@@ -136,25 +143,26 @@ impl Table<'_> {
             sort = Sort { column: clicked, descending };
             ui.data_mut(|data| data.insert_temp(id, sort));
         }
-        let order = self.remembered_order(ui, id.with("order"), sort);
+        let (order, is_new) = self.remembered_order(ui, id.with("order"), sort);
         let mut touched = Touched::default();
         ui.spacing_mut().item_spacing.y = 0.0;
-        ScrollArea::vertical().id_salt(self.name).auto_shrink([false, false]).show_rows(
-            ui,
-            ROW,
-            order.len(),
-            |ui, visible| {
-                for place in visible {
-                    let response = self.row(ui, order[place], place, &edges, id, &font);
-                    if response.contains_pointer() {
-                        touched.hovered = Some(order[place]);
-                    }
-                    if response.clicked() {
-                        touched.clicked = Some(order[place]);
-                    }
+        let mut area = ScrollArea::vertical().id_salt(self.name).auto_shrink([false, false]);
+        if is_new {
+            // Another order begins at its top, or where the chosen row is in the middle.
+            let chosen = order.iter().position(|row| (self.look)(*row).chosen).unwrap_or(0);
+            area = area.vertical_scroll_offset((chosen as f32 * ROW - ui.available_height() / 2.0).max(0.0));
+        }
+        area.show_rows(ui, ROW, order.len(), |ui, visible| {
+            for place in visible {
+                let response = self.row(ui, order[place], place, &edges, id, &font);
+                if response.contains_pointer() {
+                    touched.hovered = Some(order[place]);
                 }
-            },
-        );
+                if response.clicked() {
+                    touched.clicked = Some(order[place]);
+                }
+            }
+        });
         touched
     }
 
@@ -170,17 +178,17 @@ impl Table<'_> {
         self.columns.iter().scan(0.0, right).collect()
     }
 
-    /// Returns the order of the rows, sorted again only after a change.
-    fn remembered_order(&self, ui: &Ui, id: Id, sort: Sort) -> Arc<[usize]> {
+    /// Returns the order of the rows, sorted again only after a change, and whether it was.
+    fn remembered_order(&self, ui: &Ui, id: Id, sort: Sort) -> (Arc<[usize]>, bool) {
         let (revision, rows) = (self.revision, self.rows);
         let kept = ui.data(|data| data.get_temp::<Ordered>(id));
         if let Some(kept) = kept.filter(|k| k.sort == sort && k.revision == revision && k.rows == rows) {
-            return kept.order;
+            return (kept.order, false);
         }
         let order: Arc<[usize]> = self.order(sort).into();
         let kept = Ordered { sort, revision, rows, order: Arc::clone(&order) };
         ui.data_mut(|data| data.insert_temp(id, kept));
-        order
+        (order, true)
     }
 
     fn order(&self, sort: Sort) -> Vec<usize> {
@@ -215,7 +223,8 @@ impl Table<'_> {
             let (start, end) = (cell.left_center() + vec2(INSET, 0.0), cell.right_center() - vec2(14.0, 0.0));
             let (at, align) =
                 if column.is_text { (start, Align2::LEFT_CENTER) } else { (end, Align2::RIGHT_CENTER) };
-            let title = ui.painter().text(at, align, column.title, font.clone(), color);
+            let title = format!("{}{}", column.title, column.unit);
+            let title = ui.painter().text(at, align, title, font.clone(), color);
             if sort.column == number {
                 let mark = title.right_center() + vec2(8.0, 0.0);
                 sort_mark(ui, mark, sort.descending, color);

@@ -36,9 +36,10 @@ impl Chip {
     /// Shows the name and the size of the image, its zoom, and whether its brightness is changed.
     pub fn show(&self, ui: &Ui, model: &Model) {
         let title = self.side.title();
-        let mut text = String::new();
+        let (mut name, mut text) = (String::new(), String::new());
         if let Some(picture) = model.document.pictures.as_ref().map(|p| &p[self.side.index()]) {
-            text = format!("{}  {} × {}", picture.name, self.size.width, self.size.height);
+            name.clone_from(&picture.name);
+            text = format!("  {} × {}", self.size.width, self.size.height);
             match self.lens {
                 Some(view) if view.camera().division(self.size).is_some() => text += "  lens corrected",
                 Some(_) => text += "  lens calibrated",
@@ -54,23 +55,31 @@ impl Chip {
                 text += "  brightness changed";
             }
         }
-        let mut job = LayoutJob::default();
         let font = FontId::proportional(theme::CAPTION);
         let format = |color| TextFormat { font_id: font.clone(), color, ..TextFormat::default() };
-        job.append(title, 0.0, format(theme::SELECTED));
-        job.append(&text, 6.0, format(Color32::from_gray(190)));
         let knows_matches = model.truth().is_some_and(|truth| !truth.matches.is_empty());
-        if knows_matches && model.look.shows(OverlayId::TrueMatches) {
-            let legend = "× true matches";
-            job.append(legend, 8.0, format(theme::TRUE));
-            text = format!("{text}  {legend}");
-        }
-        // Copies of the view carry the word of the verdict.
-        if let Some((word, look)) = model.doubt() {
-            job.append(word, 8.0, format(theme::line_color(look)));
-        }
-        job.wrap = TextWrapping::truncate_at_width((self.rect.width() - 32.0).max(8.0));
-        let galley = ui.painter().layout_job(job);
+        let legend = (knows_matches && model.look.shows(OverlayId::TrueMatches)).then_some("× true matches");
+        let layout = |name: &str, width: f32| {
+            let mut job = LayoutJob::default();
+            job.append(title, 0.0, format(theme::SELECTED));
+            job.append(&format!("{name}{text}"), 6.0, format(Color32::from_gray(190)));
+            if let Some(legend) = legend {
+                job.append(legend, 8.0, format(theme::TRUE));
+            }
+            // Copies of the view carry the word of the verdict.
+            if let Some((word, look)) = model.doubt() {
+                job.append(word, 8.0, format(theme::line_color(look)));
+            }
+            job.wrap = TextWrapping::truncate_at_width(width);
+            ui.painter().layout_job(job)
+        };
+        // A long name must not push the size out of the chip.
+        let width = |text: &str| layout(text, f32::INFINITY).size().x;
+        let room = (self.rect.width() - 32.0).max(8.0);
+        let share = (room - width("…")) / (width(&name) - width("")).max(1.0);
+        let most = (name.chars().count() as f32 * share.max(0.0)) as usize;
+        let shown = if width(&name) > room { shortened(&name, most) } else { name.clone() };
+        let galley = layout(&shown, room);
         let chip = Rect::from_min_size(self.rect.min + vec2(6.0, 6.0), galley.size() + vec2(12.0, 6.0));
         // A click there places a point, so the pixels below the cursor have to be visible.
         if !ui.rect_contains_pointer(chip) {
@@ -79,6 +88,25 @@ impl Chip {
             painter.galley(chip.min + vec2(6.0, 3.0), galley, theme::SELECTED);
         }
         let response = ui.interact(chip, ui.scope_id().with("chip"), Sense::hover());
-        response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{title} {text}")));
+        let legend = legend.map_or(String::new(), |legend| format!("  {legend}"));
+        let whole = format!("{title} {name}{text}{legend}");
+        response.widget_info(|| WidgetInfo::labeled(Role::Label, true, whole.clone()));
+    }
+}
+
+/// Shortens a name in the middle to its beginning and its end, `most` characters in all.
+fn shortened(name: &str, most: usize) -> String {
+    let end = name.chars().count().saturating_sub(most / 2);
+    name.chars().take(most - most / 2).chain(['…']).chain(name.chars().skip(end)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_name_keeps_its_beginning_and_its_end() {
+        assert_eq!(shortened("IMG_2024-05-17_façade-left.jpeg", 9), "IMG_2…jpeg");
+        assert_eq!(shortened("a.png", 0), "…");
     }
 }

@@ -36,6 +36,8 @@ enum Dragged {
     Point(PointRef, Point),
     /// The view, and the image position in the middle of the pane at the start.
     View(Point),
+    /// The end of a measurement.
+    Measurement,
 }
 
 /// Subject of a context menu.
@@ -321,6 +323,22 @@ impl ImagePane {
         loupe::finish(&painter, &transform);
     }
 
+    /// Measures from or to a place on the screen, or the point there.
+    fn measure(
+        &self,
+        at: Pos2,
+        model: &Model,
+        transform: &Transform,
+        command: fn(Side, Point) -> Command,
+        commands: &mut Vec<Command>,
+    ) {
+        let point = handle_at(model, self.side, transform, at)
+            .map_or_else(|| transform.image_from_screen(at), |(_, placed)| placed);
+        if self.image.as_ref().is_some_and(|image| image.picture.frame().contains(point)) {
+            commands.push(command(self.side, point));
+        }
+    }
+
     /// Handles clicks, double clicks, and the start and end of drags.
     fn press(
         &mut self,
@@ -340,6 +358,11 @@ impl ImagePane {
         {
             let primary = response.drag_started_by(PointerButton::Primary);
             let what = match handle_at(origin) {
+                // A drag is the same as two clicks.
+                _ if primary && !space && model.tool == Tool::Measure => {
+                    self.measure(origin, model, transform, Command::MeasureFrom, commands);
+                    Dragged::Measurement
+                }
                 Some((at, point)) if primary && !space => {
                     commands.push(Command::Select(Some(at)));
                     Dragged::Point(at, point)
@@ -348,8 +371,14 @@ impl ImagePane {
             };
             self.drag = Some(Drag { origin, what });
         }
-        if response.drag_stopped() && self.let_go() {
-            commands.push(Command::EndDrag);
+        if response.drag_stopped() {
+            let end = response.interact_pointer_pos();
+            if let (Some(Drag { what: Dragged::Measurement, .. }), Some(end)) = (self.drag, end) {
+                self.measure(end, model, transform, Command::Measure, commands);
+            }
+            if self.let_go() {
+                commands.push(Command::EndDrag);
+            }
         }
         let menu_open = self.menu.is_some() && response.context_menu_opened();
         if response.secondary_clicked() {
@@ -368,12 +397,9 @@ impl ImagePane {
             && !space
         {
             let point = transform.image_from_screen(position);
-            let found = handle_at(position);
-            let handle = found.map(|(at, _)| at);
+            let handle = handle_at(position).map(|(at, _)| at);
             if model.tool == Tool::Measure {
-                if frame.contains(point) {
-                    commands.push(Command::Measure(side, found.map_or(point, |(_, placed)| placed)));
-                }
+                self.measure(position, model, transform, Command::Measure, commands);
             } else if model.tool == Tool::Inspect {
                 let whole = handle.filter(|at| at.pair < model.document.pairs.len());
                 let source =
@@ -392,6 +418,7 @@ impl ImagePane {
         let cursor = match self.drag.map(|drag| drag.what) {
             Some(Dragged::Point(..)) => CursorIcon::None,
             Some(Dragged::View(_)) => CursorIcon::Grabbing,
+            Some(Dragged::Measurement) => CursorIcon::Crosshair,
             None if space => CursorIcon::Grab,
             None if response.hover_pos().and_then(handle_at).is_some() => CursorIcon::Move,
             None => CursorIcon::Crosshair,
@@ -440,5 +467,6 @@ fn follow(ui: &Ui, drag: &Drag, image: &mut PaneImage, transform: &Transform, co
             }
         }
         Dragged::View(start) => image.view.pan(transform, image.shown, start, delta),
+        Dragged::Measurement => {}
     }
 }

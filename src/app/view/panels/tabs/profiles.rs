@@ -38,12 +38,10 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             "This line does not cross the left image. Pin another pair to compare its intensities."
         } else if model.inspected().is_some() {
             "The two lines are being compared."
-        } else if model.open.computation.is_running() {
-            "Intensities along a line pair appear here with the first result."
-        } else if model.has_sequences() {
-            "The motion along a line pair appears here once there are enough point pairs."
+        } else if model.recordings().is_some() {
+            "The motion along a line pair appears here with the first result."
         } else {
-            "Intensities along a line pair appear here once there are enough point pairs."
+            "Intensities along a line pair appear here with the first result."
         };
         empty(ui, text);
         return;
@@ -130,6 +128,9 @@ const ROOM_FOR_WORDS: f32 = 170.0;
 /// Width below which the plots are one below the other, screen points.
 const LEAST_WIDTH: f32 = 420.0;
 
+/// Opacity of the costs of samples without a counterpart.
+const FIXED: f32 = 0.45;
+
 /// Half of the width of the longest label of an axis, screen points.
 const HALF_LABEL: f32 = 24.0;
 
@@ -151,6 +152,12 @@ fn all_plots(ui: &mut Ui, model: &Model, inspection: &Inspection, area: Rect, gr
                     ui.painter().rect_filled(area, 1.0, color);
                     ui.label(small(text));
                 }
+            }
+            if number == 1 {
+                let color = ui.visuals().weak_text_color().gamma_multiply(FIXED);
+                let (area, _) = ui.allocate_exact_size(vec2(14.0, 3.0), Sense::hover());
+                ui.painter().rect_filled(area, 1.0, color);
+                ui.label(small("no counterpart"));
             }
             if number == 3 {
                 let (bar, _) = ui.allocate_exact_size(vec2(56.0, 9.0), Sense::hover());
@@ -185,7 +192,8 @@ const PLOTS: [(&str, &str, Content); 4] = [
     ),
     (
         "Cost, grey²",
-        "Cost of each sample, grey²: its intensity difference and the change of disparity.",
+        "Cost of each sample, grey²: its intensity difference and the change of disparity. A sample that is \
+         hidden or outside in the right image has no counterpart and a fixed cost.",
         costs,
     ),
     (
@@ -319,8 +327,12 @@ fn after(plot: &mut PlotUi, inspection: &Inspection, _: &TextureHandle) {
 fn costs(plot: &mut PlotUi, inspection: &Inspection, _: &TextureHandle) {
     let costs = &inspection.warped.matching.sample_costs;
     let value = |k: usize| costs.get(k).map(|cost| f64::from(*cost));
-    let color = plot.ctx().global_style().visuals.text_color();
-    draw_curve(plot, "cost", curve(inspection, value), color);
+    let visuals = &plot.ctx().global_style().visuals;
+    let (measured, fixed) = (visuals.text_color(), visuals.weak_text_color().gamma_multiply(FIXED));
+    // A single such sample stays in the curve, and so do the ends of longer stretches.
+    let lone = |k: usize| (k.saturating_sub(1)..=k + 1).all(|near| !inspection.has_counterpart(near));
+    draw_curve(plot, "no counterpart", curve(inspection, |k| value(k).filter(|_| lone(k))), fixed);
+    draw_curve(plot, "cost", curve(inspection, |k| value(k).filter(|_| !lone(k))), measured);
 }
 
 fn band(plot: &mut PlotUi, inspection: &Inspection, texture: &TextureHandle) {

@@ -17,7 +17,7 @@ use crate::app::view::theme;
 pub const TAB: Tab = Tab { id: TabId::Residuals, tools, show };
 
 /// Width below which the table scrolls sideways, screen points.
-const LEAST_WIDTH: f32 = 330.0;
+const LEAST_WIDTH: f32 = 420.0;
 
 /// Shows the switch of the ground truth.
 pub fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -175,11 +175,11 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
     let distance = |contestant: Contestant| {
         let title = if contestant == Contestant::Truth { "Truth" } else { contestant.name() };
         // This title is longer than the others.
-        let width = if contestant == Contestant::Imported { 86.0 } else { 68.0 };
+        let width = if contestant == Contestant::Imported { 104.0 } else { 86.0 };
         let tooltip = "Mean distance of both points from their epipolar lines in this geometry, px.";
         let distances = &comparison.of(contestant).distances;
         let distance = |row: usize| distances.get(row).copied().unwrap_or(f64::NAN);
-        Column::figures(title, width, tooltip, distance, px).gauged(move |row| {
+        Column::figures(title, width, tooltip, distance, px).in_unit(", px").gauged(move |row| {
             let pair = document.pairs.get(row).filter(|_| are_pairs)?;
             let sigma = document.parameters.click_sigma;
             Some(Gauge::of_click(comparison.fundamental(contestant)?, pair, sigma, *distances.get(row)?))

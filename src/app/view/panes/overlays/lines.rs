@@ -11,10 +11,13 @@ pub fn draw(canvas: &Canvas) {
     let color = theme::line_color(canvas.model.line_look()).gamma_multiply(opacity);
     let document = &canvas.model.document;
     let opposite = |pair: &PointPair| canvas.side.other().point(pair);
-    for pair in canvas.model.standing_in() {
+    let are_matches = !canvas.model.standing_in().is_empty();
+    for pair in canvas.model.unclicked_places() {
         let Some(line) = canvas.line_from_other(shown.fundamental, opposite(&pair)) else { continue };
         canvas.epipolar_line(&line, theme::LINE_WIDTH, color);
-        canvas.dot(canvas.side.point(&pair), theme::HANDLE_RADIUS, color);
+        if are_matches {
+            canvas.dot(canvas.side.point(&pair), theme::HANDLE_RADIUS, color);
+        }
     }
     let selected = canvas.at_hand(document.selection).map(|at| at.pair);
     let wanted =

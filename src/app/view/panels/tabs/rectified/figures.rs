@@ -197,11 +197,11 @@ pub fn pixels(value: f64) -> String {
 /// Describes the range of disparities and the range to search.
 fn disparity_hint([low, high]: [f64; 2]) -> (String, &'static str) {
     let sign = if high <= 0.0 {
-        "For programs that expect positive disparities, open the pictures in the other order. "
+        "For programs that expect positive disparities, use the command Swap the images. "
     } else if low + high >= 0.0 {
         ""
     } else {
-        "Most are negative. For programs that expect positive ones, open the pictures in the other order. "
+        "Most are negative. For programs that expect positive ones, use the command Swap the images. "
     };
     let [from, to] = search_range([low, high]).map(pixels);
     let [low, high] = [low, high].map(pixels);
@@ -209,7 +209,8 @@ fn disparity_hint([low, high]: [f64; 2]) -> (String, &'static str) {
         format!("Disparities of matches {low} to {high} px. {sign}Suggested search range: {from} to {to}.");
     (
         text,
-        "Smallest and largest disparity (left x − right x) of these matches. Other points may lie beyond, \
+        "Smallest and largest disparity (left x − right x) of the matches of the result and of the true \
+         matches, if they are known. Other points may lie beyond, \
          so the search range is wider, in multiples of 16. The other order of the pictures changes the signs.",
     )
 }
@@ -270,6 +271,6 @@ mod tests {
         let (text, _) = disparity_hint([-12.0, 87.0]);
         assert_eq!(text, "Disparities of matches −12 to 87 px. Suggested search range: −16 to 96.");
         let (text, _) = disparity_hint([-90.4, -14.2]);
-        assert!(text.contains("in the other order") && text.ends_with("range: −96 to 0."), "{text}");
+        assert!(text.contains("Swap the images") && text.ends_with("range: −96 to 0."), "{text}");
     }
 }
