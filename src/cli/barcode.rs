@@ -151,7 +151,7 @@ fn best_offset(both: [&Silhouettes; 2]) -> Result<i32, CliError> {
     tell(format_args!("Best offsets (correlation): {}", told.join(", ")));
     let clear = clear_offset(&found);
     if clear.is_none() {
-        tell(format_args!("Note: No offset is clear. The sequences are compared without one"));
+        tell(format_args!("Note: no offset is clear. The sequences are compared at offset 0"));
     }
     Ok(clear.map_or(0, |best| best.offset))
 }

@@ -174,7 +174,7 @@ impl Model {
             pictures: self.open.pictures()?,
             fundamental: *shown.fundamental,
             matches,
-            scene: self.known_matches().into_iter().chain(self.found_matches()).collect(),
+            scene: self.known_matches().into_iter().chain([self.matches_at_hand()]).collect(),
             method: self.document.rectification,
             moving: shown.freshness == Freshness::Followed || dragging,
             bent: self.open.undistorted().and_then(|views| {
@@ -187,9 +187,7 @@ impl Model {
     /// else clicked pairs.
     pub fn matches_beside(&self) -> MatchesAtHand {
         let known = self.truth().and_then(|_| self.known_matches());
-        known
-            .or_else(|| self.found_matches())
-            .unwrap_or_else(|| MatchesAtHand::Clicked(self.document.pairs.clone()))
+        known.unwrap_or_else(|| self.matches_at_hand())
     }
 
     /// Returns the true matches, whether or not the ground truth is in use.
@@ -197,10 +195,13 @@ impl Model {
         self.open.known().map(|known| MatchesAtHand::True(known.truth.clone()))
     }
 
-    /// Returns the matches of the result, if it has any.
-    fn found_matches(&self) -> Option<MatchesAtHand> {
-        let (found, _) = self.open.computation.shared_result()?;
-        (!found.matches().is_empty()).then_some(MatchesAtHand::Found(found))
+    /// Returns the matches of the result, or else the clicked pairs.
+    fn matches_at_hand(&self) -> MatchesAtHand {
+        let found = self.open.computation.shared_result().filter(|(found, _)| !found.matches().is_empty());
+        found.map_or_else(
+            || MatchesAtHand::Clicked(self.document.pairs.clone()),
+            |(found, _)| MatchesAtHand::Found(found),
+        )
     }
 
     /// Returns the matches for checking an imported matrix: true ones, else clicked pairs, else

@@ -57,7 +57,8 @@ pub struct RectifyQuestion {
     pub fundamental: FundamentalMatrix,
     /// Matches for the measures.
     pub matches: MatchesAtHand,
-    /// Matches of the scene, for the range of disparities: the true ones and those of the result.
+    /// Matches of the scene, for the range of disparities: the true ones, and those of the result or the
+    /// clicked pairs.
     pub scene: Vec<MatchesAtHand>,
     pub method: RectifyMethod,
     /// Whether the geometry is moving, so that another request follows soon.

@@ -153,12 +153,6 @@ fn all_plots(ui: &mut Ui, model: &Model, inspection: &Inspection, area: Rect, gr
                     ui.label(small(text));
                 }
             }
-            if number == 1 {
-                let color = ui.visuals().weak_text_color().gamma_multiply(FIXED);
-                let (area, _) = ui.allocate_exact_size(vec2(14.0, 3.0), Sense::hover());
-                ui.painter().rect_filled(area, 1.0, color);
-                ui.label(small("no counterpart"));
-            }
             if number == 3 {
                 let (bar, _) = ui.allocate_exact_size(vec2(56.0, 9.0), Sense::hover());
                 heat::bar(ui.painter(), bar);
@@ -192,8 +186,8 @@ const PLOTS: [(&str, &str, Content); 4] = [
     ),
     (
         "Cost, grey²",
-        "Cost of each sample, grey²: its intensity difference and the change of disparity. A sample that is \
-         hidden or outside in the right image has no counterpart and a fixed cost.",
+        "Cost of each sample, grey²: its intensity difference and the change of disparity. Faint: samples \
+         without a counterpart, hidden or outside in the right image. Their cost is fixed.",
         costs,
     ),
     (

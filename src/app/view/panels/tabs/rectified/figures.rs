@@ -209,8 +209,8 @@ fn disparity_hint([low, high]: [f64; 2]) -> (String, &'static str) {
         format!("Disparities of matches {low} to {high} px. {sign}Suggested search range: {from} to {to}.");
     (
         text,
-        "Smallest and largest disparity (left x − right x) of the matches of the result and of the true \
-         matches, if they are known. Other points may lie beyond, \
+        "Smallest and largest disparity (left x − right x) of the matches of the result, or else of the \
+         clicked pairs, and of the true matches if they are known. Other points may lie beyond, \
          so the search range is wider, in multiples of 16. The other order of the pictures changes the signs.",
     )
 }
