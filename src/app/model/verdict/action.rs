@@ -5,7 +5,7 @@ use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::computation::{EstimateFailure, Freshness};
 use crate::app::model::document::pair_name;
-use crate::estimate::{Reason, Suspect, Trust, Verdict};
+use crate::estimate::{Estimate, Reason, Suspect, Verdict};
 
 /// Text of the button that undoes the distortion of the lens.
 pub const USE_LENS: &str = "Correct the lens distortion";
@@ -102,7 +102,7 @@ impl Model {
 
     /// Returns whether the matches determine the lines near them, but no epipole.
     pub fn epipole_is_open(&self) -> bool {
-        self.result().and_then(|found| found.assessment.trust.as_ref()).is_some_and(Trust::says_one_plane)
+        self.result().is_some_and(Estimate::says_one_plane)
     }
 
     /// Returns whether the state of the estimate is good or bad news.

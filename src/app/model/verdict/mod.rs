@@ -137,8 +137,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
         let frames = document.frames()?;
         let side = frames[0].longer_side().max(frames[1].longer_side());
         let percent = (100.0 * assessment.probability_within_one_percent()?).round();
-        let open = assessment.trust.as_ref().is_some_and(Trust::says_one_plane);
-        let short = if open {
+        let short = if estimate.says_one_plane() {
             // The lines are right near the matches only, so the figure must not read like a recommendation.
             "epipole not determined".to_owned()
         } else {
