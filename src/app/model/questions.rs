@@ -130,8 +130,9 @@ impl Model {
         }
         let found = self.final_result()?;
         let trust = found.assessment.trust.as_ref().filter(|trust| trust.verdict != Verdict::Reliable)?;
-        // If the verdict only names clicked pairs, these should be corrected first.
-        if trust.doubts_clicks_alone() {
+        // If the verdict only names clicked pairs, these should be corrected first. More pairs on a plane, or of
+        // a turned camera, do not show the epipole.
+        if trust.doubts_clicks_alone() || trust.says_one_plane() {
             return None;
         }
         Some(NextClickQuestion { pictures: self.open.pictures()?, found, placed: document.pairs.clone() })

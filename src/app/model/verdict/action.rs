@@ -59,9 +59,7 @@ impl Model {
         if reasons.clone().any(|reason| matches!(reason, Reason::Pattern { .. })) && lens.is_some() {
             return lens;
         }
-        // One more pair seldom determines the epipole of a plane or of a turned camera.
-        let is_ambiguous = reasons.clone().any(|reason| matches!(reason, Reason::Ambiguous { .. }));
-        if estimate.assessment.plane.is_some() && !is_ambiguous && self.tone() != Tone::Bad {
+        if estimate.assessment.plane.is_some() && self.tone() != Tone::Bad {
             let command = ExchangeCommand::ShowPlaneExport.into();
             return Some(CardAction::new("Export the homography…", command));
         }
