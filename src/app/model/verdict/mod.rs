@@ -141,7 +141,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
             // The lines are right near the matches only, so the figure must not read like a recommendation.
             "epipole not determined".to_owned()
         } else {
-            format!("{percent:.0} % likely right")
+            format!("{percent:.0} % likely within {:.0} px", (0.01 * side).max(1.0))
         };
         Some([short, probability_in_words(assessment, side)?])
     });
