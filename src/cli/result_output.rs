@@ -14,7 +14,7 @@ use crate::image::Picture;
 use crate::io::{
     CalibratedNote, Format, GeometryFile, PairLabel, PairOrigin, ResultFile, TrustNote, result_in_words,
 };
-use crate::presentation::pose_in_words;
+use crate::presentation::{NO_BASELINE, pose_in_words};
 
 /// Output options of a result.
 #[derive(Debug, Args)]
@@ -73,7 +73,11 @@ impl ResultOutput {
     ) -> Result<(), CliError> {
         let Beside { offset, views, baseline, given } = beside;
         let matches = found.matched_pairs();
-        let pose = views.and_then(|views| views.fit_pose(found.fundamental(), &matches));
+        let mut pose = views.and_then(|views| views.fit_pose(found.fundamental(), &matches));
+        if let Some(fit) = pose.as_mut().filter(|_| found.says_one_plane()) {
+            // The covariance knows only the epipole of this geometry, and others do as well.
+            fit.uncertainty = None;
+        }
         if let Some(export) = self.export {
             let cameras = views.zip(pose.as_ref()).and_then(|(views, fit)| views.posed(&fit.pose));
             let is_undistorted = views.is_some_and(ViewPair::is_undistorted);
@@ -104,6 +108,7 @@ impl ResultOutput {
         if let Some(views) = views {
             result = result.calibrated(views, pose.as_ref(), baseline);
             words += &match &pose {
+                Some(_) if found.says_one_plane() => format!("Relative pose: {NO_BASELINE}\n"),
                 Some(pose) => pose_in_words(pose),
                 None if views.has_focal_lengths() => "Relative pose: too few matches for one\n".to_owned(),
                 None => String::new(),

@@ -3,7 +3,6 @@
 use super::evidence::prepared::PreparedPair;
 use super::fit::{DivisionFit, fit_division};
 use super::verdict::result::Estimate;
-use super::verdict::trust::Trust;
 
 /// Finds radial distortion that explains the matches of the images clearly better than the result without
 /// distortion. A plain solver tries several coefficients (as in arXiv 2410.05984), within some tenths of a
@@ -12,7 +11,7 @@ use super::verdict::trust::Trust;
 /// Returns `None` if no lens is clear, if the matches of the result do not confirm it, and if the verdict
 /// says that one plane explains the matches. On one plane, distortion looks like parallax.
 pub fn find_lens(prepared: &PreparedPair, found: &Estimate) -> Option<DivisionFit> {
-    if found.assessment.trust.as_ref().is_some_and(Trust::says_one_plane) {
+    if found.says_one_plane() {
         return None;
     }
     let matches = prepared.putative_matches();

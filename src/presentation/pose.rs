@@ -6,6 +6,9 @@ use nalgebra::Vector3;
 
 use crate::camera::{PoseDifference, PoseFit};
 
+/// Why a result that is limited to one plane or a rotation of the camera has no pose.
+pub const NO_BASELINE: &str = "The epipole is not determined, so there is no baseline and no depth.";
+
 /// Describes a relative pose: rotation, place of camera 2, parallax, each on a line of its own.
 pub fn pose_in_words(fit: &PoseFit) -> String {
     let PoseFit { pose, noise, matches, in_front, parallax, uncertainty, .. } = fit;

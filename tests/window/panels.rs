@@ -437,7 +437,7 @@ fn lines_look_like_the_verdict() {
     let count = |window: &Window, color| lines(window, Side::Right, color).len();
     let reliable = judged(Verdict::Reliable);
     reliable.get_by_label("Reliable");
-    reliable.get_by_label("97 % likely right");
+    reliable.get_by_label("97 % likely within 8 px");
     assert_eq!((count(&reliable, ESTIMATED), count(&reliable, amber)), (2, 0));
     let doubtful = judged(Verdict::Doubtful);
     doubtful.get_by_label("Doubtful");

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use egui::accesskit::Role;
 use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Rect, Shape, vec2};
 use egui_kittest::kittest::Queryable;
-use epiline::estimate::{CancelFlag, Estimate, Trust, Verdict};
+use epiline::estimate::{CancelFlag, Estimate, Reason, Trust, Verdict};
 use epiline::geometry::{Frame, FundamentalMatrix, Point, PointPair};
 use epiline::internals::app::Services;
 use epiline::internals::app::Start;
@@ -38,6 +38,23 @@ fn rectified() -> (Window, Rectification) {
     let found =
         rectify(&sample.fundamental, frames, &sample.matches, RectifyMethod::Auto, &Limits::default());
     (window, found.unwrap())
+}
+
+#[test]
+fn where_the_epipole_is_not_determined_disparities_are_called_no_depth() {
+    let fundamental = Sample::Courtyard.load().fundamental;
+    let mut services = finding(fundamental);
+    services.estimate = Box::new(move |_, _| {
+        let mut found = Estimate::from(fundamental);
+        let reasons = vec![Reason::NoRelief { along: 3, across: 4, on_warp: 400 }];
+        found.assessment.trust = Some(Trust { verdict: Verdict::Doubtful, reasons });
+        Ok(found)
+    });
+    let mut window = window(Start::default(), services);
+    tap(&mut window, "Show me");
+    press(&mut window, Key::Num6);
+    window.get_by_label_contains("The epipole is not determined: rows match, but disparities are not depth.");
+    assert!(window.query_by_label_contains("because").is_none());
 }
 
 fn picture(window: &Window, name: &str) -> Rect {

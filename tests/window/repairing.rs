@@ -7,7 +7,7 @@ use std::path::Path;
 
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
-use epiline::estimate::{Trust, Verdict};
+use epiline::estimate::{Reason, Trust, Verdict};
 use epiline::geometry::{Point, Vector, symmetric_epipolar_distance};
 use epiline::internals::app::model::document::{PointRef, Role, Side};
 use epiline::internals::app::model::suggesting::PlaceFound;
@@ -167,6 +167,26 @@ fn while_the_result_is_in_doubt_the_most_useful_next_click_is_marked() {
     show_parameters(&mut window, "Pencils");
     tap(&mut window, "As published");
     assert!(!is_marked(&window));
+}
+
+#[test]
+fn no_pair_is_asked_for_where_only_a_plane_is_certain() {
+    for (reason, marked) in [
+        (Reason::Ambiguous { margin: 0.1 }, true),
+        (Reason::OnePlane { percent: 98, groups: 0, agreeing: 0, is_still: false }, false),
+    ] {
+        let mut services = services();
+        services.estimate = Box::new(move |request, _| {
+            let mut estimate = rich_estimate(&request.pairs, &request.parameters)?;
+            let reasons = vec![reason.clone()];
+            estimate.assessment.trust = Some(Trust { verdict: Verdict::Doubtful, reasons });
+            Ok(estimate)
+        });
+        services.next_click = Services::default().next_click;
+        let mut window = window(Start::default(), services);
+        click_two_pairs(&mut window);
+        assert_eq!(is_marked(&window), marked);
+    }
 }
 
 /// Whether the left image has a label that asks for a pair.

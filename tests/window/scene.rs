@@ -6,7 +6,7 @@ use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Shape, TouchPhase, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::camera::{CameraModel, RelativePose, ViewPair};
-use epiline::estimate::{Estimate, RefinedMatch};
+use epiline::estimate::{Estimate, Reason, RefinedMatch, Trust, Verdict};
 use epiline::geometry::{Frame, Point, PointPair};
 use epiline::internals::app::model::document::Side;
 use epiline::internals::app::model::focus::Target;
@@ -128,6 +128,24 @@ fn the_scene_of_a_calibrated_pair_turns_and_leads_back_to_the_pictures() {
     for side in Side::BOTH {
         assert!(lines[side.index()].line().distance(side.point(&pair)) < 1e-6);
     }
+}
+
+#[test]
+fn without_a_determined_epipole_there_is_no_scene_and_no_pose() {
+    let mut services = exact();
+    let mut estimate = services.estimate;
+    services.estimate = Box::new(move |request, monitor| {
+        let mut found = estimate(request, monitor)?;
+        let reasons = vec![Reason::NoRelief { along: 3, across: 4, on_warp: 400 }];
+        found.assessment.trust = Some(Trust { verdict: Verdict::Doubtful, reasons });
+        Ok(found)
+    });
+    let mut window = calibrated(services);
+    press(&mut window, Key::Num7);
+    assert_eq!(stage(&window), StageId::Scene);
+    assert!(painted(&window, "The epipole is not determined, so there is no baseline and no depth."));
+    assert!(window.state().model().scene().is_none() && !painted(&window, "±"));
+    assert!(window.query_by_label("Rotation").is_none());
 }
 
 #[test]

@@ -17,9 +17,10 @@ use crate::estimate::{DivisionFit, Estimate, Search, Verdict};
 use crate::geometry::PointPair;
 
 impl Model {
-    /// Returns the request for a scene: for a result on calibrated pictures.
+    /// Returns the request for a scene: for a result on calibrated pictures whose epipole is determined.
     pub fn scene_question(&self) -> Option<SceneQuestion> {
-        let (found, _) = self.open.computation.shared_result()?;
+        let (found, _) =
+            self.open.computation.shared_result().filter(|(found, _)| !found.says_one_plane())?;
         let left = self.open.pictures.as_ref()?[0].picture.clone();
         Some(SceneQuestion { left, found, views: self.open.posed_views()? })
     }
@@ -31,9 +32,9 @@ impl Model {
         scene.is_of(&self.scene_question()?).then_some(scene)
     }
 
-    /// Returns whether there is a scene, or one is being made.
+    /// Returns whether there is a scene, one is being made, or the stage says why there is none.
     pub fn offers_scene(&self) -> bool {
-        self.scene_question().is_some() && !matches!(self.open.scene, Some(None))
+        self.epipole_is_open() || self.scene_question().is_some() && !matches!(self.open.scene, Some(None))
     }
 
     /// Describes the scene point under the cursor.
@@ -129,8 +130,9 @@ impl Model {
         }
         let found = self.final_result()?;
         let trust = found.assessment.trust.as_ref().filter(|trust| trust.verdict != Verdict::Reliable)?;
-        // If the verdict only names clicked pairs, these should be corrected first.
-        if trust.doubts_clicks_alone() {
+        // If the verdict only names clicked pairs, these should be corrected first. More pairs on a plane, or of
+        // a turned camera, do not show the epipole.
+        if trust.doubts_clicks_alone() || trust.says_one_plane() {
             return None;
         }
         Some(NextClickQuestion { pictures: self.open.pictures()?, found, placed: document.pairs.clone() })

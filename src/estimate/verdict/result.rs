@@ -248,7 +248,9 @@ impl Estimate {
         })
     }
 
-    fn says_one_plane(&self) -> bool {
+    /// Returns whether the verdict says that only one plane or a rotation of the camera is certain. The
+    /// epipoles are then not determined, and neither are the baseline and any depth.
+    pub fn says_one_plane(&self) -> bool {
         self.assessment.trust.as_ref().is_some_and(Trust::says_one_plane)
     }
 

@@ -5,7 +5,7 @@ use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::computation::{EstimateFailure, Freshness};
 use crate::app::model::document::{Role, pair_name};
-use crate::estimate::{Reason, Suspect, Trust, Verdict};
+use crate::estimate::{Estimate, Reason, Suspect, Verdict};
 
 /// Text of the button that undoes the distortion of the lens.
 pub const USE_LENS: &str = "Correct the lens distortion";
@@ -59,9 +59,7 @@ impl Model {
         if reasons.clone().any(|reason| matches!(reason, Reason::Pattern { .. })) && lens.is_some() {
             return lens;
         }
-        // One more pair seldom determines the epipole of a plane or of a turned camera.
-        let is_ambiguous = reasons.clone().any(|reason| matches!(reason, Reason::Ambiguous { .. }));
-        if estimate.assessment.plane.is_some() && !is_ambiguous && self.tone() != Tone::Bad {
+        if estimate.assessment.plane.is_some() && self.tone() != Tone::Bad {
             let command = ExchangeCommand::ShowPlaneExport.into();
             return Some(CardAction::new("Export the homography…", command));
         }
@@ -102,7 +100,7 @@ impl Model {
 
     /// Returns whether the matches determine the lines near them, but no epipole.
     pub fn epipole_is_open(&self) -> bool {
-        self.result().and_then(|found| found.assessment.trust.as_ref()).is_some_and(Trust::says_one_plane)
+        self.result().is_some_and(Estimate::says_one_plane)
     }
 
     /// Returns whether the state of the estimate is good or bad news.

@@ -137,12 +137,11 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
         let frames = document.frames()?;
         let side = frames[0].longer_side().max(frames[1].longer_side());
         let percent = (100.0 * assessment.probability_within_one_percent()?).round();
-        let open = assessment.trust.as_ref().is_some_and(Trust::says_one_plane);
-        let short = if open {
+        let short = if estimate.says_one_plane() {
             // The lines are right near the matches only, so the figure must not read like a recommendation.
             "epipole not determined".to_owned()
         } else {
-            format!("{percent:.0} % likely right")
+            format!("{percent:.0} % likely within {:.0} px", (0.01 * side).max(1.0))
         };
         Some([short, probability_in_words(assessment, side)?])
     });

@@ -153,7 +153,7 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
         heading(ui, Some(tone), word);
         if let Some([short, sentence]) = &likely {
-            ui.weak(short).on_hover_text(format!(
+            ui.label(RichText::new(short).size(theme::CAPTION).weak()).on_hover_text(format!(
                 "{sentence}. This is the share of right results with such a verdict on pairs with known truth."
             ));
         }

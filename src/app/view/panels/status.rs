@@ -56,10 +56,10 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                     ui.separator();
                 }
                 let hint = || match model.stage() {
-                    StageId::Scene => ORBIT.to_owned(),
+                    StageId::Scene if model.scene().is_some() => ORBIT.to_owned(),
                     StageId::Rectified => ROWS.to_owned(),
                     StageId::Pictures if model.is_at_start() => MOUSE.to_owned(),
-                    StageId::Pictures => guide(model),
+                    StageId::Pictures | StageId::Scene => guide(model),
                 };
                 let text = model.open.done.text().map_or_else(hint, str::to_owned);
                 ui.add(Label::new(small(text)).truncate());

@@ -14,6 +14,7 @@ use crate::app::model::scene::{Orbit, Scene};
 use crate::app::model::{Command, Model, Side, Target};
 use crate::app::view::theme;
 use crate::camera::PointCloud;
+use crate::presentation::NO_BASELINE;
 
 /// Distance from a point within which the cursor points at it, screen points.
 const REACH: f32 = 9.0;
@@ -32,7 +33,12 @@ pub fn show(ui: &mut Ui, panes: &mut [ImagePane; 2], model: &Model, commands: &m
     let rect = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, "3-D scene"));
-    let Some(scene) = model.scene() else { return };
+    let Some(scene) = model.scene() else {
+        if model.epipole_is_open() {
+            label(ui.painter(), rect.center(), Align2::CENTER_CENTER, NO_BASELINE, theme::SELECTED);
+        }
+        return;
+    };
     let size = Vector2::new(f64::from(rect.width()), f64::from(rect.height()));
     let was = model.open.orbit.unwrap_or_else(|| Orbit::fitting(&scene.cloud, size));
     let mut orbit = was;

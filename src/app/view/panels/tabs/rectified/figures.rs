@@ -34,7 +34,7 @@ pub fn show(
     if area.width() < ROOM_FOR_BOTH {
         choosers(ui, model, drawn, commands);
         warnings(ui, model, rectified, drawn);
-        method(ui, drawn);
+        method(ui, model, drawn);
         measures(ui, rectified, drawn);
         return;
     }
@@ -42,7 +42,7 @@ pub fn show(
     let (left, right) = area.split_left_right_at_fraction(0.46);
     ui.scope_builder(UiBuilder::new().max_rect(left.with_max_x(left.max.x - theme::GAP)), |ui| {
         choosers(ui, model, drawn, commands);
-        method(ui, drawn);
+        method(ui, model, drawn);
     });
     ui.scope_builder(UiBuilder::new().max_rect(right), |ui| {
         warnings(ui, model, rectified, drawn);
@@ -69,10 +69,19 @@ fn warnings(ui: &mut Ui, model: &Model, rectified: &Rectified, drawn: &DrawnPair
     }
 }
 
-/// Shows the method and the reason for it.
-fn method(ui: &mut Ui, drawn: &DrawnPair) {
+/// Shows the method and the reason for it. The places of epipoles that are not determined give no reason.
+fn method(ui: &mut Ui, model: &Model, drawn: &DrawnPair) {
     let full = &drawn.full;
-    ui.weak(sentence(&format!("{}, because {}.", full.method.name(), full.reason)));
+    let is_open = model.epipole_is_open() && !model.shows_another();
+    let text = if is_open {
+        format!(
+            "{}. The epipole is not determined: rows match, but disparities are not depth.",
+            full.method.name()
+        )
+    } else {
+        format!("{}, because {}.", full.method.name(), full.reason)
+    };
+    ui.weak(sentence(&text));
 }
 
 fn measures(ui: &mut Ui, rectified: &Rectified, drawn: &DrawnPair) {
