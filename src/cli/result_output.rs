@@ -107,12 +107,13 @@ impl ResultOutput {
         }
         if let Some(views) = views {
             result = result.calibrated(views, pose.as_ref(), baseline);
-            words += &match &pose {
+            let of_pose = match &pose {
                 Some(_) if found.says_one_plane() => format!("Relative pose: {NO_BASELINE}\n"),
                 Some(pose) => pose_in_words(pose),
                 None if views.has_focal_lengths() => "Relative pose: too few matches for one\n".to_owned(),
                 None => String::new(),
             };
+            words += &of_pose;
             words += &guess_in_words(views);
             if views.is_undistorted() {
                 words += "All coordinates belong to the views without distortion\n";

@@ -205,7 +205,7 @@ mod tests {
         let whole = example();
         let range = |question: &RectifyQuestion| {
             let made = question.rectification(&DRAFT).unwrap();
-            made.measures.rows.map(|rows| (rows.matches, rows.disparity)).unwrap()
+            made.measures.rows.map(|rows| (rows.matches, rows.disparity.map(f64::to_bits))).unwrap()
         };
         let (all, expected) = range(&whole);
         let one = MatchesAtHand::Clicked(whole.matches.pairs()[..1].to_vec());

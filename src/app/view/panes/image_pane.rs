@@ -418,10 +418,9 @@ impl ImagePane {
         let cursor = match self.drag.map(|drag| drag.what) {
             Some(Dragged::Point(..)) => CursorIcon::None,
             Some(Dragged::View(_)) => CursorIcon::Grabbing,
-            Some(Dragged::Measurement) => CursorIcon::Crosshair,
             None if space => CursorIcon::Grab,
             None if response.hover_pos().and_then(handle_at).is_some() => CursorIcon::Move,
-            None => CursorIcon::Crosshair,
+            Some(Dragged::Measurement) | None => CursorIcon::Crosshair,
         };
         if response.hovered() || self.drag.is_some() {
             ui.ctx().set_cursor_icon(cursor);
