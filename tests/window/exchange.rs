@@ -237,6 +237,17 @@ fn images_and_what_belongs_to_them_are_dropped_together() {
 }
 
 #[test]
+fn the_first_result_after_an_import_is_shown() {
+    let files = Files::new();
+    let mut window = window(Start::default(), services());
+    drop_files(&mut window, &[file(&files, "F.txt", &rows(&truth().fundamental))]);
+    tap(&mut window, "Import matrix");
+    assert!(window.state().model().shown().unwrap().contestant == Some(Contestant::Imported));
+    click_two_pairs(&mut window);
+    assert!(window.state().model().shown().unwrap().is_result());
+}
+
+#[test]
 fn an_imported_geometry_takes_part_in_the_comparison_and_is_saved() {
     let files = Files::new();
     let mut window = window(Start::default(), rich_services());

@@ -257,7 +257,10 @@ impl Inspector {
                 document.set_pairs(pairs, PairOrigin::Imported);
             }
         });
-        self.model.open.focus.choose_contestant(Contestant::Imported);
+        // Without a result, the imported geometry is shown anyway, until there is a first result.
+        if self.model.result().is_some() {
+            self.model.open.focus.choose_contestant(Contestant::Imported);
+        }
         self.model.open.done.tell(format!("Imported a geometry{what} from {name}"));
     }
 }
