@@ -106,7 +106,7 @@ fn the_pair_is_made_once_there_is_a_geometry_and_measured() {
     let (mut window, found) = rectified();
     assert_eq!(picture(&window, LEFT).size(), picture(&window, RIGHT).size());
     window.get_by_label_contains("Planar, because the epipoles lie well outside both images");
-    window.get_by_label_contains("over 2 clicked pairs");
+    window.get_by_label_contains("over 2 point pairs");
     window.get_by_label(&format!("{} × {} px", found.size.width, found.size.height));
     // With the ground truth all its matches count.
     press(&mut window, Key::G);

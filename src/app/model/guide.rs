@@ -6,6 +6,9 @@ use super::look::Tool;
 use super::verdict::Tone;
 use crate::suggest::Clarity;
 
+/// The card has the reason and the advice. Any other advice could contradict it.
+const NO_RESULT: &str = "There is no result. The card says why, and what helps.";
+
 /// Returns a hint about the next step.
 pub fn guide(model: &Model) -> String {
     let (document, computation) = (&model.document, &model.open.computation);
@@ -49,13 +52,12 @@ pub fn guide(model: &Model) -> String {
         _ if document.is_unclicked() && computation.is_running() => {
             "Searching automatically. Any points you add will be used.".into()
         }
-        _ if document.is_unclicked() && computation.failure().is_some() => {
-            "The images alone gave no geometry. Click two point pairs: a distinct point, then its match.".into()
-        }
+        _ if document.is_unclicked() && computation.failure().is_some() => NO_RESULT.into(),
         _ if document.is_unclicked() && computation.result().is_some() => {
             // No click determines the epipole of a plane or of a turned camera.
             let is_open = model.epipole_is_open();
-            let more = if model.tone() == Tone::Good || is_open { "" } else { " Click pairs for more certainty." };
+            let more =
+                if model.tone() == Tone::Good || is_open { "" } else { " Click pairs for more certainty." };
             format!("Point at an image to see its epipolar line in the other.{more}")
         }
         0 => "Click a point in one image, then the same scene point in the other.".into(),
@@ -67,9 +69,7 @@ pub fn guide(model: &Model) -> String {
             )
         }
         _ if computation.is_running() => "Estimating. Points can be dragged meanwhile.".into(),
-        _ if computation.failure().is_some() => {
-            "These pairs gave no geometry. Drag the points to better places, or delete a pair and click another.".into()
-        }
+        _ if computation.failure().is_some() => NO_RESULT.into(),
         _ if computation.result().is_none() => "The estimate was stopped. F5 computes again.".into(),
         _ => "Point at an image to see its epipolar line in the other. Drag points, or press I to pin lines."
             .into(),

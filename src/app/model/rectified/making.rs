@@ -45,7 +45,7 @@ impl MatchesAtHand {
         match self {
             Self::True(_) => "true matches",
             Self::Found(_) => "matches of the result",
-            Self::Clicked(_) => "clicked pairs",
+            Self::Clicked(_) => "point pairs",
         }
     }
 }

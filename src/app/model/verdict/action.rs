@@ -42,13 +42,14 @@ impl Model {
             return (self.result().is_none() && self.can_find_without_clicks()).then(find);
         };
         let reasons = estimate.assessment.trust.iter().flat_map(|trust| &trust.reasons);
-        let off = reasons.clone().find_map(|reason| match reason {
+        let off = reasons.clone().filter_map(|reason| match *reason {
             // Where the geometry is the likelier culprit, the sentence asks for another pair.
-            Reason::ClickOff { pair, suspect: Suspect::Click, .. } => {
-                self.document.used().nth(pair.checked_sub(1)?)
+            Reason::ClickOff { pair, suspect: Suspect::Click, distance } => {
+                Some((self.document.used().nth(pair.checked_sub(1)?)?, distance))
             }
             _ => None,
         });
+        let off = off.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(pair, _)| pair);
         let looks_for_matches = self.places_question().is_some();
         if let Some(pair) = off.or_else(|| self.slid_pair()).filter(|_| looks_for_matches) {
             let label = format!("Move {} to its match", pair_name(pair));

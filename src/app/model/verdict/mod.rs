@@ -118,11 +118,17 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     let mut reasons: Vec<&Reason> = assessment.trust.iter().flat_map(|trust| &trust.reasons).collect();
     // A misplaced pair comes first: a person can mend it at once, and the button is about it. Where the
     // geometry is the likelier culprit, its other failed tests say why.
-    reasons.sort_by_key(|reason| match reason {
-        Reason::ClickOff { suspect: Suspect::Click, .. } => 0,
-        Reason::ClickOff { suspect: Suspect::Geometry, .. } => 2,
-        _ => 1,
+    let order = |reason: &Reason| match *reason {
+        Reason::ClickOff { suspect: Suspect::Click, distance, .. } => (0, -distance),
+        Reason::ClickOff { suspect: Suspect::Geometry, distance, .. } => (2, -distance),
+        _ => (1, 0.0),
+    };
+    reasons.sort_by(|a, b| {
+        let ((group, worst), (other, its)) = (order(a), order(b));
+        group.cmp(&other).then(worst.total_cmp(&its))
     });
+    let misplaced = reasons.iter().filter(|reason| order(reason).0 == 0).count();
+    let mostly_misplaced = mostly_misplaced(misplaced, document.used().count());
     let reasons = reasons.into_iter().map(|reason| in_units(reason, document, estimate.fundamental()));
     // A preliminary geometry may still approach the checks, and a stale one belongs to other
     // points.
@@ -147,7 +153,9 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     });
     // Warnings about an unfinished result could be outdated a moment later.
     let finished = matches!(freshness, Freshness::Final | Freshness::Stopped);
-    let warnings: Vec<_> = reasons
+    let warnings: Vec<_> = mostly_misplaced
+        .into_iter()
+        .chain(reasons)
         .chain(warnings(estimate).iter().map(warning_in_words))
         .map(|sentence| in_names(&sentence, document))
         .chain(checked)
@@ -237,6 +245,17 @@ fn contradicting_check(document: &Document, f: &FundamentalMatrix) -> Option<Str
          point.",
         pair_name(pair)
     ))
+}
+
+/// Returns a sentence if most of the pairs are misplaced: one that names a single pair would mislead.
+fn mostly_misplaced(misplaced: usize, used: usize) -> Option<String> {
+    (misplaced > 2 && 2 * misplaced > used).then(|| {
+        format!(
+            "{misplaced} of {used} point pairs are off their epipolar lines. \
+             The images support the geometry, so these pairs are probably misplaced. \
+             Leave them out, or check that both points show the same scene point."
+        )
+    })
 }
 
 /// Converts a reason to the units of the window: symmetric distances of pairs.

@@ -29,7 +29,7 @@ impl Standing {
     pub fn in_words(self, result: &Estimate, number: usize) -> String {
         let far = away(result, number);
         match self {
-            Self::Near => format!("Too near to the result to be a rival: {far}."),
+            Self::Near => format!("Too near to the result to be a rival: {far}. Its epipole may differ."),
             Self::Rival => {
                 let assessment = &result.assessment;
                 let lead = assessment.refined_margin.or(assessment.margin).unwrap_or(f64::NAN) * 100.0;

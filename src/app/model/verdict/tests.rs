@@ -97,6 +97,28 @@ fn a_checked_pair_far_off_speaks_against_the_result() {
 }
 
 #[test]
+fn where_most_pairs_are_misplaced_they_are_counted_and_the_worst_is_named_first() {
+    let told = |distances: &[f64]| {
+        let reasons = (1..).zip(distances).map(|(pair, distance)| Reason::ClickOff {
+            pair,
+            distance: *distance,
+            suspect: Suspect::Click,
+        });
+        let reasons: Vec<Reason> = reasons.collect();
+        let (mut document, computation) = computed(|e| {
+            e.assessment.trust = Some(Trust { verdict: Verdict::Doubtful, reasons: reasons.clone() })
+        });
+        document.pairs = vec![PointPair::new(1.0, 2.0, 3.0, 4.0); 5];
+        verdict(&document, &computation).warnings
+    };
+    let few = told(&[20.0, 90.0]);
+    assert!(few[0].starts_with("Point pair q is ") && few[1].starts_with("Point pair p is "), "{few:?}");
+    let most = told(&[20.0, 90.0, 40.0]);
+    assert!(most[0].starts_with("3 of 5 point pairs are off their epipolar lines."), "{most:?}");
+    assert!(most[1].starts_with("Point pair q is ") && most.len() == 4, "{most:?}");
+}
+
+#[test]
 fn sentences_use_the_names_of_pairs() {
     let pairs = vec![PointPair::new(1.0, 2.0, 3.0, 4.0); 14];
     let mut document = Document { pairs, ..Document::default() };

@@ -41,7 +41,7 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
         "Rank",
         74.0,
         "Rank before refinement, best first. The rival is the best clearly different geometry. Hypotheses \
-         marked ≈ agree with the result. Point at a row for details.",
+         marked ≈ have nearly the lines of the result at its matches. Their epipoles may differ.",
         |row| row as f64,
         |_| String::new(),
     );
