@@ -57,7 +57,7 @@ pub struct RectifyQuestion {
     pub fundamental: FundamentalMatrix,
     /// Matches for the measures.
     pub matches: MatchesAtHand,
-    /// Matches of the scene, for the range of disparities: the true ones, and those of the result or the
+    /// Matches for the range of disparities: the true matches, and the matches of the result or the
     /// clicked pairs.
     pub scene: Vec<MatchesAtHand>,
     pub method: RectifyMethod,
