@@ -481,7 +481,8 @@ fn the_rival_that_makes_the_margin_is_marked() {
     for (row, says) in [
         (
             "Hypothesis 2",
-            "Too near to the result to be a rival: half of the matches lie within 3.1 px of its lines.",
+            "Too near to the result to be a rival: half of the matches lie within 3.1 px of its lines. Its \
+             epipole may differ.",
         ),
         (
             "Hypothesis 3, the rival",

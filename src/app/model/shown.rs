@@ -236,8 +236,8 @@ impl Model {
         })
     }
 
-    /// Returns the lines through one of the places that replace clicks: those of which both images show
-    /// most.
+    /// Returns the lines through one of the places that replace clicks: the lines that both images
+    /// show most of.
     fn through_longest(&self) -> Option<LineSource> {
         let shown = |source: &LineSource| {
             let length = |side: Side, line: &AnchoredLine| {
