@@ -106,7 +106,7 @@ fn where_most_pairs_are_misplaced_they_are_counted_and_the_worst_is_named_first(
         });
         let reasons: Vec<Reason> = reasons.collect();
         let (mut document, computation) = computed(|e| {
-            e.assessment.trust = Some(Trust { verdict: Verdict::Doubtful, reasons: reasons.clone() })
+            e.assessment.trust = Some(Trust { verdict: Verdict::Doubtful, reasons: reasons.clone() });
         });
         document.pairs = vec![PointPair::new(1.0, 2.0, 3.0, 4.0); 5];
         verdict(&document, &computation).warnings
