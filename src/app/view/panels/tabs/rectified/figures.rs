@@ -35,7 +35,7 @@ pub fn show(
         choosers(ui, model, drawn, commands);
         warnings(ui, model, rectified, drawn);
         method(ui, model, drawn);
-        measures(ui, rectified, drawn);
+        measures(ui, model, rectified, drawn);
         return;
     }
     // Columns of egui would justify the words of a text.
@@ -46,7 +46,7 @@ pub fn show(
     });
     ui.scope_builder(UiBuilder::new().max_rect(right), |ui| {
         warnings(ui, model, rectified, drawn);
-        measures(ui, rectified, drawn);
+        measures(ui, model, rectified, drawn);
     });
 }
 
@@ -84,9 +84,9 @@ fn method(ui: &mut Ui, model: &Model, drawn: &DrawnPair) {
     ui.weak(sentence(&text));
 }
 
-fn measures(ui: &mut Ui, rectified: &Rectified, drawn: &DrawnPair) {
+fn measures(ui: &mut Ui, model: &Model, rectified: &Rectified, drawn: &DrawnPair) {
     let full = &drawn.full;
-    rows(ui, &full.measures, rectified.measured, fits(full));
+    rows(ui, model, &full.measures, rectified.measured, fits(full));
     shapes(ui, &full.measures.distortion);
     if let Some((map, _)) = &drawn.disparity {
         let [low, high] = map.range.map(pixels);
@@ -164,7 +164,7 @@ fn name(ui: &mut Ui, text: &str) {
 }
 
 /// Shows how well rows agree and, if they do, the disparities.
-fn rows(ui: &mut Ui, measures: &Measures, measured: &str, fits: bool) {
+fn rows(ui: &mut Ui, model: &Model, measures: &Measures, measured: &str, fits: bool) {
     let Some(rows) = measures.rows else {
         ui.weak(
             "No match is inside both pictures, so the rows cannot be checked. Click some pairs to check \
@@ -180,7 +180,7 @@ fn rows(ui: &mut Ui, measures: &Measures, measured: &str, fits: bool) {
     if !fits {
         return;
     }
-    let (mut text, tooltip) = disparity_hint(rows.disparity);
+    let (mut text, tooltip) = disparity_hint(rows.disparity, model.document.is_of_files());
     if rows.far_off > 0 {
         let _ = write!(text, " Outliers left out: {} of {}.", rows.far_off, rows.matches);
     }
@@ -203,14 +203,15 @@ pub fn pixels(value: f64) -> String {
     format!("{:.0}", value.round() + 0.0).replace('-', "−")
 }
 
-/// Describes the range of disparities and the range to search.
-fn disparity_hint([low, high]: [f64; 2]) -> (String, &'static str) {
+/// Describes the range of disparities and the range to search. Built-in pictures cannot be swapped.
+fn disparity_hint([low, high]: [f64; 2], can_swap: bool) -> (String, &'static str) {
+    let advice = if can_swap { "use the command Swap the images" } else { "set a negative minimum" };
     let sign = if high <= 0.0 {
-        "For programs that expect positive disparities, use the command Swap the images. "
+        format!("For programs that expect positive disparities, {advice}. ")
     } else if low + high >= 0.0 {
-        ""
+        String::new()
     } else {
-        "Most are negative. For programs that expect positive ones, use the command Swap the images. "
+        format!("Most are negative. For programs that expect positive ones, {advice}. ")
     };
     let [from, to] = search_range([low, high]).map(pixels);
     let [low, high] = [low, high].map(pixels);
@@ -277,9 +278,11 @@ mod tests {
 
     #[test]
     fn the_hint_gives_a_search_range_and_asks_for_a_swap_if_negative() {
-        let (text, _) = disparity_hint([-12.0, 87.0]);
+        let (text, _) = disparity_hint([-12.0, 87.0], true);
         assert_eq!(text, "Disparities of matches −12 to 87 px. Suggested search range: −16 to 96.");
-        let (text, _) = disparity_hint([-90.4, -14.2]);
+        let (text, _) = disparity_hint([-90.4, -14.2], true);
         assert!(text.contains("Swap the images") && text.ends_with("range: −96 to 0."), "{text}");
+        let (text, _) = disparity_hint([-90.4, -14.2], false);
+        assert!(text.contains("set a negative minimum") && !text.contains("Swap"), "{text}");
     }
 }
