@@ -178,6 +178,11 @@ impl Computation {
         self.revision
     }
 
+    /// Returns the number of the latest search. Preliminary and final results of a search have the same number.
+    pub fn run(&self) -> u64 {
+        self.generation
+    }
+
     /// Returns the reason why the latest computation has no result.
     pub fn failure(&self) -> Option<&EstimateFailure> {
         self.failure.as_ref()

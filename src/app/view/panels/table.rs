@@ -105,6 +105,9 @@ pub struct Table<'a> {
     pub rows: usize,
     /// Revision of the figures; a change triggers sorting.
     pub revision: u64,
+    /// Run of the computation, and number of the list in it. Another list opens at its top; later figures of
+    /// the same list leave it scrolled as it is.
+    pub list: (u64, usize),
     /// Accessible name of a row.
     pub row_name: &'a dyn Fn(usize) -> String,
     /// Tooltip of a row, if it has one.
@@ -117,6 +120,7 @@ pub struct Table<'a> {
 struct Ordered {
     sort: Sort,
     revision: u64,
+    list: (u64, usize),
     rows: usize,
     order: Arc<[usize]>,
 }
@@ -148,7 +152,7 @@ impl Table<'_> {
         ui.spacing_mut().item_spacing.y = 0.0;
         let mut area = ScrollArea::vertical().id_salt(self.name).auto_shrink([false, false]);
         if is_new {
-            // Another order begins at its top, or where the chosen row is in the middle.
+            // Another list begins at its top, or where the chosen row is in the middle.
             let chosen = order.iter().position(|row| (self.look)(*row).chosen).unwrap_or(0);
             area = area.vertical_scroll_offset((chosen as f32 * ROW - ui.available_height() / 2.0).max(0.0));
         }
@@ -178,17 +182,19 @@ impl Table<'_> {
         self.columns.iter().scan(0.0, right).collect()
     }
 
-    /// Returns the order of the rows, sorted again only after a change, and whether it was.
+    /// Returns the order of the rows, sorted again only after a change, and whether it is of another list or
+    /// sorted in another way.
     fn remembered_order(&self, ui: &Ui, id: Id, sort: Sort) -> (Arc<[usize]>, bool) {
-        let (revision, rows) = (self.revision, self.rows);
+        let (revision, list, rows) = (self.revision, self.list, self.rows);
         let kept = ui.data(|data| data.get_temp::<Ordered>(id));
-        if let Some(kept) = kept.filter(|k| k.sort == sort && k.revision == revision && k.rows == rows) {
+        let is_new = kept.as_ref().is_none_or(|kept| kept.sort != sort || kept.list != list);
+        if let Some(kept) = kept.filter(|k| !is_new && k.revision == revision && k.rows == rows) {
             return (kept.order, false);
         }
         let order: Arc<[usize]> = self.order(sort).into();
-        let kept = Ordered { sort, revision, rows, order: Arc::clone(&order) };
+        let kept = Ordered { sort, revision, list, rows, order: Arc::clone(&order) };
         ui.data_mut(|data| data.insert_temp(id, kept));
-        (order, true)
+        (order, is_new)
     }
 
     fn order(&self, sort: Sort) -> Vec<usize> {
@@ -316,19 +322,44 @@ pub fn sort_mark(ui: &Ui, centre: egui::Pos2, descending: bool, color: Color32) 
 mod tests {
     use super::*;
 
-    #[test]
-    fn rows_sort_both_ways_with_missing_values_last() {
-        let figures = [3.0, f64::NAN, 1.0, 2.0];
-        let table = Table {
+    const UP: Sort = Sort { column: 0, descending: false };
+
+    fn table<'a>(columns: &'a [Column<'a>], rows: usize) -> Table<'a> {
+        Table {
             name: "test",
-            columns: &[Column::figures("", 1.0, "", |row| figures[row], |figure| figure.to_string())],
-            rows: figures.len(),
+            columns,
+            rows,
             row_name: &|_| String::new(),
             about: &|_| None,
             look: &|_| RowLook::default(),
             revision: 0,
-        };
-        assert_eq!(table.order(Sort { column: 0, descending: false }), [2, 3, 0, 1]);
+            list: (0, 0),
+        }
+    }
+
+    #[test]
+    fn later_figures_of_a_list_are_sorted_where_it_is_scrolled_to() {
+        egui::__run_test_ui(|ui| {
+            let of = |rows: usize, list, sort| {
+                let columns = [Column::words("", 1.0, "", |_| String::new())];
+                let table = Table { revision: rows as u64, list, ..table(&columns, rows) };
+                let (order, is_new) = table.remembered_order(ui, Id::unique("order"), sort);
+                (order.len(), is_new)
+            };
+            assert_eq!(of(3, (1, 0), UP), (3, true));
+            assert_eq!(of(4, (1, 0), UP), (4, false), "a later result of the same run");
+            assert_eq!(of(4, (2, 0), UP), (4, true), "another run");
+            assert_eq!(of(4, (2, 1), UP), (4, true), "another list");
+            assert_eq!(of(4, (2, 1), Sort { descending: true, ..UP }), (4, true));
+        });
+    }
+
+    #[test]
+    fn rows_sort_both_ways_with_missing_values_last() {
+        let figures = [3.0, f64::NAN, 1.0, 2.0];
+        let columns = [Column::figures("", 1.0, "", |row| figures[row], |figure| figure.to_string())];
+        let table = table(&columns, figures.len());
+        assert_eq!(table.order(UP), [2, 3, 0, 1]);
         assert_eq!(table.order(Sort { column: 0, descending: true }), [0, 3, 2, 1]);
     }
 }

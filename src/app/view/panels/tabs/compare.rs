@@ -158,6 +158,7 @@ fn summary(
         columns: &columns,
         rows: contestants.len(),
         revision: comparison.number,
+        list: (model.open.computation.run(), 0),
         row_name: &|row| format!("Geometry: {}", contestants[row].name()),
         about: &|row| {
             let contestant = contestants[row];

@@ -191,6 +191,7 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
         columns: &columns,
         rows: comparison.points.len(),
         revision: comparison.number,
+        list: (model.open.computation.run(), comparison.measured as usize),
         row_name: &|row| {
             let kind = match comparison.measured {
                 PointSet::Pairs => "Residuals of pair",

@@ -67,6 +67,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         columns: &columns,
         rows: rows.len(),
         revision: model.open.computation.pencils_revision(),
+        list: (model.open.computation.run(), 0),
         row_name: &|row| format!("Candidate {} through {}", rows[row].2 + 1, name(row)),
         about: &|_| None,
         look: &|row| RowLook {

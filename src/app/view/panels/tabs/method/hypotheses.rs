@@ -73,6 +73,7 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
         columns: &columns,
         rows: listed.rows(),
         revision: model.open.computation.revision(),
+        list: (model.open.computation.run(), 0),
         row_name: &|row| {
             let mark = if standing(row) == Some(Standing::Rival) { ", the rival" } else { "" };
             number(row).map_or("Result".to_owned(), |number| format!("Hypothesis {}{mark}", number + 1))
