@@ -11,6 +11,7 @@ use crate::app::model::exchange::{
     ExportContent, ExportKind, ExportOrder, ImportFound, ImportQuestion, ImportSource, ImportedFile,
     ImportedMatrix, PendingImport, ViewPart, content, sources, trust_note,
 };
+use crate::app::model::messages::{MessageAction, MessageKind};
 use crate::app::model::rectified::{Blink, RectifiedCommand, RectifiedLayout, RectifyOrder};
 use crate::app::model::session::suggested_path;
 use crate::app::model::{ExchangeCommand, Side};
@@ -56,7 +57,7 @@ impl Inspector {
     }
 
     fn export_file(&mut self, order: ExportOrder) {
-        self.view.dialogs.export.open = false;
+        self.view.dialogs.export.close();
         if order.what == ExportKind::View {
             self.view.capture = Some(WantedView::new(Destination::File(order.path), order.part));
             return;
@@ -78,6 +79,16 @@ impl Inspector {
             Ok((content, what)) => self.write(order.path, what, content),
             Err(problem) => self.model.messages.tell(problem),
         }
+    }
+
+    /// Tells that an export failed: in its dialog, or in a message once the user may be doing something else.
+    pub(super) fn refuse_export(&mut self, problem: String) {
+        let dialogs = &mut self.view.dialogs;
+        if dialogs.export.is_awaited() && !dialogs.is_open() {
+            return dialogs.export.refuse(problem);
+        }
+        let again = MessageAction { label: "Export again", command: ExchangeCommand::ShowExport.into() };
+        self.model.messages.say(MessageKind::Problem, problem, vec![again]);
     }
 
     fn write(&mut self, path: PathBuf, what: String, content: ExportContent) {
@@ -262,5 +273,26 @@ impl Inspector {
             self.model.open.focus.choose_contestant(Contestant::Imported);
         }
         self.model.open.done.tell(format!("Imported a geometry{what} from {name}"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::Start;
+    use crate::app::tasks::Services;
+
+    #[test]
+    fn an_export_that_fails_late_waits_in_a_message() {
+        let mut inspector = Inspector::new(Start::default(), Services::default());
+        inspector.view.dialogs.export.close();
+        inspector.refuse_export("At once.".into());
+        assert!(inspector.view.dialogs.export.open && inspector.messages().next().is_none());
+        inspector.view.dialogs.export.open = false;
+        inspector.view.dialogs.palette.open = true;
+        inspector.refuse_export("Late.".into());
+        assert!(!inspector.view.dialogs.export.open);
+        let told = inspector.model.messages.on_top().next().unwrap();
+        assert_eq!((&*told.text, told.actions[0].label), ("Late.", "Export again"));
     }
 }

@@ -153,7 +153,7 @@ impl Inspector {
         }
         match self.tasks.writing.take(&mut self.model.activity.writing) {
             Some(Ok(text)) => self.model.messages.say(MessageKind::Done, text, Vec::new()),
-            Some(Err(text)) => self.view.dialogs.export.refuse(text),
+            Some(Err(text)) => self.refuse_export(text),
             None => {}
         }
         if let Some(found) = self.tasks.aligning.latest() {

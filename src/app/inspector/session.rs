@@ -133,7 +133,7 @@ impl Inspector {
                     self.model.open.done.tell(format!("Exported {what} to {}", path.display()));
                 }
                 Written::Export { result: Err(problem), .. } => {
-                    self.view.dialogs.export.refuse(format!("Nothing was exported: {problem}."));
+                    self.refuse_export(format!("Nothing was exported: {problem}."));
                 }
             }
         }

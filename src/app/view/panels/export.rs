@@ -1,6 +1,7 @@
 //! The export dialog: content, format and file.
 
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use egui::{
     Align, Button, ComboBox, DragValue, Label, Layout, RichText, Role, ScrollArea, Ui, WidgetInfo, vec2,
@@ -23,6 +24,9 @@ const WIDTH: f32 = 700.0;
 const KINDS_WIDTH: f32 = 160.0;
 const OPTIONS_HEIGHT: f32 = 290.0;
 
+/// Time after an export during which nobody begins anything else. A failure within it opens the dialog again.
+const AWAITED: Duration = Duration::from_secs(2);
+
 /// Choices of the dialog, kept for the next time.
 #[derive(Debug, Clone, Default)]
 pub struct FileExport {
@@ -40,6 +44,8 @@ pub struct FileExport {
     /// Reason why the last export failed.
     problem: Option<String>,
     just_opened: bool,
+    /// Time of the last export.
+    ordered: Option<Instant>,
 }
 
 impl FileExport {
@@ -54,6 +60,16 @@ impl FileExport {
             self.path.clear();
         }
         self.choose(what.unwrap_or(self.order.what));
+    }
+
+    /// Closes the dialog, as its export has begun.
+    pub fn close(&mut self) {
+        (self.open, self.ordered) = (false, Some(Instant::now()));
+    }
+
+    /// Returns whether the last export has only just begun.
+    pub fn is_awaited(&self) -> bool {
+        self.ordered.is_some_and(|ordered| ordered.elapsed() < AWAITED)
     }
 
     /// Opens the dialog again as it was, with the reason why the export failed.
