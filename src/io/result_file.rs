@@ -377,10 +377,11 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
         let _ = writeln!(text, "Refined on {matches} patches matched along the epipolar lines");
     }
     if let Some(barcodes) = &assessment.barcodes {
-        let BarcodeFigures { correlation, by_chance, lines, deviation, frames } = *barcodes;
+        let BarcodeFigures { correlation, by_chance, deviation, frames, .. } = *barcodes;
+        let lines = barcodes.whole_lines();
         let _ = writeln!(
             text,
-            "Motion barcodes of {frames} frames: corresponding lines correlate by {correlation:.3} (by chance up to {by_chance:.3}), {lines:.0} of them independently"
+            "Motion barcodes of {frames} frames: corresponding lines correlate by {correlation:.3} (by chance up to {by_chance:.3}), {lines} of them independently"
         );
         if let Some(deviation) = deviation {
             let _ = writeln!(

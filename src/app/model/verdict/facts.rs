@@ -183,7 +183,7 @@ fn barcodes(estimate: &Estimate) -> Vec<Fact> {
         tone: tone(|reason| matches!(reason, Reason::FewBarcodes { .. }), Tone::Caution),
         ..Fact::new(
             "Distinct lines",
-            format!("{:.0}, in {} frames", figures.lines, figures.frames),
+            format!("{}, in {} frames", figures.whole_lines(), figures.frames),
             "Number of epipolar lines with a barcode of their own. Neighbouring lines are crossed \
              by the same objects and count less. The geometry has seven unknowns, so it needs more lines than that.",
         )

@@ -3,7 +3,7 @@ use super::*;
 use crate::app::fake;
 use crate::app::model::computation::EstimateNews;
 use crate::app::model::document::{PictureIdentity, Role};
-use crate::estimate::{EpipoleBearing, Estimate, Reason, Trust, Verdict, Warning};
+use crate::estimate::{BarcodeFigures, EpipoleBearing, Estimate, Reason, Trust, Verdict, Warning};
 use crate::geometry::{Frame, HomogeneousPoint, PointPair};
 
 fn computed(change: impl Fn(&mut Estimate)) -> (Document, Computation) {
@@ -173,6 +173,16 @@ fn where_only_a_plane_is_certain_no_epipole_is_told() {
     let plane = Reason::OnePlane { percent: 97, groups: 0, agreeing: 0, is_still: false };
     assert_eq!(epipoles_of(vec![plane]), ["not determined"; 2]);
     assert!(epipoles_of(vec![Reason::NotRefined]).iter().all(|text| text != "not determined"));
+}
+
+#[test]
+fn independent_lines_are_counted_like_those_of_the_verdict() {
+    let figures =
+        BarcodeFigures { correlation: 0.9, by_chance: 0.2, lines: 4.7, deviation: None, frames: 200 };
+    let (document, computation) = computed(|estimate| estimate.assessment.barcodes = Some(figures));
+    let facts = verdict(&document, &computation).facts;
+    let lines = facts.iter().find(|fact| fact.name == "Distinct lines").unwrap();
+    assert_eq!(lines.value, "4, in 200 frames");
 }
 
 #[test]

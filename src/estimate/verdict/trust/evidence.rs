@@ -291,6 +291,13 @@ pub struct BarcodeFigures {
     pub frames: usize,
 }
 
+impl BarcodeFigures {
+    /// Returns the number of whole independent lines, the number told to people.
+    pub fn whole_lines(&self) -> usize {
+        self.lines as usize
+    }
+}
+
 /// Data that a result was refined on.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(in crate::estimate) enum RefinedOn {

@@ -45,13 +45,14 @@ impl Trust {
     pub(in crate::estimate) fn judge(evidence: &Evidence) -> Self {
         let mut reasons = Vec::new();
         let mut unreliable = false;
-        if let Some(BarcodeFigures { correlation, by_chance, lines, .. }) = evidence.barcodes {
+        if let Some(figures) = evidence.barcodes {
+            let BarcodeFigures { correlation, by_chance, lines, .. } = figures;
             if correlation <= by_chance {
                 unreliable = true;
                 reasons.push(Reason::BarcodesByChance { correlation, by_chance });
             }
             if lines < ENOUGH_LINES {
-                reasons.push(Reason::FewBarcodes { lines: lines as usize });
+                reasons.push(Reason::FewBarcodes { lines: figures.whole_lines() });
             }
         } else if !evidence.patches {
             reasons.push(Reason::NotChecked);
