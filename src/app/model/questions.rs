@@ -15,6 +15,7 @@ use super::suggesting::{LensQuestion, NextClickQuestion, SuggestQuestion};
 use crate::convention::FEWEST_MATCHES;
 use crate::estimate::{DivisionFit, Estimate, Search, Verdict};
 use crate::geometry::PointPair;
+use crate::io::PairOrigin;
 
 impl Model {
     /// Returns the request for a scene: for a result on calibrated pictures whose epipole is determined.
@@ -206,18 +207,18 @@ impl Model {
         )
     }
 
-    /// Returns the matches for checking an imported matrix: true ones, else clicked pairs, else
-    /// matches of the result, which may be wrong. Using true matches here does not reveal them.
+    /// Returns the matches for checking an imported matrix: true ones, else the pairs of the user, else
+    /// matches of the result, which may be wrong. Kept matches are only a few of those of the result. Using true
+    /// matches here does not reveal them.
     pub fn matches_for_import(&self) -> MatchesAtHand {
         let known = self.open.known().map(|known| known.truth.clone());
         if let Some(truth) = known.filter(|truth| truth.matches.len() >= FEWEST_MATCHES) {
             return MatchesAtHand::True(truth);
         }
         let clicked: Vec<PointPair> = self.document.included().collect();
+        let own = self.document.labels().filter(|label| label.origin != PairOrigin::Automatic).count();
         let found = self.open.computation.shared_result().filter(|(found, of)| {
-            *of == Freshness::Final
-                && found.matches().len() >= FEWEST_MATCHES
-                && clicked.len() < FEWEST_MATCHES
+            *of == Freshness::Final && found.matches().len() >= FEWEST_MATCHES && own < FEWEST_MATCHES
         });
         found.map_or(MatchesAtHand::Clicked(clicked), |(found, _)| MatchesAtHand::Found(found))
     }
@@ -225,5 +226,31 @@ impl Model {
     fn final_result(&self) -> Option<Shared<Estimate>> {
         let (found, freshness) = self.open.computation.shared_result()?;
         (freshness == Freshness::Final).then_some(found)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::fake;
+    use crate::app::model::computation::EstimateNews;
+    use crate::estimate::{RefinedMatch, Refinement};
+
+    #[test]
+    fn kept_matches_do_not_stand_for_all_matches_of_the_result() {
+        let pair = |k: u8| PointPair::new(f64::from(k), 5.0, f64::from(k) + 1.0, 6.0);
+        let pairs: Vec<PointPair> = (0..20).map(pair).collect();
+        let request = fake::request(1.0);
+        let mut found = fake::result(&request.pairs, &request.parameters).unwrap();
+        let matches = pairs.iter().map(|pair| RefinedMatch { pair: *pair, correlation: 1.0 }).collect();
+        found.assessment.refinement = Some(Refinement { matches, uncertainty: None, noise: None });
+        let mut model = Model::default();
+        model.open.computation.adopt(Some(&request));
+        model.open.computation.begin(1, false);
+        model.open.computation.take(1, EstimateNews::Finished(Ok(Box::new(found))));
+        model.document.keep_as_checks(&pairs[..9]);
+        assert_eq!(model.matches_for_import().pairs().len(), 20);
+        model.document.set_pairs(pairs[..9].to_vec(), PairOrigin::Clicked);
+        assert_eq!(model.matches_for_import().pairs().len(), 9);
     }
 }
