@@ -1,6 +1,9 @@
 //! The scene of a calibrated pair: orbit, points under the cursor, and the way back to the pictures.
 
 use crate::support::*;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Shape, TouchPhase, vec2};
@@ -146,6 +149,36 @@ fn without_a_determined_epipole_there_is_no_scene_and_no_pose() {
     assert!(painted(&window, "The epipole is not determined, so there is no baseline and no depth."));
     assert!(window.state().model().scene().is_none() && !painted(&window, "±"));
     assert!(window.query_by_label("Rotation").is_none());
+}
+
+#[test]
+fn the_scene_waits_for_the_final_verdict() {
+    let go_on = Arc::new(AtomicBool::new(true));
+    let mut services = exact();
+    let mut estimate = services.estimate;
+    services.estimate = Box::new({
+        let go_on = Arc::clone(&go_on);
+        move |request, monitor| {
+            while !go_on.load(Ordering::Relaxed) {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            estimate(request, monitor)
+        }
+    });
+    let mut window = calibrated(services);
+    press(&mut window, Key::Num7);
+    assert!(window.state().model().scene().is_some());
+    go_on.store(false, Ordering::Relaxed);
+    window.key_press(Key::F5);
+    for _ in 0..4 {
+        window.step();
+    }
+    assert_eq!(stage(&window), StageId::Scene);
+    assert!(window.state().estimate().is_some() && window.state().model().scene().is_none());
+    assert!(painted(&window, "The 3-D points appear once the search has ended."));
+    go_on.store(true, Ordering::Relaxed);
+    settle(&mut window);
+    assert!(window.state().model().scene().is_some());
 }
 
 #[test]

@@ -18,10 +18,10 @@ use crate::geometry::PointPair;
 use crate::io::PairOrigin;
 
 impl Model {
-    /// Returns the request for a scene: for a result on calibrated pictures whose epipole is determined.
+    /// Returns the request for a scene: for a final result on calibrated pictures whose epipole is determined.
+    /// Only the final verdict tells whether it is.
     pub fn scene_question(&self) -> Option<SceneQuestion> {
-        let (found, _) =
-            self.open.computation.shared_result().filter(|(found, _)| !found.says_one_plane())?;
+        let found = self.final_result().filter(|found| !found.says_one_plane())?;
         let left = self.open.pictures.as_ref()?[0].picture.clone();
         Some(SceneQuestion { left, found, views: self.open.posed_views()? })
     }
@@ -33,9 +33,16 @@ impl Model {
         scene.is_of(&self.scene_question()?).then_some(scene)
     }
 
+    /// Returns whether a scene waits for the verdict of the running search.
+    pub fn awaits_scene(&self) -> bool {
+        let computation = &self.open.computation;
+        computation.is_running() && computation.result().is_some() && self.open.posed_views().is_some()
+    }
+
     /// Returns whether there is a scene, one is being made, or the stage says why there is none.
     pub fn offers_scene(&self) -> bool {
-        self.epipole_is_open() || self.scene_question().is_some() && !matches!(self.open.scene, Some(None))
+        let is_asked = self.scene_question().is_some() && !matches!(self.open.scene, Some(None));
+        self.awaits_scene() || self.epipole_is_open() || is_asked
     }
 
     /// Describes the scene point under the cursor.

@@ -34,9 +34,14 @@ pub fn show(ui: &mut Ui, panes: &mut [ImagePane; 2], model: &Model, commands: &m
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, "3-D scene"));
     let Some(scene) = model.scene() else {
-        if model.epipole_is_open() {
-            label(ui.painter(), rect.center(), Align2::CENTER_CENTER, NO_BASELINE, theme::SELECTED);
-        }
+        let why = if model.awaits_scene() {
+            "The 3-D points appear once the search has ended."
+        } else if model.epipole_is_open() {
+            NO_BASELINE
+        } else {
+            return;
+        };
+        label(ui.painter(), rect.center(), Align2::CENTER_CENTER, why, theme::SELECTED);
         return;
     };
     let size = Vector2::new(f64::from(rect.width()), f64::from(rect.height()));
