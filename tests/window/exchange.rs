@@ -70,6 +70,27 @@ fn point_pairs_become_those_of_the_document_in_one_step() {
 }
 
 #[test]
+fn many_pairs_leave_the_pictures_visible() {
+    let files = Files::new();
+    let mut window = sample();
+    let full = |window: &Window| {
+        let rings = window.output().shapes.iter().filter(|clipped| {
+            matches!(&clipped.shape, egui::Shape::Circle(circle) if (circle.radius - 6.5).abs() < 0.01)
+        });
+        // Each ring has an edge.
+        rings.count() / 2
+    };
+    for (count, shown) in [(24, 48), (25, 0)] {
+        let pairs = &truth().matches[..count];
+        drop_files(&mut window, &[file(&files, "m.csv", &csv(pairs))]);
+        assert_eq!(full(&window), shown, "{count} pairs");
+    }
+    window.hover_at(screen(&window, P_LEFT));
+    settle(&mut window);
+    assert_eq!(full(&window), 2, "both points of the pair under the cursor");
+}
+
+#[test]
 fn a_transposed_matrix_is_recognised_before_it_is_drawn() {
     let files = Files::new();
     let mut window = sample();

@@ -7,8 +7,14 @@ use super::{Canvas, Pointing};
 use crate::app::model::{Role, Target};
 use crate::app::view::theme;
 
+/// Number of pairs from which on most marks are small and without names. With more, rings and names cover
+/// the pictures and each other.
+const CROWD: usize = 25;
+
 pub fn draw(canvas: &Canvas) {
     let document = &canvas.model.document;
+    let is_crowded = document.pairs.len() >= CROWD && !canvas.is_figure;
+    let hovered = canvas.model.open.focus.hovered();
     for (at, point) in document.points(canvas.side) {
         let centre = canvas.transform.screen_from_image(point);
         let role = document.role(at.pair);
@@ -16,21 +22,30 @@ pub fn draw(canvas: &Canvas) {
         let color =
             theme::pair_color(at.pair).gamma_multiply(if left_out { theme::STALE_OPACITY } else { 1.0 });
         let painter = canvas.painter;
+        let outvoted = canvas.model.outvoted(at.pair).is_some();
+        let at_hand = document.selection.is_some_and(|selected| selected.pair == at.pair)
+            || document.chosen.contains(&at.pair)
+            || hovered == Some(Target::Pair(at.pair));
+        let is_small = is_crowded && !at_hand && !outvoted;
+        let (radius, edge, width) = if is_small { (3.0, 3.0, 1.4) } else { (theme::HANDLE_RADIUS, 4.5, 2.2) };
         if canvas.at_hand(document.selection) == Some(at) {
             painter.circle_stroke(centre, theme::HANDLE_RADIUS + 3.5, Stroke::new(4.0, theme::HALO));
             painter.circle_stroke(centre, theme::HANDLE_RADIUS + 3.5, Stroke::new(1.5, theme::SELECTED));
         }
-        for stroke in [Stroke::new(4.5, theme::HALO), Stroke::new(2.2, color)] {
+        for stroke in [Stroke::new(edge, theme::HALO), Stroke::new(width, color)] {
             if role == Role::Check {
-                let area = Rect::from_center_size(centre, Vec2::splat(2.0 * theme::HANDLE_RADIUS));
+                let area = Rect::from_center_size(centre, Vec2::splat(2.0 * radius));
                 painter.rect_stroke(area, 1.0, stroke, StrokeKind::Middle);
             } else {
-                painter.circle_stroke(centre, theme::HANDLE_RADIUS, stroke);
+                painter.circle_stroke(centre, radius, stroke);
             }
+        }
+        if is_small {
+            continue;
         }
         painter.circle_filled(centre, 2.2, theme::HALO);
         painter.circle_filled(centre, 1.3, color);
-        let mark = if canvas.model.outvoted(at.pair).is_some() { " !" } else { "" };
+        let mark = if outvoted { " !" } else { "" };
         canvas.label(centre, &(document.name(at.pair) + mark), color);
     }
 }
