@@ -47,6 +47,9 @@ pub enum CliError {
     /// The images do not show enough to judge a geometry. The judgement has been printed.
     #[error("the images do not show enough to judge the geometry")]
     Undecided,
+    /// A result without depth has no scene points to export. The result has been printed.
+    #[error("the epipole is not determined, so there are no scene points. Export F instead, to a .json file")]
+    NoDepth,
     /// The pair cannot be rectified.
     #[error(transparent)]
     Rectify(#[from] RectifyError),
@@ -79,7 +82,7 @@ impl CliError {
         match self {
             Self::Estimate(error) if !error.is_bad_input() => 1,
             Self::Suggest(error) if !error.is_bad_input() => 1,
-            Self::NothingFits(_) | Self::DoesNotFit | Self::NotRectified => 1,
+            Self::NothingFits(_) | Self::DoesNotFit | Self::NotRectified | Self::NoDepth => 1,
             Self::Rectify(error) if !error.is_bad_input() => 1,
             _ => 2,
         }

@@ -150,6 +150,11 @@ impl GeometryOutput {
         self.file.as_ref().map(OutputFile::path)
     }
 
+    /// Returns whether the output is scene points.
+    pub(super) fn is_cloud(&self) -> bool {
+        matches!(self.content, Content::Cloud)
+    }
+
     /// Returns whether the output is standard output, which then has no other use.
     pub(super) fn is_piped(&self) -> bool {
         self.file.is_none()

@@ -23,7 +23,7 @@ use crate::judge::{
     FEWEST_MATCHES, Finding, GivenGeometry, Judgement, LIMIT, ROW_LIMIT, Reference, RowJudgement, judge,
     judge_rows,
 };
-use crate::presentation::{judgement_in_words, pose_difference_in_words, rows_in_words};
+use crate::presentation::{NO_BASELINE, judgement_in_words, pose_difference_in_words, rows_in_words};
 
 /// Judge whether a geometry from elsewhere fits two images, or whether they are rectified
 ///
@@ -91,6 +91,8 @@ struct Shown {
     matches: Vec<PointPair>,
     /// Whether the matches may contradict a geometry. True for matches that a person gives.
     is_trusted: bool,
+    /// Whether the verdict leaves the epipole open, and with it the pose.
+    is_open: bool,
     verdict: Option<Verdict>,
     covariance: Option<Matrix9>,
 }
@@ -145,20 +147,23 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
         }
         return if found.is_aligned { Ok(()) } else { Err(CliError::NotRectified) };
     };
-    let Shown { fundamental, matches, is_trusted, covariance, .. } = &shown;
+    let Shown { fundamental, matches, is_trusted, is_open, covariance, .. } = &shown;
     let (fundamental, is_trusted) = (*fundamental, *is_trusted);
     // Both geometries may be uncertain; without a covariance, the judged one counts as exact.
     let covariance = covariance.map(|covariance| covariance + own_covariance.unwrap_or_else(Matrix9::zeros));
     let reference = Reference { fundamental, matches, frames, is_trusted, covariance };
     let found: Judgement = judge(&given, &reference, arguments.limit.unwrap_or(LIMIT)).ok_or_else(too_few)?;
     let mut words = judgement_in_words(&found);
-    let difference = stereo.and_then(|(pose, views)| {
+    let is_calibrated = stereo.is_some();
+    let difference = stereo.filter(|_| !is_open).and_then(|(pose, views)| {
         let fit = views.fit_pose(&fundamental, matches)?;
         // Without parallax the matches determine no pose.
         fit.difference(&pose).filter(|_| is_trusted)
     });
     if let Some(difference) = &difference {
         words = format!("{words}\n{}", pose_difference_in_words(difference));
+    } else if is_calibrated && *is_open {
+        words = format!("{words}\nThe pose cannot be judged. {NO_BASELINE}");
     }
     write(&output, &found, &words, difference, &shown)?;
     match found.finding {
@@ -207,6 +212,7 @@ fn of_images(pictures: &[Picture; 2], arguments: &JudgeArguments) -> Result<Show
         fundamental: *found.fundamental(),
         matches: found.matched_pairs(),
         is_trusted: found.may_contradict(),
+        is_open: found.says_one_plane(),
         verdict: found.assessment.trust.as_ref().map(|trust| trust.verdict),
         covariance: found.uncertainty().map(Uncertainty::covariance),
     })
@@ -219,7 +225,8 @@ fn of_matches(matches: &[Match], frames: [Frame; 2], seed: u64) -> Result<Shown,
     let right = matches.iter().zip(&fit.inlier_probabilities).filter(|(_, right)| **right > 0.5);
     let matches = right.map(|(found, _)| found.pair).collect();
     let covariance = fit.uncertainty.as_ref().map(Uncertainty::covariance);
-    Ok(Shown { fundamental: fit.fundamental, matches, is_trusted: true, verdict: None, covariance })
+    let fundamental = fit.fundamental;
+    Ok(Shown { fundamental, matches, is_trusted: true, is_open: false, verdict: None, covariance })
 }
 
 /// Returns the geometry of a calibration in the views without distortion.

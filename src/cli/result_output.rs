@@ -78,10 +78,14 @@ impl ResultOutput {
             // The covariance knows only the epipole of this geometry, and others do as well.
             fit.uncertainty = None;
         }
-        if let Some(export) = self.export {
-            let cameras = views.zip(pose.as_ref()).and_then(|(views, fit)| views.posed(&fit.pose));
+        let lacks_depth =
+            found.says_one_plane() && self.export.as_ref().is_some_and(GeometryOutput::is_cloud);
+        if let Some(export) = self.export.filter(|_| !lacks_depth) {
+            // Other programs take a pose at its word.
+            let pose = pose.as_ref().filter(|_| !found.says_one_plane());
+            let cameras = views.zip(pose).and_then(|(views, fit)| views.posed(&fit.pose));
             let is_undistorted = views.is_some_and(ViewPair::is_undistorted);
-            let cloud = views.zip(pose.as_ref()).map(|(views, fit)| {
+            let cloud = views.zip(pose).map(|(views, fit)| {
                 let color = |point| pictures[0].color_at(point);
                 let cloud = PointCloud::new(&fit.pose, views, &matches, color);
                 match baseline {
@@ -93,7 +97,7 @@ impl ResultOutput {
                 cameras,
                 is_undistorted,
                 covariance: found.uncertainty().map(Uncertainty::covariance),
-                calibrated: views.map(|_| CalibratedNote::new(pose.as_ref())),
+                calibrated: views.map(|_| CalibratedNote::new(pose)),
                 cloud,
                 ..geometry_file(found, pairs, pictures)
             })?;
@@ -119,7 +123,8 @@ impl ResultOutput {
                 words += "All coordinates belong to the views without distortion\n";
             }
         }
-        self.output.write(&result, &words)
+        self.output.write(&result, &words)?;
+        if lacks_depth { Err(CliError::NoDepth) } else { Ok(()) }
     }
 }
 

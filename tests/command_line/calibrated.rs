@@ -1,9 +1,9 @@
 //! Commands with a calibration, on the built-in pair seen through a lens.
 
 use epiline::camera::{CameraModel, UndistortedView};
-use epiline::geometry::{FundamentalMatrix, Point, PointPair, sampson_distance};
+use epiline::geometry::{FundamentalMatrix, Point, PointPair, finite_point, sampson_distance};
 use epiline::synthetic::Sample;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Rotation3};
 
 use super::*;
 
@@ -167,6 +167,37 @@ fn a_stereo_calibration_is_judged_and_a_wrong_lens_is_found() {
         "there is no camera a",
     );
     fails(&["estimate", &near, &far, "--calibration", &near], 2, "not a text file");
+}
+
+#[test]
+fn a_turned_camera_has_no_pose_to_judge_or_to_export() {
+    let pictures = Pictures::new();
+    let sample = Sample::default().load();
+    let frame = sample.pictures[0].frame();
+    let k = Matrix3::new(FOCAL, 0.0, frame.centre().x, 0.0, FOCAL, frame.centre().y, 0.0, 0.0, 1.0);
+    let turn = Rotation3::from_euler_angles(0.0, 0.06, 0.01);
+    let back = k * turn.inverse() * k.try_inverse().unwrap();
+    let turned = sample.pictures[0].redrawn(frame, |p| finite_point(&(back * p.to_homogeneous())));
+    sample.pictures[0].pixels.save(pictures.path("near.png")).unwrap();
+    turned.pixels.save(pictures.path("far.png")).unwrap();
+    let rows = |m: &Matrix3<f64>| [0, 1, 2].map(|r| [m[(r, 0)], m[(r, 1)], m[(r, 2)]]);
+    let (k, turn) = (rows(&k), rows(turn.matrix()));
+    let stereo = serde_json::json!({ "K1": k, "K2": k, "D1": [0, 0, 0, 0], "D2": [0, 0, 0, 0], "R": turn, "T": [1.0, 0.0, 0.0] });
+    pictures.write("stereo.json", &stereo.to_string());
+    let [near, far, calibration, cloud, json] =
+        ["near.png", "far.png", "stereo.json", "cloud.ply", "f.json"].map(|name| pictures.text(name));
+    let judged = run(&["judge", &near, &far, "--calibration", &calibration]);
+    let words = text(&judged.stdout);
+    assert!(words.contains("The pose cannot be judged. The epipole is not determined"), "{words}");
+    let estimate = ["estimate", &near, &far, "--calibration", &calibration, "--export"];
+    let output = run(&[&estimate[..], &[&cloud]].concat());
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stdout).contains("Verdict: "), "the result is printed");
+    assert!(text(&output.stderr).contains("Export F instead"), "{}", text(&output.stderr));
+    assert!(!Path::new(&cloud).exists());
+    assert!(run(&[&estimate[..], &[&json]].concat()).status.success());
+    let exported: Value = serde_json::from_slice(&std::fs::read(json).unwrap()).unwrap();
+    assert!(exported["fundamental"].is_array() && exported["camera1"].is_null(), "{exported}");
 }
 
 #[test]
