@@ -8,13 +8,13 @@ use serde::Serialize;
 use super::geometry_file::{Format, ImageNote, PairLabel};
 use crate::camera::{Baseline, PoseFit, UndistortedView, ViewPair};
 use crate::estimate::{
-    BarcodeFigures, Determined, EpipoleBearing, EpipoleCertainty, Estimate, Method, Parameters, PatchSupport,
-    PlaneHomography, Preset, Reason, SearchCounts, StageTiming, Verdict, Warning,
+    BarcodeFigures, Determined, EpipoleBearing, Estimate, Method, Parameters, PatchSupport, PlaneHomography,
+    Preset, Reason, SearchCounts, StageTiming, Verdict, Warning,
 };
 use crate::geometry::{
     FundamentalMatrix, PointPair, place_in_words, sampson_distance, symmetric_epipolar_distance,
 };
-use crate::presentation::{interval_in_words, probability_in_words, reason_in_words, warning_in_words};
+use crate::presentation::{epipole_in_words, probability_in_words, reason_in_words, warning_in_words};
 
 /// Content of a result file. As JSON it is also a geometry file ([`Format::Json`]).
 #[derive(Serialize)]
@@ -328,14 +328,9 @@ fn epipoles_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
     let bearings = found.epipole_bearings(frames);
     for (k, epipole) in [found.geometry.epipole1(), found.geometry.epipole2()].iter().enumerate() {
         let place = place_in_words(epipole, images[k].frame);
-        let interval = match (&bearings, found.determined(frames)) {
-            (Some(bearings), _) => {
-                let is_place = bearings[k].certainty() == EpipoleCertainty::Position;
-                format!("; {}{}", interval_in_words(&bearings[k]), if is_place { " away" } else { "" })
-            }
-            (None, Some(Determined::Lines)) => "; not determined by the matches".to_owned(),
-            _ => String::new(),
-        };
+        let bearing = bearings.as_ref().map(|bearings| &bearings[k]);
+        let interval = epipole_in_words(bearing, found.determined(frames));
+        let interval = interval.map_or_else(String::new, |interval| format!("; {interval}"));
         let _ = writeln!(text, "Epipole in image {}: {place}{interval}", k + 1);
     }
     text

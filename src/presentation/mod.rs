@@ -14,7 +14,7 @@ mod probability;
 mod reasons;
 mod scale;
 
-pub use epipoles::interval_in_words;
+pub use epipoles::{NOT_DETERMINED, epipole_in_words, interval_in_words};
 pub use errors::error_in_words;
 pub use judgement::{change_in_words, judgement_in_words, rows_in_words};
 pub use lens::lens_in_words;

@@ -106,13 +106,13 @@ fn no_relief(along: usize, across: usize, on_warp: usize) -> String {
     let all = along + across + on_warp;
     if on_warp <= along + across {
         return format!(
-            "The epipole is uncertain, because too few distinctive matches confirm it: {along} of {all}. \
+            "The epipole is not determined, because too few distinctive matches confirm it: {along} of {all}. \
              Another {across} contradict it. Use images that overlap more."
         );
     }
     format!(
         "{on_warp} of {all} distinctive matches follow one smooth warp, as with a flat scene or a turned camera. \
-         The epipole is uncertain: {along} of the other matches confirm it, and {across} contradict it. \
+         The epipole is not determined: {along} of the other matches confirm it, and {across} contradict it. \
          Use views from different places, or a scene with more depth."
     )
 }
@@ -128,7 +128,7 @@ fn one_plane(percent: u32, off_the_plane: &str, is_still: bool) -> String {
     }
     format!(
         "{percent} % of the matches fit one plane or a rotation of the camera, \
-         so the epipole is uncertain. \
+         so the epipole is not determined. \
          {off_the_plane} Use views farther apart, or a scene with more depth."
     )
 }

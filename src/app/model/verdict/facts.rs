@@ -9,12 +9,12 @@ use crate::app::model::document::{Document, GIVEN_FIT, Given, Imported, sides_na
 use crate::camera::{PoseFit, PoseUncertainty};
 use crate::comparison::median;
 use crate::estimate::{
-    Determined, DivisionFit, EpipoleBearing, EpipoleCertainty, Estimate, LineScore, Reason, RefinedMatch,
+    DivisionFit, EpipoleBearing, EpipoleCertainty, Estimate, LineScore, Reason, RefinedMatch,
 };
 use crate::geometry::{
     Frame, FundamentalMatrix, HomogeneousPoint, Point, Vector, finite_point, symmetric_epipolar_distance,
 };
-use crate::presentation::{Scale, interval_in_words};
+use crate::presentation::{Scale, epipole_in_words, interval_in_words};
 
 /// A figure with its name.
 #[derive(Debug, Clone, PartialEq)]
@@ -240,8 +240,8 @@ pub fn epipoles(document: &Document, f: &FundamentalMatrix, estimate: Option<&Es
     let determined = estimate.zip(frames).and_then(|(estimate, frames)| estimate.determined(frames));
     let value = |k: usize, epipole: &HomogeneousPoint| match (frames, bearings) {
         (Some(frames), Some(bearings)) => bearing_text(epipole, frames[k], &bearings[k]),
-        _ if determined == Some(Determined::Lines) => "not determined".to_owned(),
-        _ => epipole_text(epipole, frames.map(|frames| frames[k])),
+        _ => epipole_in_words(None, determined)
+            .unwrap_or_else(|| epipole_text(epipole, frames.map(|frames| frames[k]))),
     };
     vec![
         Fact::new("Left epipole", value(0, &f.epipole1()), EPIPOLE),
@@ -286,13 +286,8 @@ pub(super) fn bearing_text(epipole: &HomogeneousPoint, frame: Frame, bearing: &E
     }
     let (sin, cos) = bearing.direction.sin_cos();
     let side = direction(frame.centre() + Vector::new(cos, sin) * (2.0 * frame.longer_side()), frame);
-    match bearing.certainty() {
-        EpipoleCertainty::Direction => {
-            format!("far {side}, ± {:.1}°", bearing.direction_error.to_degrees())
-        }
-        EpipoleCertainty::Position => format!("{side}, {}", interval_in_words(bearing)),
-        EpipoleCertainty::Open => interval_in_words(bearing),
-    }
+    let interval = interval_in_words(bearing);
+    if bearing.certainty() == EpipoleCertainty::Open { interval } else { format!("{side}, {interval}") }
 }
 
 /// Returns line cost and round trip. The first result of a computation has neither yet.
@@ -361,11 +356,11 @@ pub fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String 
     let decimals = usize::from(p.coords.amax() < 1000.0);
     let place = format!("({:.decimals$}, {:.decimals$})", p.x, p.y);
     match frame {
-        Some(frame) if frame.contains(p) => format!("{place} in the image"),
+        Some(frame) if frame.contains(p) => format!("{place} inside the image"),
         Some(frame) if p.coords.amax() < FAR => {
-            format!("{}, {:.0} px", direction(p, frame), (p - frame.centre()).norm())
+            format!("{}, {:.0} px away", direction(p, frame), (p - frame.centre()).norm())
         }
-        Some(frame) => format!("far {}", direction(p, frame)),
+        Some(frame) => format!("{}, far away", direction(p, frame)),
         None => place,
     }
 }

@@ -12,7 +12,9 @@ use crate::app::model::computation::{Computation, EstimateFailure, Freshness};
 use crate::app::model::document::{Document, GIVEN_FIT, Imported, Role, pair_name, sides_named};
 use crate::estimate::{self, CLICK_DEVIATIONS, Estimate, Reason, Suspect, Trust, Warning};
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
-use crate::presentation::{error_in_words, probability_in_words, reason_in_words, warning_in_words};
+use crate::presentation::{
+    NOT_DETERMINED, error_in_words, probability_in_words, reason_in_words, warning_in_words,
+};
 
 pub use action::{CardAction, LineLook, USE_LENS};
 use facts::facts;
@@ -145,7 +147,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
         let percent = (100.0 * assessment.probability_within_one_percent()?).round();
         let short = if estimate.says_one_plane() {
             // The lines are right near the matches only, so the figure must not read like a recommendation.
-            "epipole not determined".to_owned()
+            format!("epipole {NOT_DETERMINED}")
         } else {
             format!("{percent:.0} % likely within {:.0} px", (0.01 * side).max(1.0))
         };

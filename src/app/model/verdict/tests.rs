@@ -143,9 +143,9 @@ fn far_epipoles_are_told_by_their_side_and_what_is_known() {
             EpipoleBearing { direction, direction_error: 0.02, distance: 950.0, nearest: 900.0, farthest };
         bearing_text(&HomogeneousPoint::new(direction.cos(), direction.sin(), 1e-3), frame, &bearing)
     };
-    assert_eq!(text(0.1, Some(1010.0)), "right, 950 ± 60 px");
-    assert_eq!(text(3.1, Some(2500.0)), "left, 900 to 2500 px");
-    assert_eq!(text(-1.5, None), "far above, ± 1.1°");
+    assert_eq!(text(0.1, Some(1010.0)), "right, 950 ± 60 px away");
+    assert_eq!(text(3.1, Some(2500.0)), "left, 900 to 2500 px away");
+    assert_eq!(text(-1.5, None), "above, far away, direction ± 1.1°");
     let inside = HomogeneousPoint::new(30.0, 40.0, 1.0);
     let near = EpipoleBearing {
         direction: 0.0,
@@ -154,7 +154,7 @@ fn far_epipoles_are_told_by_their_side_and_what_is_known() {
         nearest: 18.0,
         farthest: Some(23.0),
     };
-    assert_eq!(bearing_text(&inside, frame, &near), "(30.0, 40.0) in the image");
+    assert_eq!(bearing_text(&inside, frame, &near), "(30.0, 40.0) inside the image");
 }
 
 #[test]
@@ -189,9 +189,9 @@ fn independent_lines_are_counted_like_those_of_the_verdict() {
 fn epipoles_are_described_near_far_and_at_infinity() {
     let frame = Some(Frame::new(100, 100));
     let text = |x, y, z| epipole_text(&HomogeneousPoint::new(x, y, z), frame);
-    assert_eq!(text(50.0, 20.0, 1.0), "(50.0, 20.0) in the image");
-    assert_eq!(text(-50.0, 20.0, 0.5), "left, 150 px");
-    assert_eq!(text(1.0, 0.1, 1e-6), "far right");
+    assert_eq!(text(50.0, 20.0, 1.0), "(50.0, 20.0) inside the image");
+    assert_eq!(text(-50.0, 20.0, 0.5), "left, 150 px away");
+    assert_eq!(text(1.0, 0.1, 1e-6), "right, far away");
     assert_eq!(text(-1.0, -1.0, 0.0), "at infinity, 45.0°");
     assert_eq!(text(1.0, 0.0, 1e-10), "at infinity, 0.0°");
 }
