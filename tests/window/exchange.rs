@@ -85,7 +85,8 @@ fn many_pairs_leave_the_pictures_visible() {
         drop_files(&mut window, &[file(&files, "m.csv", &csv(pairs))]);
         assert_eq!(full(&window), shown, "{count} pairs");
     }
-    window.hover_at(screen(&window, P_LEFT));
+    let row = window.get_by_label("Row of pair p").rect().center();
+    window.hover_at(row);
     settle(&mut window);
     assert_eq!(full(&window), 2, "both points of the pair under the cursor");
 }
