@@ -123,6 +123,10 @@ fn a_result_of_sequences_without_clicks_has_lines_and_barcodes() {
     assert_eq!(model.unclicked_places().len(), 2);
     press(&mut window, Key::Num1);
     window.get_by_label("Motion barcodes");
+    press(&mut window, Key::Num2);
+    window.get_by_label_contains("compares all lines of both images at once");
+    press(&mut window, Key::Num3);
+    window.get_by_label_contains("Motion barcodes give no matches: click point pairs");
 }
 
 #[test]

@@ -20,6 +20,8 @@ use crate::app::view::{Destination, WantedView};
 use crate::geometry::symmetric_epipolar_distance;
 use crate::io::PairOrigin;
 
+/// The way to a rectified pair.
+const NO_RECTIFIED: &str = "There is no rectified pair yet. Find the geometry first.";
 /// The way to a scene.
 const NO_SCENE: &str =
     "There are no 3-D points yet. They need a geometry with at least 10 matches. Find the geometry first.";
@@ -131,6 +133,9 @@ impl Inspector {
             Command::UnpinAll => model.open.focus.unpin_all(),
             Command::ToggleTool(tool) => {
                 model.tool = if model.tool == tool { Tool::Points } else { tool };
+                if model.tool == Tool::Measure {
+                    model.look.stage = StageId::Pictures;
+                }
             }
             Command::Measure(side, point) => {
                 model.open.measuring = Some(Measuring::after_click(model.open.measuring, side, point));
@@ -186,7 +191,16 @@ impl Inspector {
             Command::RemoveCalibration => self.remove_calibration(),
             Command::ShowFocalLengths => self.ask_for_focal_lengths(),
             Command::SetFocalLengths(lengths) => self.set_focal_lengths(lengths),
-            Command::ShowStage(stage) => model.look.stage = stage,
+            Command::ShowStage(StageId::Rectified) if !model.can_rectify() => {
+                model.messages.tell(NO_RECTIFIED)
+            }
+            Command::ShowStage(stage) => {
+                model.look.stage = stage;
+                // Measurements are of the pictures as opened.
+                if stage != StageId::Pictures && model.tool == Tool::Measure {
+                    model.tool = Tool::Points;
+                }
+            }
             Command::LookAtScene(orbit) => model.open.orbit = orbit,
             Command::ShowMatch(number) => self.show_match(number),
             Command::ShowTab(tab) => {

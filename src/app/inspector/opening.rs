@@ -173,8 +173,7 @@ impl Inspector {
     fn tell_of_pairs_outside(&mut self, count: usize) {
         if count > 0 {
             self.model.messages.tell(format!(
-                "{count} of the point pairs lie outside the images and were left out. Click these points \
-                 instead."
+                "Left out because outside the images: {count} of the point pairs. Click these points instead."
             ));
         }
     }

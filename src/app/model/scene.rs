@@ -6,6 +6,7 @@ use nalgebra::{Rotation3, Vector2, Vector3};
 
 use super::shared::Shared;
 use crate::camera::{CloudPoint, PointCloud, PoseFit, ViewPair};
+use crate::comparison::median;
 use crate::estimate::Estimate;
 use crate::geometry::PointPair;
 use crate::image::Picture;
@@ -94,13 +95,19 @@ impl Orbit {
         let mut places: Vec<Vector3<f64>> = cloud.points.iter().map(|point| point.place).collect();
         places.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
         places.truncate((FITTED * places.len() as f64).ceil() as usize);
+        let of_points = places.len();
         places.extend(cloud.cameras.iter().flatten());
         let start = Self { centre: Vector3::zeros(), yaw: FROM_LEFT, pitch: FROM_ABOVE, distance: 1.0 };
         let rotation = start.rotation();
         let turned: Vec<Vector3<f64>> = places.iter().map(|place| rotation * place).collect();
         let least = turned.iter().fold(Vector3::repeat(f64::INFINITY), |all, place| all.inf(place));
         let most = turned.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |all, place| all.sup(place));
+        // Turning is about the middle depth of the points. About a place nearer to the cameras, the
+        // points would leave the view.
         let mut middle = 0.5 * (least + most);
+        if of_points > 0 {
+            middle.z = median(&turned[..of_points].iter().map(|place| place.z).collect::<Vec<_>>());
+        }
         let half = size * (HALF / size.min().max(1e-9));
         let needed = |middle: Vector3<f64>| {
             let needed = turned.iter().map(|place| {
@@ -219,6 +226,23 @@ mod tests {
         let [left, right] = [f64::min, f64::max].map(|of| all().map(|at| at.x).reduce(of).unwrap());
         let [top, bottom] = [f64::min, f64::max].map(|of| all().map(|at| at.y).reduce(of).unwrap());
         assert!((left + right).abs() < 0.05 && (top + bottom).abs() < 0.05, "in the middle of the screen");
+    }
+
+    #[test]
+    fn points_stay_in_view_while_the_scene_turns() {
+        let mut cloud = cloud();
+        // A wall ten times as far away as the cameras are apart, and some trees before it.
+        for (k, point) in cloud.points.iter_mut().enumerate() {
+            point.place.z = if k % 10 == 0 { 3.0 } else { 10.0 + 0.1 * point.place.z };
+        }
+        let orbit = Orbit::fitting(&cloud, Vector2::new(1200.0, 800.0));
+        for by in [Vector2::new(0.25, 0.1), Vector2::new(-0.25, -0.1)] {
+            let turned = orbit.turned(by);
+            let project = turned.projection();
+            let seen = cloud.points.iter().filter_map(|point| project(&point.place));
+            let inside = seen.filter(|(at, _)| at.x.abs() <= 0.75 && at.y.abs() <= 0.5).count();
+            assert!(inside * 10 >= cloud.points.len() * 9, "{inside} of {}", cloud.points.len());
+        }
     }
 
     #[test]

@@ -44,12 +44,7 @@ pub fn result_text(stage: Stage, document: &Document, computation: &Computation)
     let result = computation.result().filter(|(_, freshness)| !freshness.is_behind());
     let estimate = result.map(|(estimate, _)| estimate);
     match stage {
-        Stage::Pyramid => {
-            let [left, right] = document.pictures.as_ref()?.each_ref().map(|picture| picture.frame);
-            computation.has_begun().then(|| {
-                format!("{} × {} and {} × {} px", left.width, left.height, right.width, right.height)
-            })
-        }
+        Stage::Pyramid => None,
         Stage::Pencils => {
             let pencils = computation.pencils()?;
             let name = |k: usize| {

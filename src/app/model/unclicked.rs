@@ -2,7 +2,7 @@
 
 use super::Model;
 use super::document::{Document, Role, Side};
-use crate::estimate::{Method, Parameters, RefinedMatch, Search};
+use crate::estimate::{Method, Parameters, RefinedMatch, Search, SearchPlan};
 use crate::geometry::PointPair;
 use crate::io::PairOrigin;
 
@@ -22,6 +22,14 @@ impl Document {
             _ => Method::TwoPoint,
         };
         Parameters { method, ..self.parameters.clone() }
+    }
+
+    /// Returns the search of the current pairs and parameters. If pairs are missing and nobody asked
+    /// for a search without them, it is the search that begins once they are there.
+    pub fn search_plan(&self) -> SearchPlan {
+        let used = self.used().count();
+        let pairs = if self.is_unclicked() { used } else { used.max(self.pairs_needed()) };
+        SearchPlan::of(&self.search_parameters(), pairs)
     }
 
     /// Lets the images decide alone. Enough pairs for an estimate become checks.

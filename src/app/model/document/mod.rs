@@ -105,7 +105,7 @@ impl Document {
         let is_small = |frame: Frame| frame.width.min(frame.height) < SMALLEST_SIDE;
         self.frames()?.into_iter().any(is_small).then(|| {
             format!(
-                "These images are too small for a geometry. Open images of at least {SMALLEST_SIDE} × {SMALLEST_SIDE} px."
+                "An image is too small for a geometry. Open images of at least {SMALLEST_SIDE} × {SMALLEST_SIDE} px."
             )
         })
     }

@@ -167,10 +167,7 @@ impl ImportQuestion {
         }
         let outside = all.len() - matches.len();
         let left_out = || {
-            format!(
-                "{outside} of the {} matches of {name} lie outside the images and were left out.",
-                all.len()
-            )
+            format!("Left out because outside the images: {outside} of the {} matches of {name}.", all.len())
         };
         let mut notes: Vec<String> = (outside > 0).then(left_out).into_iter().collect();
         notes.extend(self.disagreement(&matches));
@@ -220,7 +217,7 @@ fn on_the_images(pairs: &[PointPair], frames: [Frame; 2], name: &str) -> (Vec<Po
     }
     let (left_out, all, numbers) = (outside.len(), pairs.len(), numbers.join(", "));
     let note = format!(
-        "{left_out} of the {all} point pairs of {name} lie outside the images and were left out: {numbers}."
+        "Left out because outside the images: {left_out} of the {all} point pairs of {name} ({numbers})."
     );
     (inside, Some(note))
 }
@@ -239,7 +236,7 @@ mod tests {
         assert_eq!(kept.len(), 2);
         assert_eq!(
             note.unwrap(),
-            "1 of the 3 point pairs of m.csv lie outside the images and were left out: number 2."
+            "Left out because outside the images: 1 of the 3 point pairs of m.csv (number 2)."
         );
         assert_eq!(on_the_images(&[inside; 2], frames, "m.csv").1, None);
         let (_, note) = on_the_images(&[PointPair::new(-9.0, 0.0, 0.0, 0.0); 8], frames, "m.csv");

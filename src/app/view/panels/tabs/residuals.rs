@@ -28,7 +28,11 @@ pub fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 pub fn measured<'a>(ui: &mut Ui, model: &'a Model, commands: &mut Vec<Command>) -> Option<&'a Comparison> {
     let sets = [PointSet::Pairs, PointSet::Matches, PointSet::Given, PointSet::TrueMatches];
     if sets.iter().all(|set| missing(model, *set).is_some()) {
-        let text = if model.document.imported.is_some() {
+        let text = if model.open.computation.is_running() {
+            "Distances from the epipolar lines appear here with the result."
+        } else if model.compares_barcodes() && model.result().is_some() {
+            "Distances from the epipolar lines appear here. Motion barcodes give no matches: click point pairs."
+        } else if model.document.imported.is_some() {
             "Distances from the epipolar lines appear here. Click point pairs, or find F without clicks: the \
              matches of the images then judge the imported geometry."
         } else {

@@ -4,6 +4,7 @@ use egui::Ui;
 
 use super::super::super::table::{Column, RowLook, Table};
 use super::super::empty;
+use super::why_no_pencils;
 use crate::app::model::{Command, LineSource, Model, Target, pair_name};
 use crate::estimate::{Candidate, ComparedPencils};
 
@@ -18,7 +19,8 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let rows: Vec<(usize, &ComparedPencils, usize, &Candidate)> =
         pencils.map(|(number, pencils)| (number, &**pencils)).flat_map(of).collect();
     if rows.is_empty() {
-        empty(ui, "Candidate line pairs appear here during the estimate.");
+        let text = "Candidate line pairs appear here during the estimate.";
+        empty(ui, why_no_pencils(model).unwrap_or(text));
         return;
     }
     let rows = &rows[..];

@@ -7,6 +7,7 @@ use super::super::{empty, profiles::chart};
 use crate::app::model::Model;
 use crate::app::view::theme;
 use crate::comparison::median;
+use crate::estimate::SearchPlan;
 use crate::geometry::symmetric_epipolar_distance;
 
 /// Number of bars.
@@ -23,7 +24,12 @@ pub fn show(ui: &mut Ui, model: &Model) {
     let distances: Vec<f64> =
         matches.iter().map(|m| distance(&m.pair)).filter(|distance| distance.is_finite()).collect();
     if distances.is_empty() {
-        empty(ui, "The distances of the matches from their lines appear here. There are no matches yet.");
+        let text = if model.document.search_plan() == SearchPlan::Barcodes {
+            "Motion barcodes give no matches. The verdict tells how well the barcodes agree."
+        } else {
+            "The distances of the matches from their lines appear here. There are no matches yet."
+        };
+        empty(ui, text);
         return;
     }
     let median = median(&distances);

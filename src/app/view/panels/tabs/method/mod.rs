@@ -18,7 +18,7 @@ use super::{Tab, busy, finish_button, pale_earlier, say_earlier};
 use crate::app::model::step::{StepProgress, progress, result_text};
 use crate::app::model::{Command, MethodStep, Model, Side, TabId};
 use crate::app::view::theme;
-use crate::estimate::{Method, Preset, Search, Stage};
+use crate::estimate::{Method, Preset, Search, SearchPlan, Stage};
 
 /// Registered in [`super::TABS`].
 pub const TAB: Tab = Tab { id: TabId::Method, tools, show };
@@ -42,9 +42,14 @@ impl MethodStep {
         }
     }
 
-    /// Explains the step in two sentences.
-    fn explanation(self) -> &'static str {
-        match self {
+    /// Explains the step of a search in two or three sentences.
+    fn explanation(self, plan: SearchPlan) -> String {
+        let all_lines = matches!(plan, SearchPlan::Barcodes | SearchPlan::LinesAlone { .. });
+        let of_clicks = match self {
+            Self::Pencils if plan == SearchPlan::Barcodes => {
+                "Every line through p in the left image is compared with every line through p in the right one, \
+                 and the same for q. A bright cell is a line pair across which things move in the same frames."
+            }
             Self::Pencils => {
                 "Every line through p in the left image is matched with every line through p in the right \
                  one, and the same for q. A bright cell is a line pair whose intensities match well."
@@ -52,6 +57,14 @@ impl MethodStep {
             Self::Candidates => {
                 "A candidate is a line pair of which each line is the best match of the other. The images \
                  show the candidates of p and q, the cheapest ones brightest."
+            }
+            Self::Epipoles if plan == SearchPlan::Unclicked => {
+                "Without clicks, matched features propose the hypotheses, each with an epipole in either \
+                 image. Line pairs through matches propose more if doubts remain."
+            }
+            Self::Epipoles if all_lines => {
+                "Candidates from all lines of both images give the map between the lines, and so a \
+                 hypothesis, three at a time. Each hypothesis has an epipole in either image."
             }
             Self::Epipoles => {
                 "A candidate through p and one through q meet in an epipole in each image. Their bisectors \
@@ -62,15 +75,35 @@ impl MethodStep {
                  between a line and its return. A small region speaks for a hypothesis; a good one may have \
                  a large region, so the validation decides."
             }
+            Self::Validation if plan == SearchPlan::Barcodes => {
+                "The best hypotheses are fitted to the barcodes of lines all over both images. The lead over \
+                 the rival compares the best one with the best clearly different one."
+            }
             Self::Validation => {
                 "The best hypotheses are scored over the whole of both images. The lead over the rival \
                  compares the first one with the best clearly different one."
+            }
+            Self::Result if plan == SearchPlan::Barcodes => {
+                "The best hypothesis is fitted to the barcodes in full size. Fits without some of the frames \
+                 give its uncertainty."
             }
             Self::Result => {
                 "The best hypothesis is fitted to patches that match along its lines at full resolution. \
                  The bands around the lines show the uncertainty that follows from the matches."
             }
+        };
+        let mut text = of_clicks.to_owned();
+        if plan == SearchPlan::Unclicked {
+            for (click, found) in [("p", "match 1"), ("q", "match 2")] {
+                for end in [" ", ".", ","] {
+                    text = text.replace(&format!(" {click}{end}"), &format!(" {found}{end}"));
+                }
+            }
+            if self == Self::Pencils {
+                text += " F comes from matched features, and these two matches take the place of clicks.";
+            }
         }
+        text
     }
 }
 
@@ -116,6 +149,15 @@ fn epipoles(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
+/// Tells why a search has no pencils; `None` if it has, or may have.
+fn why_no_pencils(model: &Model) -> Option<&'static str> {
+    let plan = model.document.search_plan();
+    let all_lines = matches!(plan, SearchPlan::Barcodes | SearchPlan::LinesAlone { .. });
+    (all_lines && model.document.is_unclicked()).then_some(
+        "This search compares all lines of both images at once. Line pencils need two point pairs.",
+    )
+}
+
 /// Shows the explanation, the figure that decided, the parameters, and the neighbouring steps.
 fn explained(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Command>) {
     ScrollArea::vertical().id_salt("words").auto_shrink([false, false]).show(ui, |ui| {
@@ -127,16 +169,7 @@ fn explained(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Co
                 finish_button(ui, button, Command::StepMethod { forward }, commands);
             }
         });
-        let mut text = step.explanation().to_owned();
-        if model.document.is_unclicked() {
-            // Two matches stand in for the clicks.
-            for (click, found) in [("p", "match 1"), ("q", "match 2")] {
-                for end in [" ", ".", ","] {
-                    text = text.replace(&format!(" {click}{end}"), &format!(" {found}{end}"));
-                }
-            }
-        }
-        ui.add(Label::new(text).wrap());
+        ui.add(Label::new(step.explanation(model.document.search_plan())).wrap());
         for stage in step.stages() {
             if let Some(text) = result_text(*stage, &model.document, &model.open.computation) {
                 ui.add(Label::new(RichText::new(text).weak()).wrap());
@@ -215,18 +248,17 @@ fn strip(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             _ => (visuals.faint_bg_color, visuals.weak_text_color()),
         };
         let notch = if number == 0 { 0.0 } else { POINT };
-        let corners = [
+        let arrow = [
             place.min,
             pos2(place.max.x - POINT, place.min.y),
             pos2(place.max.x, place.center().y),
             pos2(place.max.x - POINT, place.max.y),
             place.left_bottom(),
-            pos2(place.min.x + notch, place.center().y),
         ];
-        // The shape is not convex, so it is drawn in two halves.
-        for half in [[0, 1, 2, 5], [5, 2, 3, 4]] {
-            let corners = half.map(|k| corners[k]).to_vec();
-            ui.painter().add(Shape::convex_polygon(corners, fill, Stroke::NONE));
+        // Only convex shapes can be filled, so the notch is painted over.
+        let cut = [place.min, pos2(place.min.x + notch, place.center().y), place.left_bottom()];
+        for (corners, fill) in [(&arrow[..], fill), (&cut, ui.visuals().panel_fill)] {
+            ui.painter().add(Shape::convex_polygon(corners.to_vec(), fill, Stroke::NONE));
         }
         let time = match state {
             StepProgress::Done(Some(seconds)) if width > 104.0 => format!("  {}", fit::duration(seconds)),
@@ -246,7 +278,11 @@ fn strip(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             let mark = Rect::from_center_size(pos2(place.max.x - 16.0, middle), vec2(14.0, 14.0));
             ui.scope_builder(UiBuilder::new().max_rect(mark), busy::show);
         }
-        let hint = format!("{}. {} (N for the next step)", step.title(), step.explanation());
+        let hint = format!(
+            "{}. {} (N for the next step)",
+            step.title(),
+            step.explanation(model.document.search_plan())
+        );
         if response.on_hover_text(hint).clicked() {
             commands.push(Command::ShowStep(step));
         }

@@ -4,6 +4,7 @@ use egui::{Rect, RichText, Ui, UiBuilder, pos2, vec2};
 
 use super::super::empty;
 use super::matrix::PencilMatrix;
+use super::why_no_pencils;
 use crate::app::model::{Command, LineSource, Model, Target, pair_name};
 use crate::app::view::heat;
 use crate::app::view::theme;
@@ -50,11 +51,9 @@ const ROOM_FOR_WORDS: f32 = 130.0;
 
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(pencils) = model.open.computation.pencils() else {
-        empty(
-            ui,
-            "The costs of matching all lines through p and q appear here once there are enough point pairs. \
-             Point at a cell to see its two lines, and click it to inspect them.",
-        );
+        let text = "The costs of matching all lines through p and q appear here once there are enough point \
+                    pairs. Point at a cell to see its two lines, and click it to inspect them.";
+        empty(ui, why_no_pencils(model).unwrap_or(text));
         return;
     };
     let area = ui.available_rect_before_wrap();

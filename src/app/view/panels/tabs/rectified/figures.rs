@@ -215,8 +215,9 @@ fn disparity_hint([low, high]: [f64; 2], can_swap: bool) -> (String, &'static st
     };
     let [from, to] = search_range([low, high]).map(pixels);
     let [low, high] = [low, high].map(pixels);
-    let text =
-        format!("Disparities of matches {low} to {high} px. {sign}Suggested search range: {from} to {to}.");
+    let text = format!(
+        "Disparities of matches {low} to {high} px. {sign}Suggested search range: {from} to {to} px."
+    );
     (
         text,
         "Smallest and largest disparity (left x − right x) of the matches of the result, or else of the \
@@ -279,7 +280,7 @@ mod tests {
     #[test]
     fn the_hint_gives_a_search_range_and_asks_for_a_swap_if_negative() {
         let (text, _) = disparity_hint([-12.0, 87.0], true);
-        assert_eq!(text, "Disparities of matches −12 to 87 px. Suggested search range: −16 to 96.");
+        assert_eq!(text, "Disparities of matches −12 to 87 px. Suggested search range: −16 to 96 px.");
         let (text, _) = disparity_hint([-90.4, -14.2], true);
         assert!(text.contains("Swap the images") && text.ends_with("range: −96 to 0."), "{text}");
         let (text, _) = disparity_hint([-90.4, -14.2], false);
