@@ -27,6 +27,9 @@ fn distance(window: &Window, side: Side) -> Option<f64> {
 #[test]
 fn two_clicks_measure_a_distance_until_escape() {
     let mut window = sample();
+    press(&mut window, Key::Num6);
+    window.get_by_label("There is no rectified pair yet. Find the geometry first.");
+    press(&mut window, Key::Escape);
     tap(&mut window, "Measure tool");
     let [from, to] = [-0.2, 0.2].map(|x| at(&window, Side::Left, x, 0.1));
     click(&mut window, from);

@@ -93,7 +93,7 @@ fn after_a_search_in_vain_the_hint_says_so() {
     let services = Services { estimate: Box::new(|_, _| Err(EstimateError::Flat(2))), ..services() };
     let mut window = window(Start::default(), services);
     tap(&mut window, "Find without clicks");
-    window.get_by_label_contains("There is no result. The card says why");
+    window.get_by_label_contains("There is no result. The verdict says why");
     window.get_by_label_contains("The right image is (nearly) uniform");
 }
 

@@ -6,8 +6,8 @@ use super::look::Tool;
 use super::verdict::Tone;
 use crate::suggest::Clarity;
 
-/// The card has the reason and the advice. Any other advice could contradict it.
-const NO_RESULT: &str = "There is no result. The card says why, and what helps.";
+/// The verdict has the reason and the advice. Any other advice could contradict it.
+const NO_RESULT: &str = "There is no result. The verdict says why, and what helps.";
 
 /// Returns a hint about the next step.
 pub fn guide(model: &Model) -> String {

@@ -59,7 +59,8 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                     StageId::Scene if model.scene().is_some() => ORBIT.to_owned(),
                     StageId::Rectified => ROWS.to_owned(),
                     StageId::Pictures if model.is_at_start() => MOUSE.to_owned(),
-                    StageId::Pictures | StageId::Scene => guide(model),
+                    StageId::Scene => "Press 5 for the pictures, 6 for the rectified pair".to_owned(),
+                    StageId::Pictures => guide(model),
                 };
                 let text = model.open.done.text().map_or_else(hint, str::to_owned);
                 ui.add(Label::new(small(text)).truncate());
@@ -79,7 +80,7 @@ fn time_and_seed(model: &Model) -> Option<String> {
         Preset::Paper => "as published",
     };
     Some(format!(
-        "{:.2} s · first {:.2} s · {preset}, seed {}",
+        "Result {:.2} s, first lines {:.2} s · {preset}, seed {}",
         trace.seconds, trace.first_seconds, trace.seed
     ))
 }

@@ -162,8 +162,13 @@ fn epipole<'a>(listed: &'a Listed, model: &Model, side: Side) -> Column<'a> {
     let centre = model.document.frame(side).map_or(Point::origin(), |frame| frame.centre());
     let away =
         move |row: usize| finite_point(&epipole(row)).map_or(f64::INFINITY, |point| (point - centre).norm());
-    Column::figures(title, 130.0, tooltip, away, |_| String::new())
-        .written(move |row| epipole_text(&epipole(row), None))
+    let is_open = model.epipole_is_open();
+    Column::figures(title, 130.0, tooltip, away, |_| String::new()).written(move |row| {
+        match listed.number(row) {
+            None if is_open => "not determined".to_owned(),
+            _ => epipole_text(&epipole(row), None),
+        }
+    })
 }
 
 /// Rows of the table: the final result, then the hypotheses by rank.

@@ -36,9 +36,9 @@ impl MethodStep {
         match self {
             Self::Pencils => &[Stage::Pyramid, Stage::Pencils],
             Self::Candidates | Self::RoundTrip => &[],
-            Self::Epipoles => &[Stage::Hypotheses],
+            Self::Epipoles => &[Stage::Features, Stage::Hypotheses],
             Self::Validation => &[Stage::Validation],
-            Self::Result => &[Stage::Refinement, Stage::Features],
+            Self::Result => &[Stage::Refinement],
         }
     }
 
