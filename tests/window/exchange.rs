@@ -59,11 +59,8 @@ fn point_pairs_become_those_of_the_document_in_one_step() {
     pairs.push(PointPair::new(-4.0, 10.0, 20.0, 20.0));
     drop_files(&mut window, &[file(&files, "m.csv", &csv(&pairs))]);
     assert_eq!(window.state().document().pairs, pairs[..5]);
-    assert!(
-        told(&window, "1 of the 6 point pairs of m.csv lie outside the images"),
-        "the one outside is named"
-    );
-    assert!(told(&window, "number 6"));
+    let words = "outside the images: 1 of the 6 point pairs of m.csv (number 6)";
+    assert!(told(&window, words), "the one outside is named");
     window.get_by_label("Imported 5 point pairs from m.csv");
     undo(&mut window);
     assert_eq!(window.state().document().pairs, before);

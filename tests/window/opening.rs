@@ -17,7 +17,7 @@ fn files_of_the_command_line_open_with_their_pairs() {
     let opening = Opening::Files(files.image("a.png", 64, 48), files.image("b.png", 50, 70));
     let window = window(Start { opening, pairs: pairs.clone(), ..Start::default() }, services());
     assert_eq!(window.state().document().pairs, pairs[..1]);
-    assert!(window.state().messages().any(|text| text.contains("lie outside")));
+    assert!(window.state().messages().any(|text| text.contains("outside the images: 1 of the point pairs")));
     assert!(window.query_by_label("Show me").is_none());
 }
 

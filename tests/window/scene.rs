@@ -149,7 +149,6 @@ fn without_a_determined_epipole_there_is_no_scene_and_no_pose() {
     assert!(painted(&window, "The epipole is not determined, so there is no baseline and no depth."));
     assert!(window.state().model().scene().is_none() && !painted(&window, "±"));
     assert!(window.query_by_label("Rotation").is_none());
-    window.get_by_label("Press 5 for the pictures, 6 for the rectified pair");
     press(&mut window, Key::Num5);
     show_step(&mut window, "Validation");
     assert!(painted(&window, "not determined"), "the result in the table has no other epipole than the verdict");
