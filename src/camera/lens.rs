@@ -22,23 +22,12 @@ pub enum Projection {
 #[serde(rename_all = "kebab-case")]
 pub enum Radial {
     /// `(1 + n1 r² + n2 r⁴ + n3 r⁶ + n4 r⁸) / (1 + d1 r² + d2 r⁴ + d3 r⁶)` of the undistorted radius.
-    Polynomial {
-        /// Coefficients of the numerator.
-        numerator: [f64; 4],
-        /// Coefficients of the denominator.
-        denominator: [f64; 3],
-    },
+    Polynomial { numerator: [f64; 4], denominator: [f64; 3] },
     /// Field-of-view model: the distorted radius is `atan(2 r tan(ω/2)) / ω` (Devernay & Faugeras 2001).
-    FieldOfView {
-        /// Angle ω, radians.
-        omega: f64,
-    },
+    FieldOfView { omega: f64 },
     /// Division model: the undistorted radius is `r / (1 + λ r²)` of the distorted radius `r`
     /// (Fitzgibbon 2001).
-    Division {
-        /// Coefficient λ.
-        lambda: f64,
-    },
+    Division { lambda: f64 },
 }
 
 /// A lens: ideal projection and distortion.

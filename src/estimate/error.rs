@@ -8,83 +8,34 @@ use crate::cancel::Cancelled;
 use crate::motion::MotionError;
 
 /// Reason why no fundamental matrix was estimated. `Display` states the fact;
-/// [`crate::presentation::error_in_words`] also advises.
+/// [`crate::presentation::error_in_words`] also advises. Pairs and images are numbered from 1, lengths are in px.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum EstimateError {
     /// Fewer point pairs than the method needs.
     #[error("{needed} point pairs are needed, {found} given")]
-    TooFewPairs {
-        /// Pairs given.
-        found: usize,
-        /// Pairs needed.
-        needed: usize,
-    },
+    TooFewPairs { found: usize, needed: usize },
     /// A coordinate of the pair of this number, from 1, is NaN or infinite.
     #[error("point pair {0} has a coordinate that is not a finite number")]
     NotFinite(usize),
     /// A point lies outside its image.
     #[error("point ({x}, {y}) of pair {pair} lies outside image {image}, which is {width}×{height} pixels")]
-    Outside {
-        /// Number of the pair, from 1.
-        pair: usize,
-        /// Number of the image, 1 or 2.
-        image: usize,
-        /// x of the point, px.
-        x: f64,
-        /// y of the point, px.
-        y: f64,
-        /// Width of the image, px.
-        width: usize,
-        /// Height of the image, px.
-        height: usize,
-    },
+    Outside { pair: usize, image: usize, x: f64, y: f64, width: usize, height: usize },
     /// Two clicks (nearly) coincide in one image.
     #[error("point pairs {first} and {second} are only {distance:.1} px apart in image {image}")]
-    TooClose {
-        /// Number of the first pair, from 1.
-        first: usize,
-        /// Number of the second pair, from 1.
-        second: usize,
-        /// Number of the image, 1 or 2.
-        image: usize,
-        /// Distance between the clicks, px.
-        distance: f64,
-    },
+    TooClose { first: usize, second: usize, image: usize, distance: f64 },
     /// The image is too small for lines to be compared.
     #[error("image {image} is {width}×{height} pixels, too small. At least {smallest}×{smallest} are needed")]
-    TooSmall {
-        /// Number of the image, 1 or 2.
-        image: usize,
-        /// Width, px.
-        width: usize,
-        /// Height, px.
-        height: usize,
-        /// Smallest side allowed, px.
-        smallest: usize,
-    },
+    TooSmall { image: usize, width: usize, height: usize, smallest: usize },
     /// The image of this number, 1 or 2, is of (nearly) one intensity.
     #[error("image {0} is (nearly) uniform")]
     Flat(usize),
-    /// A parameter is out of range.
+    /// A parameter is out of range: its name in files, value, smallest and largest value, and unit after a space.
     #[error("parameter {key} is {value}, outside {least} to {most}{unit}", least = range[0], most = range[1])]
-    Parameter {
-        /// Name in files and on the command line.
-        key: &'static str,
-        /// Value given.
-        value: f64,
-        /// Smallest and largest value allowed.
-        range: [f64; 2],
-        /// Unit, with a space before it.
-        unit: &'static str,
-    },
-    /// All lines are compared, and too many changes of disparity have a cost of their own.
+    Parameter { key: &'static str, value: f64, range: [f64; 2], unit: &'static str },
+    /// All lines are compared, and too many changes of disparity have a cost of their own: α is more than
+    /// `times` times λ.
     #[error("stereo.alpha is {alpha}, more than {times} times stereo.lambda")]
-    ManyChanges {
-        /// Largest cost of a disparity change, squared grey levels.
-        alpha: u16,
-        /// Largest ratio of α to λ.
-        times: u16,
-    },
+    ManyChanges { alpha: u16, times: u16 },
     /// The two images are (nearly) the same picture.
     #[error("the two images are nearly identical")]
     NoParallax,
@@ -136,27 +87,15 @@ impl EstimateError {
     }
 }
 
-/// Warning about a result. `presentation::reasons` has the sentences.
+/// Warning about a result. `presentation::reasons` has the sentences. Lengths are in px.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Warning {
-    /// Both clicks lie (nearly) on one epipolar line, so the epipoles are undetermined.
-    SameEpipolarLine {
-        /// Smallest distance of a click from the other's epipolar line, px.
-        distance: f64,
-    },
+    /// Both clicks lie (nearly) on one epipolar line, so the epipoles are undetermined: the smaller
+    /// distance of a click from the line of the other.
+    SameEpipolarLine { distance: f64 },
     /// The clicks are close together, so small errors turn the lines a lot.
-    CloseClicks {
-        /// Distance between the clicks, px.
-        distance: f64,
-    },
-    /// Few lines have texture.
-    LittleTexture {
-        /// Number of the pair, from 1.
-        pair: usize,
-        /// Lines kept.
-        textured: usize,
-        /// Lines examined.
-        lines: usize,
-    },
+    CloseClicks { distance: f64 },
+    /// Of the lines examined, few have texture.
+    LittleTexture { pair: usize, textured: usize, lines: usize },
 }

@@ -14,17 +14,12 @@ pub enum LoadError {
     /// The content is not a picture in a known format.
     #[error("{0} is not an image in a known format (PNG, JPEG, TIFF, BMP, PNM or WebP)")]
     Format(String),
-    /// The content is a picture in an unsupported format.
+    /// The content is a picture in an unsupported format. The format has a name such as EXR.
     #[error(
         "the image {path} has the format {format}, which is not supported. Convert it to TIFF or PNG{}",
         for_animations(format)
     )]
-    OtherFormat {
-        /// Path for display.
-        path: String,
-        /// Name of the format, such as EXR.
-        format: String,
-    },
+    OtherFormat { path: String, format: String },
     /// The format is known, but this variant of it is not supported.
     #[error(
         "the image {0} has an unsupported kind of pixels ({1}). Save it with 8 or 16 bits, grey or colour"
@@ -36,30 +31,14 @@ pub enum LoadError {
     /// The header claims a size that the decoder rejects without reporting it.
     #[error("the image {0} has a header with an impossible size. Get a new copy, or make the image smaller")]
     Enormous(String),
-    /// The picture has more pixels than the limit.
+    /// The picture has more pixels than the limit. Its size is the size in the header.
     #[error("the image {}", too_large(path, *width, *height, *bytes_a_pixel, *most_pixels))]
-    TooLarge {
-        /// Path for display.
-        path: String,
-        /// Width in the header, px.
-        width: u64,
-        /// Height in the header, px.
-        height: u64,
-        /// Bytes of all channels of a pixel.
-        bytes_a_pixel: u64,
-        /// Limit on the number of pixels.
-        most_pixels: u64,
-    },
-    /// The file is larger than the largest picture within the limit.
+    TooLarge { path: String, width: u64, height: u64, bytes_a_pixel: u64, most_pixels: u64 },
+    /// The file is larger than the largest picture within the limit. The limit is in millions of bytes.
     #[error(
         "the image {path} is larger than {megabytes} MB, the limit. Set {MEGAPIXELS_VARIABLE} to raise it"
     )]
-    LongFile {
-        /// Path for display.
-        path: String,
-        /// Limit on the file size, millions of bytes.
-        megabytes: u64,
-    },
+    LongFile { path: String, megabytes: u64 },
     /// The picture does not fit into memory.
     #[error("the image {0} needs more memory than there is. Make it smaller")]
     Memory(String),
@@ -69,16 +48,9 @@ pub enum LoadError {
     /// Some pixels are infinite or NaN.
     #[error("the image {0} has pixels that are not finite numbers (NaN or infinite). Replace them first")]
     NotFinite(String),
-    /// An environment variable has an invalid value.
+    /// The environment variable of this name has an invalid value.
     #[error("{name} is \"{value}\", expected {expected}")]
-    Setting {
-        /// Name of the variable.
-        name: &'static str,
-        /// Value of the variable.
-        value: String,
-        /// Description of the valid values.
-        expected: &'static str,
-    },
+    Setting { name: &'static str, value: String, expected: &'static str },
 }
 
 fn for_animations(format: &str) -> &'static str {

@@ -20,17 +20,12 @@ pub enum TruthError {
     /// The matches of a pair determine no F.
     #[error("{0} has no true geometry: {1}")]
     Matches(String, #[source] EightPointError),
-    /// The F of a file does not fit the matches.
+    /// The F of a file does not fit the matches: their median distance, px.
     #[error(
         "{name}_F.txt does not fit the matches in {name}.txt. Half of them are more than {off:.0} px from their epipolar \
          lines. F must satisfy x2ᵀ F x1 = 0, with the centre of the top-left pixel at (0, 0)"
     )]
-    OtherGeometry {
-        /// Name of the pair.
-        name: String,
-        /// Median distance of the matches, px.
-        off: f64,
-    },
+    OtherGeometry { name: String, off: f64 },
     /// Both cameras have the same centre.
     #[error("{0} has no true geometry: the two cameras have the same centre")]
     SameCentre(String),

@@ -46,23 +46,13 @@ pub enum SessionError {
     Foreign(String),
     /// The file is too large for a session.
     #[error("{path} is too large for a session of Epiline ({megabytes} MiB)")]
-    TooLarge {
-        /// Path of the file.
-        path: String,
-        /// Size of the file, MiB.
-        megabytes: u64,
-    },
+    TooLarge { path: String, megabytes: u64 },
     /// The file was saved by a newer version.
     #[error(
         "{path} was saved by a newer Epiline (version {version} of the format, this program knows {SESSION_VERSION}). \
          Update Epiline to open it"
     )]
-    Newer {
-        /// Path of the file.
-        path: String,
-        /// Version of the format.
-        version: u64,
-    },
+    Newer { path: String, version: u64 },
     /// A part of the session is missing or invalid.
     #[error("{0} is damaged: {1}")]
     Damaged(String, String),
@@ -72,18 +62,11 @@ pub enum SessionError {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum ImageSource {
-    /// Image file.
-    File {
-        /// Path relative to the folder of the session if possible, with `/` between folders.
-        path: String,
-        /// SHA-256 of the bytes, hexadecimal.
-        sha256: String,
-    },
-    /// Picture of a built-in sample.
-    Sample {
-        /// Name of the sample.
-        sample: String,
-    },
+    /// Image file: its path, relative to the folder of the session if possible, with `/` between folders,
+    /// and the hexadecimal SHA-256 of its bytes.
+    File { path: String, sha256: String },
+    /// Picture of the built-in sample of this name.
+    Sample { sample: String },
 }
 
 /// Image of a session.

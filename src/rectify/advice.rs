@@ -52,44 +52,19 @@ fn bent(d: &Distortion) -> Option<String> {
 /// Warning about a rectification, with the advice to act on. `Display` gives a sentence.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RectifyWarning {
-    /// F does not fit the matches.
-    Misfit {
-        /// Mean vertical distance of the matches, px.
-        rows: f64,
-    },
-    /// Matches lie in different rows because the picture is stretched there, although F fits them.
-    StretchedRows {
-        /// Mean vertical distance of the matches, px.
-        rows: f64,
-        /// Mean epipolar distance of the matches in the images, px.
-        misfit: f64,
-    },
-    /// Matches lie outside the rectified pictures.
-    Outside {
-        /// Number of these matches.
-        matches: usize,
-        /// Number of all matches.
-        all: usize,
-    },
-    /// The planar method distorts an image.
-    Bent {
-        /// Image number, 1 or 2.
-        image: usize,
-        /// Description of the distortion.
-        how: String,
-    },
-    /// Much of an image is missing from its picture.
-    Cut {
-        /// Image number, 1 or 2.
-        image: usize,
-        /// Fraction that is missing.
-        share: f64,
-    },
-    /// The pixel limit made the pictures smaller.
-    Reduced {
-        /// Factor by which the pictures are smaller.
-        scale: f64,
-    },
+    /// F does not fit the matches: their mean vertical distance, px.
+    Misfit { rows: f64 },
+    /// Matches lie in different rows because the picture is stretched there, although F fits them: their mean
+    /// vertical distance, and their mean epipolar distance in the images, px.
+    StretchedRows { rows: f64, misfit: f64 },
+    /// Some of all matches lie outside the rectified pictures.
+    Outside { matches: usize, all: usize },
+    /// The planar method distorts an image, numbered from 1; `how` describes it.
+    Bent { image: usize, how: String },
+    /// Much of an image, numbered from 1, is missing from its picture: this fraction.
+    Cut { image: usize, share: f64 },
+    /// The pixel limit made the pictures smaller by this factor.
+    Reduced { scale: f64 },
     /// No match determines which halves of the epipolar lines correspond.
     OrientationAssumed,
 }

@@ -10,30 +10,10 @@ pub enum SuggestError {
     NotFinite,
     /// The point lies outside its image.
     #[error("point ({x}, {y}) lies outside image {image}, which is {width}×{height} pixels")]
-    Outside {
-        /// Image number, 1 or 2.
-        image: usize,
-        /// Coordinate x of the point, px.
-        x: f64,
-        /// Coordinate y of the point, px.
-        y: f64,
-        /// Width of the image, px.
-        width: usize,
-        /// Height of the image, px.
-        height: usize,
-    },
+    Outside { image: usize, x: f64, y: f64, width: usize, height: usize },
     /// The image is smaller than the compared patches.
     #[error("image {image} is too small: {width}×{height} pixels, at least {smallest}×{smallest} are needed")]
-    TooSmall {
-        /// Image number, 1 or 2.
-        image: usize,
-        /// Width, px.
-        width: usize,
-        /// Height, px.
-        height: usize,
-        /// Smallest permitted side, px.
-        smallest: usize,
-    },
+    TooSmall { image: usize, width: usize, height: usize, smallest: usize },
     /// The surroundings of the point have too little contrast.
     #[error("the surroundings of the point are nearly uniform. Choose a point with texture around it")]
     Flat,

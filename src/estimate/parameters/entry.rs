@@ -19,31 +19,13 @@ pub struct ParameterEntry {
 
 /// Kind of value of a parameter, with functions to read and set the value.
 pub enum ParameterValue {
-    /// A number.
-    Number {
-        /// Smallest and largest value.
-        range: [f64; 2],
-        /// Whether values outside the range are refused. Otherwise, the range only limits dragging.
-        enforced: bool,
-        /// Reads the value.
-        get: fn(&Parameters) -> f64,
-        /// Sets the value.
-        set: fn(&mut Parameters, f64),
-    },
+    /// A number. Values outside the range are refused if that is `enforced`; otherwise the range only limits
+    /// dragging.
+    Number { range: [f64; 2], enforced: bool, get: fn(&Parameters) -> f64, set: fn(&mut Parameters, f64) },
     /// On or off.
-    Switch {
-        /// Reads the value.
-        get: fn(&Parameters) -> bool,
-        /// Sets the value.
-        set: fn(&mut Parameters, bool),
-    },
+    Switch { get: fn(&Parameters) -> bool, set: fn(&mut Parameters, bool) },
     /// One of a few choices, by number.
-    Choice {
-        /// Reads the value.
-        get: fn(&Parameters) -> usize,
-        /// Sets the value.
-        set: fn(&mut Parameters, usize),
-    },
+    Choice { get: fn(&Parameters) -> usize, set: fn(&mut Parameters, usize) },
 }
 
 impl ParameterEntry {

@@ -7,25 +7,16 @@ use crate::similarity::LineMeasure;
 /// Search with the number of pairs it needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SearchPlan {
-    /// Lines through two clicks propose, and lines over both images rank, as published. A third
-    /// click can give κ.
-    Published {
-        /// Number of pairs that the search takes.
-        clicks: usize,
-    },
-    /// Lines through two clicks propose, and patches rank. Where doubts remain, features and the
-    /// views they suggest propose too.
-    Patches {
-        /// Number of pairs without which the search is refused.
-        clicks: usize,
-    },
+    /// Lines through two clicks propose, and lines over both images rank, as published. A third click can
+    /// give κ. The search takes `clicks` pairs.
+    Published { clicks: usize },
+    /// Lines through two clicks propose, and patches rank. Where doubts remain, features and the views they
+    /// suggest propose too. The search is refused with fewer than `clicks` pairs.
+    Patches { clicks: usize },
     /// Features propose, and two of their matches replace the clicks.
     Unclicked,
     /// All lines of both images propose.
-    LinesAlone {
-        /// Evidence that ranks the proposals.
-        ranked_by: Search,
-    },
+    LinesAlone { ranked_by: Search },
     /// Motion barcodes of lines propose and refine.
     Barcodes,
 }

@@ -72,14 +72,9 @@ pub enum SequenceError {
         "cannot read {0}: the program ffmpeg, which reads videos, is not on this machine. Install ffmpeg, or give a folder of frames"
     )]
     NoFfmpeg(String),
-    /// The program ffmpeg cannot read the file.
+    /// The program ffmpeg cannot read the file. The reason is its last message.
     #[error("ffmpeg cannot read {path} as a video: {reason}")]
-    Ffmpeg {
-        /// Path of the file.
-        path: String,
-        /// Last message of ffmpeg.
-        reason: String,
-    },
+    Ffmpeg { path: String, reason: String },
 }
 
 /// Common extensions of videos. Any other extension is accepted if the file is given as a sequence.

@@ -45,90 +45,38 @@ pub enum Reason {
     /// The geometry follows from the clicks alone, which contradict the matches of the images.
     ClicksAlone,
     /// The result rests on few matches.
-    FewMatches {
-        /// Number of matches.
-        matches: usize,
-    },
-    /// The barcodes of corresponding lines agree no better than by chance.
-    BarcodesByChance {
-        /// Agreement, 1 for equal barcodes.
-        correlation: f64,
-        /// Largest agreement by chance.
-        by_chance: f64,
-    },
-    /// Few lines have other barcodes than their neighbours.
-    FewBarcodes {
-        /// Number of independent lines.
-        lines: usize,
-    },
-    /// The barcodes leave the epipolar lines uncertain.
-    LooseBarcodes {
-        /// Standard deviation across the lines, px.
-        deviation: f64,
-    },
-    /// A click is off its epipolar line.
-    ClickOff {
-        /// Number of the pair, from 1.
-        pair: usize,
-        /// Sampson distance, px.
-        distance: f64,
-        /// The part that is more likely wrong.
-        suspect: Suspect,
-    },
-    /// More distinctive matches contradict the geometry than are wrong by chance. Only matches that
-    /// move like their neighbours count.
-    Contradicted {
-        /// Number of matches that contradict it.
-        contradicting: usize,
-        /// Number of all distinctive matches that move like their neighbours.
-        matches: usize,
-    },
+    FewMatches { matches: usize },
+    /// The barcodes of corresponding lines agree no better than by chance: agreement, 1 for equal barcodes,
+    /// and the largest by chance.
+    BarcodesByChance { correlation: f64, by_chance: f64 },
+    /// Few lines have other barcodes than their neighbours: the number of independent lines.
+    FewBarcodes { lines: usize },
+    /// The barcodes leave the epipolar lines uncertain: their standard deviation.
+    LooseBarcodes { deviation: f64 },
+    /// A click is off its epipolar line by this Sampson distance; the suspect is more likely wrong.
+    ClickOff { pair: usize, distance: f64, suspect: Suspect },
+    /// More distinctive matches contradict the geometry than are wrong by chance. `matches` are all
+    /// distinctive matches that move like their neighbours; only these count.
+    Contradicted { contradicting: usize, matches: usize },
     /// Most matches follow one homography with radial distortion.
-    Bent {
-        /// Percent of the matches.
-        percent: u32,
-    },
-    /// Neighbouring matches are off their lines by the same distance.
-    Pattern {
-        /// Size of the pattern, px.
-        size: f64,
-    },
-    /// A clearly different geometry has nearly as much support as the result, or more.
-    Ambiguous {
-        /// Relative advantage of the result, negative if it has less support.
-        margin: f64,
-    },
-    /// Most matches follow one homography, and the others do not determine the epipoles.
-    OnePlane {
-        /// Percent of the matches.
-        percent: u32,
-        /// Number of groups of matches off the plane that move alike.
-        groups: usize,
-        /// Number of these groups that agree with the epipoles.
-        agreeing: usize,
-        /// Whether these matches are at the same place in both images, as if the camera stood still.
-        is_still: bool,
-    },
-    /// The parallax beside one smooth warp, as of a camera that turns behind a lens, does not show
-    /// the epipole. Counts matches that were found without the geometry.
-    NoRelief {
-        /// Number of matches beside the warp along their epipolar lines.
-        along: usize,
-        /// Number of matches beside the warp across their epipolar lines.
-        across: usize,
-        /// Number of matches on the warp.
-        on_warp: usize,
-    },
-    /// One image is a mirror image of the other.
-    Mirrored {
-        /// Number of distinctive matches if image 2 is flipped.
-        matches: usize,
-    },
-    /// The matches leave the epipolar lines uncertain.
-    Loose {
-        /// Standard deviation across the lines, px.
-        deviation: f64,
-    },
+    Bent { percent: u32 },
+    /// Neighbouring matches are off their lines by the same distance, the size of the pattern.
+    Pattern { size: f64 },
+    /// A clearly different geometry has nearly as much support as the result, or more: the relative
+    /// advantage of the result, negative if it has less support.
+    Ambiguous { margin: f64 },
+    /// Most matches follow one homography, and the others do not determine the epipoles. `groups` of these
+    /// move alike; `agreeing` ones agree with the epipoles. `is_still` if the homography leaves the matches
+    /// in place, as if the camera stood still.
+    OnePlane { percent: u32, groups: usize, agreeing: usize, is_still: bool },
+    /// The parallax beside one smooth warp, as of a camera that turns behind a lens, does not show the
+    /// epipole. Counts matches that were found without the geometry: beside the warp along and across
+    /// their epipolar lines, and on the warp.
+    NoRelief { along: usize, across: usize, on_warp: usize },
+    /// One image is a mirror image of the other: the number of distinctive matches if image 2 is flipped.
+    Mirrored { matches: usize },
+    /// The matches leave the epipolar lines uncertain: their standard deviation.
+    Loose { deviation: f64 },
 }
 
 /// The part that is more likely wrong if a click and a geometry disagree.
