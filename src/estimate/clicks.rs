@@ -53,7 +53,7 @@ impl Clicks {
             ClickRole::Observed => plan.most_clicks().is_some(),
             ClickRole::Check | ClickRole::Chosen => false,
         };
-        self.0.iter().zip(0..).filter(|(click, _)| is_needed(click)).map(|(_, k)| k).collect()
+        (0..self.len()).filter(|k| is_needed(&self.0[*k])).collect()
     }
 
     /// Returns the clicks in their order.

@@ -217,7 +217,7 @@ impl SimilaritySource for ExactSource {
         let scale = (side / FRAME.longer_side()).min(1.0);
         let resized = |length: usize| (length as f64 * scale).round() as usize;
         let frames = [Frame::new(resized(FRAME.width), resized(FRAME.height)); 2];
-        let f = self.0.rescaled(scale, scale).unwrap();
+        let f = self.0.rescaled([scale; 2]).unwrap();
         ScaledSimilarity { lines: Box::new(exact_lines(f, frames)), frames, scales: [scale; 2] }
     }
 }

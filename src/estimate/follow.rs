@@ -60,18 +60,17 @@ fn refitted<'a>(
             // Patches are compared under the view of the search that found the start.
             let patches = prepared.patches_of(start);
             let fine = patches.fine();
-            let at_level: FundamentalMatrix = start.fundamental().rescaled(fine.scales[0], fine.scales[1])?;
+            let at_level = start.fundamental().rescaled(fine.scales)?;
             let support = fine.support.measure(&at_level);
             Some((patches, at_level, support))
         })
         .max_by(|a, b| a.2.score.total_cmp(&b.2.score))?;
     let fine = patches.fine();
-    let [s1, s2] = fine.scales;
     if support.matches < LEAST_MATCHES {
         return None;
     }
     // A click is no more precise than the level can show.
-    let click_sigma = (click_sigma * s1).max(LEAST_CLICK_SIGMA);
+    let click_sigma = (click_sigma * fine.scales[0]).max(LEAST_CLICK_SIGMA);
     let clicks = clicks.iter().map(|click| click.rescaled(fine.scales));
     let matches = fine.support.matches(&at_level, BAND);
     let observations: Vec<Observation> = matches
@@ -80,7 +79,7 @@ fn refitted<'a>(
         .chain(clicks.map(|pair| Observation { pair, sigma: click_sigma }))
         .collect();
     let fitted = fit_fundamental(&at_level, &observations, ROBUST)?;
-    Some((fitted.fundamental.rescaled(1.0 / s1, 1.0 / s2)?, support))
+    Some((fitted.fundamental.rescaled(fine.scales.map(f64::recip))?, support))
 }
 
 /// Returns the geometry nearest to an earlier one that fits two clicks exactly, as the published

@@ -154,12 +154,12 @@ impl FundamentalMatrix {
         Self(self.0.transpose())
     }
 
-    /// Returns `F` for images resized by `scale1` and `scale2` (new size over old size). Pixel
-    /// centres map as `x' = (x + ½)·scale − ½`.
+    /// Returns `F` for images resized by `scales` (new size over old size). Pixel centres map as
+    /// `x' = (x + ½)·scale − ½`.
     #[must_use]
-    pub fn rescaled(&self, scale1: f64, scale2: f64) -> Option<Self> {
-        let old_from_new = |scale: f64| rescaling(1.0 / scale);
-        Self::from_rank_two(old_from_new(scale2).transpose() * self.0 * old_from_new(scale1))
+    pub fn rescaled(&self, scales: [f64; 2]) -> Option<Self> {
+        let [old1, old2] = scales.map(|scale| rescaling(1.0 / scale));
+        Self::from_rank_two(old2.transpose() * self.0 * old1)
     }
 }
 
@@ -233,7 +233,7 @@ mod tests {
     #[test]
     fn rows_give_the_same_bits_back() {
         let f = example();
-        for f in [f, f.swapped(), f.rescaled(0.37, 2.9).unwrap()] {
+        for f in [f, f.swapped(), f.rescaled([0.37, 2.9]).unwrap()] {
             assert_eq!(FundamentalMatrix::from_rows(f.rows()), Ok(f));
         }
         // Scale and sign are normalised.
@@ -286,7 +286,7 @@ mod tests {
 
     #[test]
     fn resized_images_keep_their_matches() {
-        let g = example().rescaled(0.5, 0.25).unwrap();
+        let g = example().rescaled([0.5, 0.25]).unwrap();
         let pair = example_seen(0.3, -0.2, 5.0).rescaled([0.5, 0.25]);
         assert!(symmetric_epipolar_distance(&g, &pair) < 1e-9);
     }

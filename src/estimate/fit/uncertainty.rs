@@ -137,20 +137,10 @@ impl Uncertainty {
         (!deviations.is_empty()).then(|| median(deviations))
     }
 
-    /// Returns the position of the epipole in image 1, of this size.
-    pub fn epipole1_bearing(&self, frame: Frame) -> Option<EpipoleBearing> {
-        self.bearing(false, frame)
-    }
-
-    /// Returns the position of the epipole in image 2, of this size.
-    pub fn epipole2_bearing(&self, frame: Frame) -> Option<EpipoleBearing> {
-        self.bearing(true, frame)
-    }
-
-    /// Returns the position of an epipole in an image of this size. The epipole is taken as a point
-    /// of the unit sphere, with the middle of the image at the pole and infinity at the equator, so
-    /// both are ordinary places. `None` if the covariance is not finite.
-    fn bearing(&self, second: bool, frame: Frame) -> Option<EpipoleBearing> {
+    /// Returns the position of the epipole in image 1 or in the `second`, of this size. The epipole is taken as
+    /// a point of the unit sphere, with the middle of the image at the pole and infinity at the equator, so both
+    /// are ordinary places. `None` if the covariance is not finite.
+    pub fn bearing(&self, second: bool, frame: Frame) -> Option<EpipoleBearing> {
         let [from1, from2] = self.scales.map(rescaling);
         let unscaled = from2.transpose() * self.fundamental.matrix() * from1;
         let unscaled = unscaled / unscaled.norm();
@@ -258,7 +248,7 @@ mod tests {
     fn the_covariance_at_full_size_gives_the_same_deviations() {
         let (scene, place, covariance, step) = along_a_motion();
         let half = Uncertainty::new(&scene.fundamental(), &covariance, [0.5; 2]);
-        let full_size = scene.fundamental().rescaled(2.0, 2.0).unwrap();
+        let full_size = scene.fundamental().rescaled([2.0; 2]).unwrap();
         let full = Uncertainty::new(&full_size, &half.covariance(), [1.0; 2]);
         for point1 in [Point::new(40.0, 60.0), Point::new(300.0, 200.0)] {
             let [a, b] = [&half, &full].map(|u| u.line2_deviation(point1, point1).unwrap());
@@ -311,7 +301,7 @@ mod tests {
         for growth in [1.0, 1e4, 1e9] {
             let uncertainty = Uncertainty::new(&scene.fundamental(), &(covariance * growth), [1.0; 2]);
             let ellipse = uncertainty.epipole2().unwrap();
-            let bearing = uncertainty.epipole2_bearing(FRAME).unwrap();
+            let bearing = uncertainty.bearing(true, FRAME).unwrap();
             let away = ellipse.centre - middle;
             assert!((bearing.distance / away.norm() - 1.0).abs() < 1e-6);
             assert!((bearing.direction - away.y.atan2(away.x)).abs() < 1e-9);
@@ -328,10 +318,10 @@ mod tests {
             }
         }
         let open = Uncertainty::new(&scene.fundamental(), &(covariance * 1e14), [1.0; 2]);
-        assert_eq!(open.epipole2_bearing(FRAME).unwrap().certainty(), EpipoleCertainty::Open);
+        assert_eq!(open.bearing(true, FRAME).unwrap().certainty(), EpipoleCertainty::Open);
         // Rows determine the direction, not the distance.
         let rows = Uncertainty::new(&rows(0.0), &(Matrix9::identity() * 1e-8), [1.0; 2]);
-        let bearing = rows.epipole1_bearing(FRAME).unwrap();
+        let bearing = rows.bearing(false, FRAME).unwrap();
         assert_eq!((bearing.certainty(), bearing.distance), (EpipoleCertainty::Direction, f64::INFINITY));
         assert!(bearing.direction.sin().abs() < 1e-9 && bearing.nearest > FRAME.longer_side());
     }

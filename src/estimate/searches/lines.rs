@@ -69,7 +69,7 @@ pub(super) fn from_all_lines(
     let found = geometries_from_lines(&pairs, level.frames, &how, cancel)?;
     record.counts.hypotheses += alone.draws;
     let full_size = level.scales.map(f64::recip);
-    Ok(found.iter().filter_map(|one| one.fundamental.rescaled(full_size[0], full_size[1])).collect())
+    Ok(found.iter().filter_map(|one| one.fundamental.rescaled(full_size)).collect())
 }
 
 /// Ranks, refines and judges the proposals by patches. `None` if too few patches match.

@@ -232,7 +232,7 @@ impl Estimate {
     /// would describe one epipole, and other epipoles fit as well.
     pub fn epipole_bearings(&self, frames: [Frame; 2]) -> Option<[EpipoleBearing; 2]> {
         let uncertainty = self.uncertainty().filter(|_| !self.says_one_plane())?;
-        Some([uncertainty.epipole1_bearing(frames[0])?, uncertainty.epipole2_bearing(frames[1])?])
+        Some([uncertainty.bearing(false, frames[0])?, uncertainty.bearing(true, frames[1])?])
     }
 
     /// Returns what the matches determine, in images of these sizes. `None` without a covariance.

@@ -3,6 +3,7 @@
 
 use nalgebra::Matrix2;
 
+use super::matches::RefinedMatch;
 use super::near_lines::{NearLines, is_within};
 use crate::geometry::{FundamentalMatrix, PointPair};
 
@@ -14,13 +15,6 @@ pub(super) const FLOOR: f32 = 0.6;
 /// this power. Fitted to facades by eye: of matches with ratios of 0.5, 0.7 and 0.9, about 90, 60
 /// and 45 % are right.
 const RATIO_POWER: i32 = 4;
-
-/// A supporting match and its correlation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::estimate) struct SupportingMatch {
-    pub pair: PointPair,
-    pub correlation: f32,
-}
 
 /// A match of covariant features that supports a geometry beside corners.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,12 +48,12 @@ impl FeatureSupport {
 /// Matches of features, laid out for queries by lines.
 #[derive(Debug, Clone, Default)]
 pub(super) struct FeatureMatches {
-    matches: Vec<SupportingMatch>,
+    matches: Vec<RefinedMatch>,
     places: NearLines,
 }
 
 impl FeatureMatches {
-    pub fn new(matches: Vec<SupportingMatch>) -> Self {
+    pub fn new(matches: Vec<RefinedMatch>) -> Self {
         Self { places: NearLines::new(matches.iter().map(|m| m.pair)), matches }
     }
 
@@ -69,7 +63,7 @@ impl FeatureMatches {
     }
 
     /// Returns the matches within `band` px of each other's epipolar lines.
-    pub fn within(&self, f: &FundamentalMatrix, band: f64) -> impl Iterator<Item = SupportingMatch> {
+    pub fn within(&self, f: &FundamentalMatrix, band: f64) -> impl Iterator<Item = RefinedMatch> {
         self.places
             .candidates(f, band)
             .into_iter()

@@ -65,9 +65,9 @@ impl LevelMatcher<'_> {
         settling: &Settling,
         cancel: &CancelFlag,
     ) -> Option<Refined> {
-        let [s1, s2] = self.level.scales;
+        let full_size = self.level.scales.map(f64::recip);
         let clicks = settling.clicks.iter().map(|click| at_level(click, &self.level)).collect();
-        let start = start.rescaled(s1, s2)?;
+        let start = start.rescaled(self.level.scales)?;
         let given = settling.given.iter().map(|m| Match { pair: self.level.resized(&m.pair), ..*m });
         // Matches of another geometry lie anywhere, so few of them are near these lines.
         let given = given.filter(|m| is_within(&start, &m.pair, WIDEST)).collect();
@@ -78,6 +78,7 @@ impl LevelMatcher<'_> {
         // One band for all, as likelihoods are compared.
         let band = noise.reach().min(WIDEST);
         let mut best = self.followed(&start, &fixed, band)?;
+        let is_allowed = |f: &FundamentalMatrix| f.rescaled(full_size).is_some_and(|f| (settling.allows)(&f));
         for round in 0..ROUNDS {
             if cancel.is_cancelled() {
                 return None;
@@ -91,7 +92,7 @@ impl LevelMatcher<'_> {
                 .par_iter()
                 .map(|agreed| &agreed.fundamental)
                 .filter(|f| evidence.tells_apart(f, &best.fitted))
-                .filter(|f| f.rescaled(1.0 / s1, 1.0 / s2).is_some_and(|f| (settling.allows)(&f)))
+                .filter(|f| is_allowed(f))
                 .filter_map(|f| self.followed(f, &fixed, band))
                 .collect();
             let likelier =
@@ -115,9 +116,7 @@ impl LevelMatcher<'_> {
             evidence.consensus(&[fitted.fundamental], &fitted.rival_scales(), settling.seed, ROUNDS, cancel);
         let fitted = agreed
             .iter()
-            .filter(|agreed| {
-                agreed.fundamental.rescaled(1.0 / s1, 1.0 / s2).is_some_and(|f| (settling.allows)(&f))
-            })
+            .filter(|agreed| is_allowed(&agreed.fundamental))
             .filter_map(|agreed| evidence.fitted(&agreed.fundamental))
             .fold(
                 fitted,
@@ -129,8 +128,7 @@ impl LevelMatcher<'_> {
     /// Returns a geometry (full size) as it is, with the matches along its lines. There may be few
     /// matches, and the uncertainty stays unknown.
     pub(super) fn unchanged(&self, f: &FundamentalMatrix) -> Option<Refined> {
-        let [s1, s2] = self.level.scales;
-        let f = f.rescaled(s1, s2)?;
+        let f = f.rescaled(self.level.scales)?;
         let mut matches = self.matches(&f, WIDEST);
         let fixed = Fixed { clicks: Vec::new(), given: Vec::new() };
         let noise = self.evidence(&observed(&matches), &fixed, WIDEST).explained(&f).noise;
@@ -153,17 +151,17 @@ impl LevelMatcher<'_> {
     fn followed(&self, f: &FundamentalMatrix, fixed: &Fixed, band: f64) -> Option<Followed> {
         let mut current = *f;
         for band in [WIDEST, band] {
-            let matches = observed(&self.matches(&current, band));
-            if matches.len() < LEAST_MATCHES {
-                return None;
-            }
-            current = self.evidence(&matches, fixed, band).fitted(&current)?.fundamental;
+            current = self.fitted_along(&current, fixed, band)?.fitted.fundamental;
         }
-        let matches = self.matches(&current, band);
+        self.fitted_along(&current, fixed, band)
+    }
+
+    fn fitted_along(&self, f: &FundamentalMatrix, fixed: &Fixed, band: f64) -> Option<Followed> {
+        let matches = self.matches(f, band);
         if matches.len() < LEAST_MATCHES {
             return None;
         }
-        let fitted = self.evidence(&observed(&matches), fixed, band).fitted(&current)?;
+        let fitted = self.evidence(&observed(&matches), fixed, band).fitted(f)?;
         Some(Followed { matches, fitted })
     }
 

@@ -6,8 +6,9 @@ use nalgebra::{Matrix2, Matrix3, Vector2};
 
 use super::aligned_features::AlignedFeatures;
 use super::corner_patches::CornerPatches;
-use super::feature_support::{FeatureSupport, SupportingMatch};
+use super::feature_support::FeatureSupport;
 use super::guided_fit::Settling;
+use super::matches::RefinedMatch;
 use super::plane::largest_plane;
 use super::refinement::{LevelMatcher, Refined, RefinementLevel, SharedPatches};
 use super::support::{PatchSupport, Support, SupportLevel};
@@ -137,7 +138,7 @@ impl PatchLevels {
     /// Returns the support of a geometry (full-size pixels) at the fine size.
     pub fn measure(&self, f: &FundamentalMatrix) -> Option<PatchSupport> {
         let fine = self.fine();
-        Some(fine.support.measure(&f.rescaled(fine.scales[0], fine.scales[1])?))
+        Some(fine.support.measure(&f.rescaled(fine.scales)?))
     }
 
     /// Returns the support at the fine size, where proposals are ranked: of corners, and of
@@ -149,7 +150,7 @@ impl PatchLevels {
             return fine;
         }
         self.with_features.get_or_make(|| {
-            let at_level = |m: &FeatureSupport| SupportingMatch {
+            let at_level = |m: &FeatureSupport| RefinedMatch {
                 pair: m.pair.rescaled(fine.scales),
                 correlation: m.correlation,
             };

@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::geometry::{Observation, PointPair};
 use crate::image::{PairLevel, Warp};
 
-/// A match found along the epipolar lines, full-size pixels.
+/// A match found along the epipolar lines; full-size pixels in a result.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RefinedMatch {
     /// The matched points; the point of image 2 is aligned to a fraction of a pixel.

@@ -55,7 +55,7 @@ impl Proposal {
         turn: f64,
         level: &SupportLevel,
     ) -> Option<Self> {
-        let fundamental = f.rescaled(level.scales[0], level.scales[1])?;
+        let fundamental = f.rescaled(level.scales)?;
         let support = level.support.measure(&fundamental);
         let angles = clicks.map_or(Some(None), |clicks| PencilAngles::of(f, clicks, turn).map(Some))?;
         Some(Self { angles, fundamental, support })
@@ -70,7 +70,7 @@ impl Proposal {
     }
 
     pub fn full_size(&self, scales: [f64; 2]) -> Option<FundamentalMatrix> {
-        self.fundamental.rescaled(1.0 / scales[0], 1.0 / scales[1])
+        self.fundamental.rescaled(scales.map(f64::recip))
     }
 }
 

@@ -29,7 +29,7 @@ pub(in crate::estimate) fn rank(
     let polished = polish(coarse, proposals, &COARSE, clicks, parameters.click_sigma, cancel)?;
     let ratios = [fine.scales[0] / coarse.scales[0], fine.scales[1] / coarse.scales[1]];
     let at_fine = |proposal: &Proposal| {
-        let fundamental = proposal.fundamental.rescaled(ratios[0], ratios[1])?;
+        let fundamental = proposal.fundamental.rescaled(ratios)?;
         let support = fine.support.measure(&fundamental);
         Some(Proposal { fundamental, support, angles: proposal.angles })
     };
@@ -203,7 +203,7 @@ mod tests {
         let scene = ExactScene::aside();
         let [coarse, fine] = &levels(&scene);
         let parameters = Parameters { seed: 3, ..Parameters::default() };
-        let near = scene.disturbed(2.0).rescaled(0.5, 0.5).unwrap();
+        let near = scene.disturbed(2.0).rescaled([0.5; 2]).unwrap();
         let proposals: Vec<Proposal> =
             [rows(0.0), near, rows(-7.0)].map(|f| proposal(&coarse.support, f)).into();
         let cancel = CancelFlag::default();
@@ -223,8 +223,8 @@ mod tests {
         let (source, cancel) = (ExactSource(scene.fundamental()), CancelFlag::default());
         let parameters = Parameters::from(Preset::Paper);
         let examiner = LineExaminer::new(&source, scene.clicks(), &parameters, &cancel);
-        let truth = scene.fundamental().rescaled(0.5, 0.5).unwrap();
-        let wrong = scene.disturbed(6.0).rescaled(0.5, 0.5).unwrap();
+        let truth = scene.fundamental().rescaled([0.5; 2]).unwrap();
+        let wrong = scene.disturbed(6.0).rescaled([0.5; 2]).unwrap();
         let proposals =
             [wrong, truth].map(|f| Proposal { angles: Some(scene.angles()), ..proposal(&fine.support, f) });
         let found = super::hypotheses(Some(&examiner), &proposals, fine);
@@ -237,7 +237,7 @@ mod tests {
             found.iter().filter_map(|hypothesis| hypothesis.lines.as_ref()?.score).collect();
         assert!(scores[1] < 1e-2 && scores[0] > 10.0 * scores[1], "{scores:?}");
         // Without two clicks there are only patches.
-        let unclicked = [wrong, truth].map(|f| Proposal::of(&f.rescaled(2.0, 2.0)?, None, 0.0, fine));
+        let unclicked = [wrong, truth].map(|f| Proposal::of(&f.rescaled([2.0; 2])?, None, 0.0, fine));
         let unclicked = unclicked.map(|proposal| proposal.filter(|p| p.angles.is_none()).unwrap());
         let without_lines = super::hypotheses(None, &unclicked, fine);
         assert!(without_lines.iter().all(|hypothesis| hypothesis.lines.is_none()));

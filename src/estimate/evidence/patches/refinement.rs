@@ -83,21 +83,20 @@ impl Refined {
         noise: Option<f64>,
         covariance: Option<&Matrix9>,
     ) -> Option<Self> {
-        let [s1, s2] = level.scales;
         let weight = |m: &LevelMatch| {
             let deviations = sampson_distance(f, &m.found.pair) / m.sigma;
             f64::from(m.found.correlation - FLOOR) / (1.0 + deviations.powi(2))
         };
         let weights: Vec<f64> = matches.iter().map(weight).collect();
-        let full_size = [1.0 / s1, 1.0 / s2];
+        let full_size = level.scales.map(f64::recip);
         let at_full_size =
             |m: &LevelMatch| RefinedMatch { pair: m.found.pair.rescaled(full_size), ..m.found };
         Some(Self {
-            fundamental: f.rescaled(1.0 / s1, 1.0 / s2)?,
+            fundamental: f.rescaled(full_size)?,
             refinement: Refinement {
                 matches: matches.iter().map(at_full_size).collect(),
                 uncertainty: covariance.map(|c| Uncertainty::new(f, c, level.scales)),
-                noise: noise.map(|noise| noise / s1),
+                noise: noise.map(|noise| noise / level.scales[0]),
             },
             weight: weights.iter().sum(),
             weight_deviation: weights.iter().map(|weight| weight * weight).sum::<f64>().sqrt(),
@@ -167,8 +166,7 @@ impl LevelMatcher<'_> {
         clicks: &[Observation],
         cancel: &CancelFlag,
     ) -> Option<Refined> {
-        let [s1, s2] = self.level.scales;
-        let mut current = f.rescaled(s1, s2)?;
+        let mut current = f.rescaled(self.level.scales)?;
         let mut matches: Vec<LevelMatch> = Vec::new();
         let mut covariance = None;
         for band in BANDS {

@@ -8,9 +8,10 @@
 use rayon::prelude::*;
 
 use super::corner_patches::CornerPatches;
-use super::feature_support::{FLOOR, FeatureMatches, SupportingMatch};
+use super::feature_support::{FLOOR, FeatureMatches};
 use super::level_corners::CORRELATION_NOISE;
 use super::look_alikes::{LookAlikes, Putative};
+use super::matches::RefinedMatch;
 use super::near_lines::is_within;
 use crate::geometry::{FundamentalMatrix, Point, PointPair};
 use serde::Serialize;
@@ -83,7 +84,7 @@ impl Support {
 
     /// Returns this support with matches of covariant features added.
     #[must_use]
-    pub fn with_features(self, features: Vec<SupportingMatch>) -> Self {
+    pub fn with_features(self, features: Vec<RefinedMatch>) -> Self {
         Self { features: FeatureMatches::new(features), ..self }
     }
 
@@ -126,10 +127,10 @@ impl Support {
 
     /// Returns the mutual best matches within `band` px of each other's epipolar lines, of corners
     /// and of features.
-    pub fn matches(&self, f: &FundamentalMatrix, band: f64) -> Vec<SupportingMatch> {
+    pub fn matches(&self, f: &FundamentalMatrix, band: f64) -> Vec<RefinedMatch> {
         let mut found = Vec::new();
         self.for_each_mutual(f, band, |m| {
-            found.push(SupportingMatch { pair: self.pair(m), correlation: m.correlation });
+            found.push(RefinedMatch { pair: self.pair(m), correlation: m.correlation });
         });
         found.extend(self.features.within(f, band));
         found

@@ -27,7 +27,7 @@ pub(super) fn line_figures(
     let mut angles = PencilAngles::of(f, &clicks, turn)?;
     if parameters.search == Search::Patches {
         let fine = viewed.patches.fine();
-        let at_fine = f.rescaled(fine.scales[0], fine.scales[1])?;
+        let at_fine = f.rescaled(fine.scales)?;
         let matches = fine.support.matches(&at_fine, BAND);
         let own = clicks.map(|click| click.rescaled(fine.scales));
         // κ is fitted at the matches, as for all other hypotheses.

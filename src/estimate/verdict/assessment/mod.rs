@@ -160,9 +160,8 @@ impl Judge<'_> {
         let share = most as f64 / matches.len() as f64;
         let bent_share = lens::share_through_a_lens(matches, &h, frames, tolerance);
         let fine = self.viewed.patches.fine();
-        let [s1, s2] = fine.scales;
-        let (h_fine, f_fine) = (resized(&h, fine.scales)?, f.rescaled(s1, s2)?);
-        let (side, side_fine) = (frames[0].longer_side(), s1 * frames[0].longer_side());
+        let (h_fine, f_fine) = (resized(&h, fine.scales)?, f.rescaled(fine.scales)?);
+        let (side, side_fine) = (frames[0].longer_side(), fine.scales[0] * frames[0].longer_side());
         let distinctive = fine.support.distinctive();
         let afar = OffPlane::new(&distinctive, &f_fine, &h_fine, side_fine, CORNER_SIGMA);
         let patches = &self.viewed.patches;
