@@ -70,11 +70,7 @@ fn run(
     }?;
     record.finish()?;
     let trace = record.trace(&best.clicks, &best.pencils, &best.patches, best.hypotheses, parameters);
-    Ok(Estimate {
-        geometry: best.fundamental.into(),
-        assessment: best.assessment,
-        trace: Some(Arc::new(trace)),
-    })
+    Ok(Estimate { fundamental: best.fundamental, assessment: best.assessment, trace: Some(Arc::new(trace)) })
 }
 
 #[cfg(test)]

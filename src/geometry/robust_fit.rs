@@ -175,10 +175,10 @@ struct ObservationBlock {
 impl Conditioning {
     fn new(observations: &[Observation]) -> Self {
         let n = observations.len() as f64;
-        let centre1 =
-            observations.iter().fold(Vector3::zeros(), |s, o| s + o.pair.point1.to_homogeneous()) / n;
-        let centre2 =
-            observations.iter().fold(Vector3::zeros(), |s, o| s + o.pair.point2.to_homogeneous()) / n;
+        let points: [fn(&Observation) -> Vector3<f64>; 2] =
+            [|o| o.pair.point1.to_homogeneous(), |o| o.pair.point2.to_homogeneous()];
+        let [centre1, centre2] =
+            points.map(|of| observations.iter().fold(Vector3::zeros(), |sum, o| sum + of(o)) / n);
         let spread = observations
             .iter()
             .map(|o| {

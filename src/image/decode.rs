@@ -6,7 +6,7 @@
 //! # Pitfalls
 //! - Not every decoder keeps to its limit, and the JPEG decoder fills in missing data.
 
-use std::io::{BufRead, ErrorKind, Seek, SeekFrom};
+use std::io::{BufRead, ErrorKind, Seek};
 
 use image::metadata::Orientation;
 use image::{
@@ -41,8 +41,8 @@ pub(super) fn decode(
 ) -> Result<DynamicImage, LoadError> {
     let job = Job { path, options };
     // The content alone decides: a file with a misleading name is not damaged.
-    let format = guess(&mut reader).map_err(|e| job.io(&e))?;
-    let Some(format) = format else {
+    let guessed = ImageReader::new(&mut reader).with_guessed_format().map_err(|e| job.io(&e))?;
+    let Some(format) = guessed.format() else {
         return Err(LoadError::Format(job.path()));
     };
     if !KNOWN.contains(&format) {
@@ -66,7 +66,7 @@ pub(super) fn decode(
         claims.pictures.iter().try_for_each(|[width, height]| job.check(*width, *height, 4))?;
         says_which_way_is_up = claims.metadata_is_there;
     }
-    rewind(&mut reader, &job)?;
+    reader.rewind().map_err(|e| job.io(&e))?;
     if format == ImageFormat::Tiff
         && let Some(deep) = DeepTiff::open(&mut reader)
     {
@@ -75,7 +75,7 @@ pub(super) fn decode(
         let pixels = deep.read().map_err(|error| job.damaged(&error.to_string()))?;
         return pixels.ok_or_else(|| LoadError::NotFinite(job.path()));
     }
-    rewind(&mut reader, &job)?;
+    reader.rewind().map_err(|e| job.io(&e))?;
     let mut decoder = job.decoder(format, &mut reader)?;
     let (width, height) = decoder.dimensions();
     let color = decoder.color_type();
@@ -143,21 +143,17 @@ impl Job<'_> {
 
     /// Checks the size in the header. An unreadable header passes.
     fn check_header(&self, format: ImageFormat, reader: &mut (impl BufRead + Seek)) -> Result<(), LoadError> {
-        rewind(reader, self)?;
-        match self.decoder(format, reader) {
-            Ok(decoder) => {
-                let (width, height) = decoder.dimensions();
-                self.check(width, height, u64::from(decoder.color_type().bytes_per_pixel()))
-            }
-            Err(_) => Ok(()),
-        }
+        reader.rewind().map_err(|e| self.io(&e))?;
+        let Ok(decoder) = self.decoder(format, reader) else { return Ok(()) };
+        let (width, height) = decoder.dimensions();
+        self.check(width, height, u64::from(decoder.color_type().bytes_per_pixel()))
     }
 
     /// Checks the size at the start of a PNG header, because the PNG decoder allocates its rows
     /// before it reports their length.
     fn check_png(&self, reader: &mut (impl BufRead + Seek)) -> Result<(), LoadError> {
         let mut header = [0; 24];
-        rewind(reader, self)?;
+        reader.rewind().map_err(|e| self.io(&e))?;
         if reader.read_exact(&mut header).is_err() || &header[12..16] != b"IHDR" {
             return Ok(());
         }
@@ -226,15 +222,6 @@ fn plain(reason: &str) -> String {
     });
     let reason = behind.unwrap_or(reason);
     excerpt(reason.strip_prefix("format error: ").unwrap_or(reason))
-}
-
-fn rewind(reader: &mut impl Seek, job: &Job) -> Result<(), LoadError> {
-    reader.seek(SeekFrom::Start(0)).map(|_| ()).map_err(|e| job.io(&e))
-}
-
-/// Guesses the format from the first bytes.
-fn guess(reader: &mut (impl BufRead + Seek)) -> std::io::Result<Option<ImageFormat>> {
-    Ok(ImageReader::new(reader).with_guessed_format()?.format())
 }
 
 #[cfg(test)]

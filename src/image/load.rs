@@ -46,28 +46,22 @@ impl Picture {
         let input = open_input(path).map_err(failed)?;
         // Any reasonable picture compresses to fewer bytes than its pixels.
         let most_bytes = options.most_pixels.saturating_mul(super::limit::WIDE_PIXEL).max(1 << 20);
-        let long = || LoadError::LongFile { path: shown.clone(), megabytes: most_bytes / 1_000_000 };
-        let empty = || failed("the file is empty".to_owned());
-        let pixels = if let Some(size) = input.size {
-            if size == 0 {
-                return Err(empty());
-            }
-            if size > most_bytes {
-                return Err(long());
-            }
-            decode(BufReader::new(input.file), &shown, options)?
-        } else {
+        let mut piped = Vec::new();
+        if input.size.is_none() {
             // Decoders seek back and forth, so piped data is buffered.
-            let mut bytes = Vec::new();
-            let read = input.file.take(most_bytes + 1).read_to_end(&mut bytes);
+            let read = (&input.file).take(most_bytes + 1).read_to_end(&mut piped);
             read.map_err(|e| failed(reason(&e)))?;
-            if bytes.is_empty() {
-                return Err(empty());
-            }
-            if bytes.len() as u64 > most_bytes {
-                return Err(long());
-            }
-            decode(Cursor::new(bytes), &shown, options)?
+        }
+        let size = input.size.unwrap_or(piped.len() as u64);
+        if size == 0 {
+            return Err(failed("the file is empty".to_owned()));
+        }
+        if size > most_bytes {
+            return Err(LoadError::LongFile { path: shown, megabytes: most_bytes / 1_000_000 });
+        }
+        let pixels = match input.size {
+            Some(_) => decode(BufReader::new(input.file), &shown, options)?,
+            None => decode(Cursor::new(piped), &shown, options)?,
         };
         let name = path.file_name().map_or_else(|| shown.clone(), |n| escaped(&n.to_string_lossy()));
         Self::from_pixels(name, Some(path.to_owned()), pixels)

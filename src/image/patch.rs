@@ -47,19 +47,9 @@ fn warps() -> Vec<Warp> {
         Warp::new(cos, -sin, sin, cos) * scale
     };
     let mut all = vec![Warp::identity()];
-    for degrees in TURNS {
-        all.push(turned(degrees, 1.0));
-    }
-    for scale in ZOOMS {
-        for degrees in ZOOM_TURNS {
-            all.push(turned(degrees, scale));
-        }
-    }
-    for squeeze in SQUEEZES {
-        for shear in SHEARS {
-            all.push(Warp::new(squeeze, 0.0, shear, 1.0));
-        }
-    }
+    all.extend(TURNS.map(|degrees| turned(degrees, 1.0)));
+    all.extend(ZOOMS.iter().flat_map(|scale| ZOOM_TURNS.map(|degrees| turned(degrees, *scale))));
+    all.extend(SQUEEZES.iter().flat_map(|squeeze| SHEARS.map(|shear| Warp::new(*squeeze, 0.0, shear, 1.0))));
     all
 }
 

@@ -5,26 +5,16 @@ use std::io::Cursor;
 use image::{ColorType, DynamicImage, ImageFormat};
 use thiserror::Error;
 
-/// Format of a picture file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum PictureFormat {
-    /// PNG: 8 and 16 bits, with alpha.
-    #[default]
-    Png,
-    /// TIFF: 8 and 16 bits and floating point, with alpha.
-    Tiff,
-}
-
-impl PictureFormat {
-    /// All formats.
-    pub const ALL: [Self; 2] = [Self::Png, Self::Tiff];
-
-    /// Returns the file extension, without a dot.
-    pub fn extension(self) -> &'static str {
-        match self {
-            Self::Png => "png",
-            Self::Tiff => "tiff",
-        }
+named! {
+    fn extension;
+    /// Format of a picture file, with its extension.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+    pub enum PictureFormat {
+        /// PNG: 8 and 16 bits, with alpha.
+        #[default]
+        Png = "png",
+        /// TIFF: 8 and 16 bits and floating point, with alpha.
+        Tiff = "tiff",
     }
 }
 

@@ -12,7 +12,8 @@ use crate::estimate::{
     Preset, Reason, SearchCounts, StageTiming, Verdict, Warning,
 };
 use crate::geometry::{
-    FundamentalMatrix, PointPair, place_in_words, sampson_distance, symmetric_epipolar_distance,
+    Frame, FundamentalMatrix, HomogeneousPoint, PointPair, finite_point, sampson_distance,
+    symmetric_epipolar_distance,
 };
 use crate::presentation::{epipole_in_words, probability_in_words, reason_in_words, warning_in_words};
 
@@ -177,8 +178,8 @@ impl<'a> ResultFile<'a> {
         Self {
             convention: Format::Json.convention(),
             fundamental: found.fundamental(),
-            epipole1: found.geometry.epipole1().into(),
-            epipole2: found.geometry.epipole2().into(),
+            epipole1: found.fundamental().epipole1().into(),
+            epipole2: found.fundamental().epipole2().into(),
             score: found.line_score(),
             round_trip_area: assessment.lines.as_ref().and_then(|lines| lines.round_trip_area),
             margin: assessment.margin,
@@ -326,7 +327,7 @@ fn epipoles_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
     let mut text = String::new();
     let frames = images.each_ref().map(|image| image.frame);
     let bearings = found.epipole_bearings(frames);
-    for (k, epipole) in [found.geometry.epipole1(), found.geometry.epipole2()].iter().enumerate() {
+    for (k, epipole) in [found.fundamental().epipole1(), found.fundamental().epipole2()].iter().enumerate() {
         let place = place_in_words(epipole, images[k].frame);
         let bearing = bearings.as_ref().map(|bearings| &bearings[k]);
         let interval = epipole_in_words(bearing, found.determined(frames));
@@ -334,6 +335,16 @@ fn epipoles_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
         let _ = writeln!(text, "Epipole in image {}: {place}{interval}", k + 1);
     }
     text
+}
+
+/// Describes an epipole in words: its position, or its direction when it is at infinity.
+fn place_in_words(epipole: &HomogeneousPoint, frame: Frame) -> String {
+    if let Some(p) = finite_point(epipole) {
+        let side = if frame.contains(p) { "inside" } else { "outside" };
+        return format!("({:.2}, {:.2}) px, {side} the image", p.x, p.y);
+    }
+    let angle = epipole.y.atan2(epipole.x).to_degrees().rem_euclid(180.0);
+    format!("infinitely far, lines run at {angle:.2}° to the x axis (y is down)")
 }
 
 /// Describes a result in words. F has all its digits, so that it can be copied.
@@ -440,4 +451,19 @@ fn list(numbers: &[usize]) -> String {
         return "no".to_owned();
     }
     numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(" + ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn epipoles_are_places_or_directions() {
+        let frame = Frame::new(100, 50);
+        let told = |x, y, z| place_in_words(&HomogeneousPoint::new(x, y, z), frame);
+        assert_eq!(told(20.0, 10.0, 2.0), "(10.00, 5.00) px, inside the image");
+        assert_eq!(told(-1000.0, 10.0, 1.0), "(-1000.00, 10.00) px, outside the image");
+        assert!(told(-1.0, 0.0, 0.0).contains("0.00° to the x axis"));
+        assert!(told(0.0, -1.0, 0.0).contains("90.00°"));
+    }
 }

@@ -37,12 +37,9 @@ pub(super) fn against_planar(planar: &Rectification) -> Option<String> {
 
 /// Describes the distortion of a picture, `None` if it is small.
 fn bent(d: &Distortion) -> Option<String> {
-    let percent = |share: f64| 100.0 * share;
     if d.shrunk + d.stretched > MUCH {
-        return Some(format!(
-            "shrunk or stretched over {:.0} % of its area",
-            percent(d.shrunk + d.stretched)
-        ));
+        let percent = 100.0 * (d.shrunk + d.stretched);
+        return Some(format!("shrunk or stretched over {percent:.0} % of its area"));
     }
     let skewed = d.orthogonality.is_some_and(|o| (o - 90.0).abs() > SKEWED)
         || d.aspect_ratio.is_some_and(|a| !(1.0 / UNEVEN..=UNEVEN).contains(&a));

@@ -86,7 +86,7 @@ impl ImageMap {
     /// (without distortion), last entry 1.
     pub fn homography(&self) -> Option<&Matrix3<f64>> {
         match &self.kind {
-            MapKind::Planar(map) => Some(map.homography()),
+            MapKind::Planar(map) => Some(&map.rectified_from_original),
             MapKind::Polar(_) => None,
         }
     }

@@ -75,13 +75,8 @@ impl Measures {
         scale: f64,
         matches: &[PointPair],
     ) -> Self {
-        Self {
-            rows: RowErrors::of(maps, matches),
-            distortion: [
-                Distortion::of(&maps[0], frames[0], size, scale),
-                Distortion::of(&maps[1], frames[1], size, scale),
-            ],
-        }
+        let distortion = [0, 1].map(|k| Distortion::of(&maps[k], frames[k], size, scale));
+        Self { rows: RowErrors::of(maps, matches), distortion }
     }
 }
 

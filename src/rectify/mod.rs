@@ -40,15 +40,7 @@ pub use presentation::{anaglyph, stacked};
 pub use row::RowTrace;
 
 use crate::camera::UndistortedView;
-#[cfg(feature = "pictures")]
-use crate::cancel::CancelFlag;
 use crate::geometry::Frame;
-#[cfg(feature = "pictures")]
-use crate::geometry::Point;
-#[cfg(feature = "pictures")]
-use crate::image::{PixelMap, warp};
-#[cfg(feature = "pictures")]
-use image::DynamicImage;
 
 named! {
     fn name;
@@ -111,24 +103,6 @@ impl Rectification {
             }
         }
         self
-    }
-}
-
-#[cfg(feature = "pictures")]
-impl Rectification {
-    /// Draws the rectified picture of image `which` (0 or 1) with bilinear interpolation, on all
-    /// cores. The picture keeps the bit depth and the colours of the original. Its alpha channel is
-    /// transparent where the image does not reach. Returns `None` when cancelled.
-    pub fn warp(&self, which: usize, original: &DynamicImage, cancel: &CancelFlag) -> Option<DynamicImage> {
-        warp(original, &self.maps[which], self.size, cancel)
-    }
-}
-
-#[cfg(feature = "pictures")]
-impl PixelMap for ImageMap {
-    fn row(&self, y: usize) -> impl Fn(usize) -> Option<Point> {
-        let trace = self.row(y as f64);
-        move |x| self.in_picture(trace.at(x as f64)?)
     }
 }
 

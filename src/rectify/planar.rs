@@ -28,7 +28,7 @@ const TRIED: usize = 720;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PlanarMap {
     /// Homography `H`: rectified from original pixels.
-    rectified_from_original: Matrix3<f64>,
+    pub(super) rectified_from_original: Matrix3<f64>,
     original_from_rectified: Matrix3<f64>,
 }
 
@@ -42,11 +42,6 @@ impl PlanarMap {
             .chain(inverse.iter())
             .all(|v| v.is_finite())
             .then(|| Self { rectified_from_original: h, original_from_rectified: inverse * sign })
-    }
-
-    /// Returns `H`, scaled to a last entry of 1.
-    pub(super) fn homography(&self) -> &Matrix3<f64> {
-        &self.rectified_from_original
     }
 
     pub(super) fn row(&self, y: f64) -> RowTrace {

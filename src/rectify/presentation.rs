@@ -1,9 +1,30 @@
-//! Displays of both rectified pictures together.
+//! Rectified pictures, and displays of both together.
 
 use image::{DynamicImage, Rgba, RgbaImage};
 
+use super::{ImageMap, Rectification};
+use crate::cancel::CancelFlag;
+use crate::geometry::Point;
+use crate::image::{PixelMap, warp};
+
 /// Colour of the guide lines: an orange that shows on grey, bright and dark.
 const GUIDE: Rgba<u8> = Rgba([230, 159, 0, 255]);
+
+impl Rectification {
+    /// Draws the rectified picture of image `which` (0 or 1) with bilinear interpolation, on all
+    /// cores. The picture keeps the bit depth and the colours of the original. Its alpha channel is
+    /// transparent where the image does not reach. Returns `None` when cancelled.
+    pub fn warp(&self, which: usize, original: &DynamicImage, cancel: &CancelFlag) -> Option<DynamicImage> {
+        warp(original, &self.maps[which], self.size, cancel)
+    }
+}
+
+impl PixelMap for ImageMap {
+    fn row(&self, y: usize) -> impl Fn(usize) -> Option<Point> {
+        let trace = self.row(y as f64);
+        move |x| self.in_picture(trace.at(x as f64)?)
+    }
+}
 
 /// Puts both pictures side by side, with a horizontal guide line every `spacing` rows (0: none).
 /// Corresponding points touch the same guide line.

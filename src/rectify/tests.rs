@@ -3,6 +3,7 @@ use nalgebra::Point3;
 use proptest::prelude::*;
 
 use super::*;
+use crate::cancel::CancelFlag;
 use crate::geometry::{Camera, FundamentalMatrix, Point, PointPair};
 use crate::synthetic::Motion;
 

@@ -129,16 +129,12 @@ fn seen(
 ) -> Result<Suggestions, SuggestError> {
     let other = clicked.other();
     let fundamental = known.fundamental.as_ref();
-    let line = match fundamental {
-        Some(f) => {
-            let line = epipolar_line(f, clicked, point).ok_or(SuggestError::AtEpipole)?;
-            if prepared.frames()[other.index()].clip(&line).is_none() {
-                return Err(SuggestError::LineOutside(other.number()));
-            }
-            Some(line)
-        }
-        None => None,
+    let line = |f| {
+        let line = epipolar_line(f, clicked, point).ok_or(SuggestError::AtEpipole)?;
+        let is_visible = prepared.frames()[other.index()].clip(&line).is_some();
+        if is_visible { Ok(line) } else { Err(SuggestError::LineOutside(other.number())) }
     };
+    let line = fundamental.map(line).transpose()?;
     let forth = SearchView::new(prepared, clicked.index(), view);
     if forth.is_flat(point) {
         return Err(SuggestError::Flat);

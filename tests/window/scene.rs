@@ -46,7 +46,7 @@ fn exact() -> Services {
             let found = fake_estimate(&request.pairs, &request.parameters)?;
             let mut assessment = found.assessment.clone();
             assessment.refinement.as_mut().unwrap().matches.clone_from(&matches);
-            Ok(Estimate { geometry: fundamental.into(), assessment, ..found })
+            Ok(Estimate { fundamental, assessment, ..found })
         }),
         ..services()
     }

@@ -75,7 +75,7 @@ fn the_shown_clicks_are_accurate_and_the_result_is_sure_of_itself() {
         assert_eq!(trust.verdict, Verdict::Reliable, "{}: {:?}", known.name, trust.reasons);
         assert!(found.assessment.warnings.is_empty(), "{}: {:?}", known.name, found.assessment.warnings);
         // Null vectors of a matrix of norm 1, up to rounding.
-        assert!((found.fundamental().matrix() * found.geometry.epipole1()).norm() < 1e-12);
-        assert!(found.fundamental().matrix().tr_mul(&found.geometry.epipole2()).norm() < 1e-12);
+        assert!((found.fundamental().matrix() * found.fundamental().epipole1()).norm() < 1e-12);
+        assert!(found.fundamental().matrix().tr_mul(&found.fundamental().epipole2()).norm() < 1e-12);
     }
 }

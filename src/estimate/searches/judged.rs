@@ -105,7 +105,7 @@ pub(super) fn report_preliminary(
     record: &mut SearchRecord,
 ) {
     let assessment = judge(viewed, hypotheses, record).preliminary(&f, support);
-    record.preliminary(Estimate { geometry: f.into(), assessment, trace: None }, hypotheses, viewed);
+    record.preliminary(Estimate { fundamental: f, assessment, trace: None }, hypotheses, viewed);
 }
 
 fn judge<'a>(viewed: &'a ViewedPair, hypotheses: &'a [Estimate], record: &'a SearchRecord) -> Judge<'a> {

@@ -15,7 +15,7 @@ use crate::estimate::{
     Warning,
 };
 use crate::features::FeatureViews;
-use crate::geometry::{EpipolarGeometry, Frame, FundamentalMatrix, PointPair};
+use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::image::RelativeView;
 
 /// Largest number of hypotheses reported with all their figures, rivals included. It bounds the
@@ -25,8 +25,8 @@ pub(in crate::estimate) const REPORTED: usize = 60;
 /// Geometry with its assessment. All coordinates are full-size pixels.
 #[derive(Debug, Clone)]
 pub struct Estimate {
-    /// F and the epipoles.
-    pub geometry: EpipolarGeometry,
+    /// Fundamental matrix, `x2ᵀ F x1 = 0`.
+    pub fundamental: FundamentalMatrix,
     /// Figures, warnings and verdict.
     pub assessment: Assessment,
     /// The search that found the geometry. `None` for hypotheses, for geometries that follow moved
@@ -184,12 +184,12 @@ impl Estimate {
         support: Option<PatchSupport>,
     ) -> Self {
         let assessment = Assessment { lines, support, ..Assessment::default() };
-        Self { geometry: f.into(), assessment, trace: None }
+        Self { fundamental: f, assessment, trace: None }
     }
 
     /// Returns the fundamental matrix, `x2ᵀ F x1 = 0`.
     pub fn fundamental(&self) -> &FundamentalMatrix {
-        self.geometry.fundamental()
+        &self.fundamental
     }
 
     /// Returns the hypotheses of the search, best first. Empty without a search.
@@ -294,6 +294,6 @@ impl From<Hypothesis> for Estimate {
 /// Returns the geometry without an assessment, such as one from a file.
 impl From<FundamentalMatrix> for Estimate {
     fn from(fundamental: FundamentalMatrix) -> Self {
-        Self { geometry: fundamental.into(), assessment: Assessment::default(), trace: None }
+        Self { fundamental, assessment: Assessment::default(), trace: None }
     }
 }

@@ -146,9 +146,9 @@ impl Database {
     }
 
     pub(super) fn write_keypoints(&self, image: i64, keypoints: &Keypoints) -> Result<(), String> {
-        let data = bytes(keypoints.values(), f32::to_le_bytes);
-        let rows = keypoints.values().len() / keypoints.columns();
-        self.replace("keypoints", "image_id", image, [rows, keypoints.columns()], data, Vec::new())
+        let data = bytes(&keypoints.values, f32::to_le_bytes);
+        let rows = keypoints.values.len() / keypoints.columns;
+        self.replace("keypoints", "image_id", image, [rows, keypoints.columns], data, Vec::new())
     }
 
     pub(super) fn write_matches(&self, pair: i64, matches: &[[u32; 2]]) -> Result<(), String> {

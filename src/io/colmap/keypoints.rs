@@ -11,8 +11,8 @@ const REACH: f64 = 1.0;
 #[derive(Debug)]
 pub(super) struct Keypoints {
     /// Numbers of a keypoint: x and y, then scale and orientation (4), or an affine shape (6).
-    columns: usize,
-    values: Vec<f32>,
+    pub(super) columns: usize,
+    pub(super) values: Vec<f32>,
     /// Number of keypoints before any was appended.
     known: usize,
     /// Numbers of the keypoints in each square of the size of the reach.
@@ -29,14 +29,6 @@ impl Keypoints {
             keypoints.note(number);
         }
         keypoints
-    }
-
-    pub(super) fn columns(&self) -> usize {
-        self.columns
-    }
-
-    pub(super) fn values(&self) -> &[f32] {
-        &self.values
     }
 
     fn len(&self) -> usize {

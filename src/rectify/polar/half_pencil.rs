@@ -11,11 +11,11 @@ const FAR: f64 = 1e9;
 /// Half lines from an epipole, selected by the angle of their direction (radians from x towards y).
 #[derive(Debug, Clone)]
 pub(super) struct HalfPencil {
-    epipole: Point,
+    pub(super) epipole: Point,
     frame: Frame,
-    inside: bool,
+    pub(super) inside: bool,
     /// Angle towards the image centre. The other angles lie within π of it.
-    middle: f64,
+    pub(super) middle: f64,
 }
 
 impl HalfPencil {
@@ -30,19 +30,6 @@ impl HalfPencil {
         });
         let to_centre = centre - epipole;
         Self { epipole, frame, inside: frame.contains(epipole), middle: to_centre.y.atan2(to_centre.x) }
-    }
-
-    pub(super) fn epipole(&self) -> Point {
-        self.epipole
-    }
-
-    pub(super) fn is_inside(&self) -> bool {
-        self.inside
-    }
-
-    /// Returns the angle towards the image centre.
-    pub(super) fn middle(&self) -> f64 {
-        self.middle
     }
 
     /// Returns the range of angles that the image covers: a full turn from inside.

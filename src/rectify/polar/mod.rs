@@ -119,20 +119,20 @@ pub(super) fn polar(
         // Keeps the handedness of the map: distances decrease where angles decrease.
         let rising = angles[angles.len() - 1] > angles[0];
         PolarMap {
-            epipole: [&pencil1, &pencil2][k].epipole(),
+            epipole: [&pencil1, &pencil2][k].epipole,
             angles,
             radius: if rising { radii[k].low } else { radii[k].high },
             radius_step: if rising { 1.0 } else { -1.0 } / scale,
             columns: frame.width,
         }
     };
-    Ok(Polar { maps: [map(0), map(1)], frame, scale, orientation_assumed: orientation.is_assumed() })
+    Ok(Polar { maps: [map(0), map(1)], frame, scale, orientation_assumed: orientation.assumed })
 }
 
 /// Turns the picture by 180° if that puts more of it upright.
 fn upright(mut rows: Vec<[f64; 2]>, pencils: [&HalfPencil; 2]) -> Vec<[f64; 2]> {
     let rightwards: f64 = (0..2)
-        .filter(|k| !pencils[*k].is_inside())
+        .filter(|k| !pencils[*k].inside)
         .map(|k| {
             let rising = if rows[rows.len() - 1][k] > rows[0][k] { 1.0 } else { -1.0 };
             rising * rows[rows.len() / 2][k].cos()

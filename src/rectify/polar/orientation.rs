@@ -14,7 +14,7 @@ const SAMPLES: usize = 64;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Orientation {
     reversed: bool,
-    assumed: bool,
+    pub(super) assumed: bool,
 }
 
 impl Orientation {
@@ -26,14 +26,14 @@ impl Orientation {
             .iter()
             .filter_map(|m| {
                 let along = f.line2_from_point1(m.point1)?.direction();
-                let outwards = along.dot(&(m.point2 - pencil2.epipole()));
+                let outwards = along.dot(&(m.point2 - pencil2.epipole));
                 Some(if outwards < 0.0 { -1 } else { 1 })
             })
             .sum();
         if votes != 0 {
             return Self { reversed: votes < 0, assumed: false };
         }
-        let assumed = pencil1.is_inside() || pencil2.is_inside();
+        let assumed = pencil1.inside || pencil2.inside;
         let [low, high] = pencil1.range();
         let agreement: f64 = (0..SAMPLES)
             .map(|k| low + (high - low) * (k as f64 + 0.5) / SAMPLES as f64)
@@ -41,15 +41,11 @@ impl Orientation {
                 let along = f.line2_from_point1(pencil1.point(angle))?.direction();
                 // From outside, the half lines face the image. From inside, both halves of a line
                 // are in the image.
-                let expected = if assumed { angle } else { pencil2.middle() };
+                let expected = if assumed { angle } else { pencil2.middle };
                 Some(along.dot(&direction(expected)))
             })
             .sum();
         Self { reversed: agreement < 0.0, assumed }
-    }
-
-    pub(super) fn is_assumed(self) -> bool {
-        self.assumed
     }
 
     pub(super) fn lines<'a>(
@@ -91,7 +87,7 @@ impl HalfLines<'_> {
     /// Returns the range of angles in image 1 whose half lines cross both images.
     pub(super) fn common_range(&self) -> Option<[f64; 2]> {
         let range1 = self.pencils[0].range();
-        if self.pencils[1].is_inside() {
+        if self.pencils[1].inside {
             return Some(range1);
         }
         let range2 = self.pencils[1].range();
@@ -101,7 +97,7 @@ impl HalfLines<'_> {
         let middle = at(0.5)?;
         let ends = [near(at(0.0)?, middle), near(at(1.0)?, middle)];
         let seen = [ends[0].min(ends[1]), ends[0].max(ends[1])];
-        if self.pencils[0].is_inside() {
+        if self.pencils[0].inside {
             return Some(seen);
         }
         let common = [range1[0].max(seen[0]), range1[1].min(seen[1])];

@@ -63,7 +63,7 @@ pub(in crate::estimate) fn bisector_kappas(
 /// Returns the line pairs tried for H and for G.
 fn trials(pencils: &PencilPair, clicks: &[PointPair; 2]) -> Option<[Vec<TriedPair>; 2]> {
     let [a, b] = clicks;
-    let map = pencils.map();
+    let map = pencils.map;
     let bisector = PencilMap::bisector1();
     let inner = |near: f64, far: f64| {
         let count = (near.max(far) / STEP).ceil().clamp(STEPS[0], STEPS[1]) as usize;
@@ -98,8 +98,8 @@ pub(in crate::estimate) fn round_trip_area(pencils: &PencilPair, ratio: f64, fra
     let areas: Vec<f64> = lines
         .iter()
         .filter_map(|c| {
-            let there = pencils.map().line1(*c)?;
-            let back = pencils.map().line1(Vector2::new(c.x, c.y * ratio))?;
+            let there = pencils.map.line1(*c)?;
+            let back = pencils.map.line1(Vector2::new(c.x, c.y * ratio))?;
             Some(area_between_lines(&there, &back, frame1))
         })
         .collect();
@@ -150,17 +150,17 @@ mod tests {
             let pencils = &hypotheses(&scene, &[0.0])[0];
             let (forward, backward) = kappas(f, std::slice::from_ref(pencils), &clicks)[0].unwrap();
             let bisector = PencilMap::bisector1();
-            let line1 = pencils.map().line1(bisector).unwrap();
+            let line1 = pencils.map.line1(bisector).unwrap();
             let true2 = f.line2_from_point1(crossing(&line1, a.point1, b.point1)).unwrap();
-            let found2 = pencils.with_kappa(forward).map().line2_from_line1(bisector).unwrap();
+            let found2 = pencils.with_kappa(forward).map.line2_from_line1(bisector).unwrap();
             let off2 = crossing(&true2, a.point2, b.point2) - crossing(&found2, a.point2, b.point2);
-            let line2 = pencils.map().line2(bisector).unwrap();
+            let line2 = pencils.map.line2(bisector).unwrap();
             let true1 = f.line1_from_point2(crossing(&line2, a.point2, b.point2)).unwrap();
-            let found1 = pencils.with_kappa(backward).map().line1_from_line2(bisector).unwrap();
+            let found1 = pencils.with_kappa(backward).map.line1_from_line2(bisector).unwrap();
             let off1 = crossing(&true1, a.point1, b.point1) - crossing(&found1, a.point1, b.point1);
             // Half a step and some more: the area between lines grows unevenly to the two sides.
             let step = |join: f64, near: f64, far: f64| join / (near.max(far) / STEP).ceil();
-            let [p, q] = [*pencils.map().p(), *pencils.map().q()];
+            let [p, q] = [*pencils.map.p(), *pencils.map.q()];
             let join = [(b.point1 - a.point1).norm(), (b.point2 - a.point2).norm()];
             let step1 = step(join[0], p.line1.distance(b.point1), q.line1.distance(a.point1));
             let step2 = step(join[1], p.line2.distance(b.point2), q.line2.distance(a.point2));
@@ -205,7 +205,7 @@ mod tests {
         let scene = ExactScene::aside();
         let (all, clicks) = (hypotheses(&scene, &[0.0, 0.1, 0.2]), scene.clicks());
         // All lines through the second hypothesis' epipole in image 2 count as outside.
-        let map = all[1].map();
+        let map = &all[1].map;
         let epipole2 = map.p().line2.intersection(&map.q().line2).normalize();
         let similarity = LinesBy(|_: &AnchoredLine, line2: &AnchoredLine| {
             if line2.line().coefficients().dot(&epipole2).abs() < 1e-9 { f32::INFINITY } else { 1.0 }
@@ -227,7 +227,7 @@ mod tests {
         assert!(round_trip_area(&pencils, 1.0, FRAME) < 1e-9);
         let lines = pencils.coordinates_over_image1(FRAME, ROUND_TRIPS);
         let moved = lines.iter().map(|c| {
-            let y = pencils.map().line1(*c).unwrap().foot(FRAME.centre()).y;
+            let y = pencils.map.line1(*c).unwrap().foot(FRAME.centre()).y;
             let back = (p * (q - y) + ratio * q * (y - p)) / (q - y + ratio * (y - p));
             (back.clamp(0.0, FRAME.bottom()) - y).abs()
         });

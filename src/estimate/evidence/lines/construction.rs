@@ -58,7 +58,7 @@ impl Construction {
 
     /// Returns κ of the paper's H: bisector chosen in image 1, matching line found in image 2.
     pub fn kappa_line2_from_line1(&self) -> f64 {
-        self.pencils.map().kappa()
+        self.pencils.map.kappa()
     }
 
     /// Returns κ of the paper's G: bisector chosen in image 2, matching line found in image 1.
@@ -69,12 +69,12 @@ impl Construction {
 
     /// Returns the lines through the first click.
     pub fn p(&self) -> &LinePair {
-        self.pencils.map().p()
+        self.pencils.map.p()
     }
 
     /// Returns the lines through the second click.
     pub fn q(&self) -> &LinePair {
-        self.pencils.map().q()
+        self.pencils.map.q()
     }
 
     /// Returns the rotation of the line of image 2 through the first click against the line of
@@ -85,7 +85,7 @@ impl Construction {
 
     /// Returns the bisector of image 1 and the matching line of image 2, which give H.
     pub fn forward(&self) -> Option<LinePair> {
-        let map = self.pencils.map();
+        let map = self.pencils.map;
         let bisector = PencilMap::bisector1();
         Some(LinePair { line1: map.line1(bisector)?, line2: map.line2_from_line1(bisector)? })
     }
@@ -93,7 +93,7 @@ impl Construction {
     /// Returns the bisector of image 2 and the matching line of image 1, which give G. Returns
     /// `None` when G was not searched.
     pub fn backward(&self) -> Option<LinePair> {
-        let map = self.pencils.map().with_kappa(self.kappa_backward?);
+        let map = self.pencils.map.with_kappa(self.kappa_backward?);
         let bisector = PencilMap::bisector1();
         Some(LinePair { line1: map.line1_from_line2(bisector)?, line2: map.line2(bisector)? })
     }
@@ -102,7 +102,7 @@ impl Construction {
     /// G. Returns none when G is not known.
     pub fn round_trips(&self, frame1: Frame, count: usize) -> Vec<RoundTrip> {
         let Some(kappa_backward) = self.kappa_backward else { return Vec::new() };
-        let map = self.pencils.map();
+        let map = self.pencils.map;
         let ratio = map.kappa() / kappa_backward;
         let coordinates = self.pencils.coordinates_over_image1(frame1, count);
         let round_trip = |c: Vector2<f64>| {
@@ -182,7 +182,7 @@ mod tests {
     fn different_maps_leave_an_area_between_a_line_and_its_return() {
         let (f, clicks) = example();
         let mut construction = Construction::of(&f, clicks, 0.0).unwrap();
-        construction.kappa_backward = Some(construction.pencils.map().kappa() * 1.5);
+        construction.kappa_backward = Some(construction.pencils.map.kappa() * 1.5);
         let moved = construction
             .round_trips(FRAME, 12)
             .iter()

@@ -34,7 +34,8 @@ pub(in crate::estimate) fn unvalidated_figures(
 /// Input from which the figures are computed.
 pub(in crate::estimate) struct LineExaminer<'a> {
     similarity: ScaledSimilarity<'a>,
-    clicks: [PointPair; 2],
+    /// The clicks, full-size pixels.
+    pub clicks: [PointPair; 2],
     parameters: &'a ValidationParameters,
     cancel: &'a CancelFlag,
 }
@@ -50,11 +51,6 @@ impl<'a> LineExaminer<'a> {
     ) -> Self {
         let similarity = source.at(parameters.pencils.coarse_side);
         Self { similarity, clicks, parameters: &parameters.validation, cancel }
-    }
-
-    /// Returns the clicks, full-size pixels.
-    pub fn clicks(&self) -> [PointPair; 2] {
-        self.clicks
     }
 
     /// Returns the figures of geometries with these directions at the clicks. They are `None` where

@@ -80,7 +80,7 @@ impl PencilAngles {
 #[derive(Debug, Clone)]
 pub(crate) struct PencilPair {
     clicks: [PointPair; 2],
-    map: PencilMap,
+    pub map: PencilMap,
     /// Epipoles, signed so that [`direction`] at a click agrees with its directed angle.
     epipoles: [HomogeneousPoint; 2],
 }
@@ -119,10 +119,6 @@ impl PencilPair {
 
     pub fn fundamental(&self) -> Option<FundamentalMatrix> {
         self.map.fundamental()
-    }
-
-    pub fn map(&self) -> &PencilMap {
-        &self.map
     }
 
     #[must_use]
@@ -257,7 +253,7 @@ mod tests {
         };
         let angles = PencilAngles { p: pair(&clicks[0]), q: pair(&clicks[1]), kappa: 1.0 };
         let pencils = PencilPair::new(&angles, clicks).unwrap();
-        let kappa = pencils.map().kappa_from_point_pair(third).unwrap();
+        let kappa = pencils.map.kappa_from_point_pair(third).unwrap();
         pencils.with_kappa(kappa)
     }
 

@@ -122,7 +122,7 @@ pub(in crate::estimate) fn hypotheses(
     let Some(examiner) = examiner else {
         return proposals.iter().filter_map(|proposal| full_size(proposal, None)).collect();
     };
-    let own = examiner.clicks().map(|click| click.rescaled(fine.scales));
+    let own = examiner.clicks.map(|click| click.rescaled(fine.scales));
     // κ of the supporting matches.
     let directed = |proposal: &Proposal| {
         let angles = proposal.angles?;

@@ -168,7 +168,7 @@ struct Parallax {
 impl Parallax {
     fn new(support: &Support, homography: Matrix3<f64>, clicks: &[PointPair]) -> Self {
         let mut matches: Vec<PointPair> = Vec::new();
-        for group in support.pairs().chunk_by(|a, b| a.corner1 == b.corner1) {
+        for group in support.pairs.chunk_by(|a, b| a.corner1 == b.corner1) {
             // A corner counts as on the plane if any look-alike lies at its mapped place.
             let off = group.iter().all(|m| transfer_error(&homography, &support.pair(m)) > OFF_PLANE);
             // The best look-alike of a corner comes first.

@@ -44,7 +44,7 @@ pub(in crate::estimate) struct Support {
     corners: [Vec<Point>; 2],
     /// Pairs of look-alike corners, with correlations above [`FLOOR`], grouped by corner of image
     /// 1, best first.
-    pairs: Vec<Putative>,
+    pub pairs: Vec<Putative>,
     /// The same pairs, laid out for the vector units.
     look_alikes: LookAlikes,
     /// Matches of covariant features, which support beside corners.
@@ -86,10 +86,6 @@ impl Support {
     #[must_use]
     pub fn with_features(self, features: Vec<RefinedMatch>) -> Self {
         Self { features: FeatureMatches::new(features), ..self }
-    }
-
-    pub fn pairs(&self) -> &[Putative] {
-        &self.pairs
     }
 
     /// Returns the distinctive matches, found without a geometry: each corner looks like the other,

@@ -77,7 +77,7 @@ pub(in crate::estimate) struct VotedKappa {
 impl KappaVoting {
     /// Takes the best `per_corner` pairs of each corner of image 1.
     pub fn new(support: &Support, per_corner: usize) -> Self {
-        let groups = support.pairs().chunk_by(|a, b| a.corner1 == b.corner1);
+        let groups = support.pairs.chunk_by(|a, b| a.corner1 == b.corner1);
         let best = groups.flat_map(|group| group.iter().take(per_corner));
         let weighted = best.map(|m| (support.pair(m), m.correlation - FLOOR));
         Self::of_look_alikes(&weighted.collect::<Vec<_>>())

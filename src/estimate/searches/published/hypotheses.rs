@@ -58,7 +58,7 @@ pub(in crate::estimate) fn propose(
     let (angles, pencils): (Vec<PencilAngles>, Vec<PencilPair>) = spread.into_iter().unzip();
     let kappas = match third {
         Some(third) => {
-            let of_third = |pencils: &PencilPair| pencils.map().kappa_from_point_pair(&third);
+            let of_third = |pencils: &PencilPair| pencils.map.kappa_from_point_pair(&third);
             pencils.iter().map(|pencils| of_third(pencils).map(|kappa| (kappa, kappa))).collect()
         }
         None => bisector_kappas(&*similarity.lines, &pencils, &clicks, cancel),
@@ -87,7 +87,7 @@ pub(in crate::estimate) fn validated(drafts: &[Draft], has_third: bool, paramete
 
 /// Returns whether each click is far enough from the line of the other in both images.
 fn is_spread(pencils: &PencilPair, clicks: &[PointPair; 2], frames: [Frame; 2]) -> bool {
-    let (p, q): (&LinePair, &LinePair) = (pencils.map().p(), pencils.map().q());
+    let (p, q): (&LinePair, &LinePair) = (pencils.map.p(), pencils.map.q());
     let [a, b] = clicks;
     let nearest1 = p.line1.distance(b.point1).min(q.line1.distance(a.point1));
     let nearest2 = p.line2.distance(b.point2).min(q.line2.distance(a.point2));
