@@ -42,7 +42,6 @@ pub fn result(pairs: &[PointPair], parameters: &Parameters) -> Option<Estimate> 
     let assessment = Assessment { lines, margin: Some(0.4), refinement, ..Assessment::default() };
     let trace = SearchTrace {
         clicks: Clicks::for_plan(pairs, SearchPlan::of(parameters, pairs.len())),
-        method: parameters.method,
         preset: parameters.preset,
         seed: parameters.seed,
         first_seconds: 0.01,

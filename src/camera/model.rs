@@ -1,9 +1,9 @@
 //! Camera models: calibration matrix and lens.
 
-use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::lens::{Lens, Projection, Radial};
+use super::lens::{Lens, Radial};
 use crate::geometry::{Frame, Point, scaling};
 
 /// A camera model: calibration matrix and lens. The centre of the top-left pixel is (0, 0).
@@ -153,16 +153,10 @@ impl CameraModel {
         &self.lens
     }
 
-    /// Returns the model without its distortion, with the same calibration matrix.
-    #[must_use]
-    pub fn without_distortion(&self) -> Self {
-        Self { lens: Lens::IDEAL, fold: Lens::IDEAL.fold(), ..*self }
-    }
-
     /// Returns the pixel of a ray in camera coordinates. `None` behind a perspective camera, and
     /// where the lens folds back.
     pub fn image_from_ray(&self, ray: &Vector3<f64>) -> Option<Point> {
-        self.distorted(ray).map(|(distorted, ..)| self.pixel(&distorted))
+        self.distorted(ray).map(|distorted| self.pixel(&distorted))
     }
 
     /// Returns the unit ray of a pixel. `None` where the lens has no inverse.
@@ -172,39 +166,17 @@ impl CameraModel {
         self.lens.undistorted(&Vector2::new(x, y), self.fold).map(|flat| self.lens.ray(&flat))
     }
 
-    /// Returns the derivatives of the pixel by the coordinates of the ray, px per unit.
-    pub fn jacobian(&self, ray: &Vector3<f64>) -> Option<Matrix2x3<f64>> {
-        let (_, derivatives, flat) = self.distorted(ray)?;
-        let (x, y, z) = (ray.x, ray.y, ray.z);
-        let across = (x * x + y * y).sqrt();
-        let by_ray = match self.lens.projection {
-            Projection::Equidistant if across > 1e-9 * z.abs() => {
-                // The angle a = atan2(across, z), and flat = a · (x, y) / across.
-                let square = x * x + y * y + z * z;
-                let angle = flat.norm();
-                let unit = Vector2::new(x, y) / across;
-                let by_across = unit * unit.transpose() * (z / square)
-                    + (Matrix2::identity() - unit * unit.transpose()) * (angle / across);
-                let by_z = unit * (-across / square);
-                Matrix2x3::from_columns(&[by_across.column(0).into(), by_across.column(1).into(), by_z])
-            }
-            _ => Matrix2x3::new(1.0, 0.0, -flat.x, 0.0, 1.0, -flat.y) / z,
-        };
-        let [fx, fy] = self.focal;
-        Some(Matrix2::new(fx, self.skew, 0.0, fy) * derivatives * by_ray)
-    }
-
-    /// Returns distorted coordinates, their derivatives and the undistorted coordinates of a ray.
-    fn distorted(&self, ray: &Vector3<f64>) -> Option<(Vector2<f64>, Matrix2<f64>, Vector2<f64>)> {
+    /// Returns the distorted coordinates of a ray.
+    fn distorted(&self, ray: &Vector3<f64>) -> Option<Vector2<f64>> {
         let flat = self.lens.flat(ray)?;
         if self.lens.is_ideal() {
-            return Some((flat, Matrix2::identity(), flat));
+            return Some(flat);
         }
         if flat.norm() > self.fold {
             return None;
         }
         let (distorted, derivatives) = self.lens.distorted(&flat);
-        (derivatives.determinant() > 0.0).then_some((distorted, derivatives, flat))
+        (derivatives.determinant() > 0.0).then_some(distorted)
     }
 
     fn pixel(&self, distorted: &Vector2<f64>) -> Point {

@@ -99,16 +99,6 @@ impl ViewPair {
     }
 }
 
-impl UndistortedView {
-    /// Returns points of the epipolar curve in the picture: the image of the line from `start` to
-    /// `end`, in `pieces` pieces. Places outside the range of the lens are left out.
-    pub fn curve(&self, start: Point, end: Point, pieces: usize) -> impl Iterator<Item = Point> {
-        (0..=pieces).filter_map(move |k| {
-            self.original_from_undistorted(start + (end - start) * (k as f64 / pieces.max(1) as f64))
-        })
-    }
-}
-
 /// Returns the distance in the picture of a point from the curve of a line: from the tangent at the
 /// foot of the point.
 fn distance(view: &UndistortedView, line: &Line, point: Point) -> Option<f64> {

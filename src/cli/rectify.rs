@@ -98,7 +98,7 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
         let (made, rig) = rectify_calibrated(&pose, views, &matches, &limits)?;
         let drawn = drawn(&made, &pictures, arguments.threads)?;
         let disparities = made.measures.rows.map(|rows| rows.disparity);
-        let pair = StereoPair { rig: &rig, views, pose: &pose, baseline, disparities };
+        let pair = StereoPair { rig: &rig, views, baseline, disparities };
         files.write(&pair, [&drawn[0], &drawn[1]])?;
         return print(&stereo_summary(&made, &pair, &files));
     }

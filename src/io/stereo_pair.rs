@@ -11,7 +11,7 @@ use super::identity::refuse_clashes;
 use super::output::OutputFile;
 use super::picture_file::{PictureFormat, encode_picture};
 use super::rectified::{RectifiedError, create_folder};
-use crate::camera::{RelativePose, ViewPair};
+use crate::camera::ViewPair;
 use crate::geometry::Frame;
 use crate::rectify::StereoRig;
 
@@ -47,8 +47,6 @@ pub struct StereoPair<'a> {
     pub rig: &'a StereoRig,
     /// Views before the rectification.
     pub views: &'a ViewPair,
-    /// Pose of camera 2.
-    pub pose: &'a RelativePose,
     /// Length of the baseline in the unit of the calibration; `None` if unknown, which is written as
     /// 1.
     pub baseline: Option<f64>,

@@ -75,20 +75,6 @@ impl TruthFolder {
         !matches!(self.layout, FolderLayout::Pairs(_))
     }
 
-    /// Returns whether two views form a pair.
-    pub fn is_pair(&self, [view1, view2]: [usize; 2]) -> bool {
-        let exist = view1.max(view2) < self.names.len();
-        exist && if self.pairs_freely() { view1 != view2 } else { view1 % 2 == 0 && view2 == view1 + 1 }
-    }
-
-    /// Returns the next or the previous pair. In a sequence of views it has the same distance
-    /// between views.
-    pub fn neighbour(&self, [view1, view2]: [usize; 2], forward: bool) -> Option<[usize; 2]> {
-        let step = if self.pairs_freely() { 1 } else { 2 };
-        let moved = |view: usize| if forward { view.checked_add(step) } else { view.checked_sub(step) };
-        Some([moved(view1)?, moved(view2)?]).filter(|pair| self.is_pair(*pair))
-    }
-
     /// Returns the name of a pair.
     pub fn pair_name(&self, [view1, view2]: [usize; 2]) -> String {
         match &self.layout {
@@ -151,10 +137,6 @@ mod tests {
         let folder = views();
         let set = TruthFolder::open(folder.path()).unwrap();
         assert_eq!(set.names(), ["set.000", "set.001", "set.002"]);
-        assert_eq!(set.neighbour([0, 1], true), Some([1, 2]));
-        assert_eq!(set.neighbour([1, 2], true), None);
-        assert_eq!(set.neighbour([0, 1], false), None);
-        assert_eq!(set.neighbour([1, 0], true), Some([2, 1]));
         let truth = set.truth([0, 2]).unwrap();
         assert_eq!((&truth.name[..], truth.origin), ("0-2", TruthOrigin::Cameras));
         assert_eq!(
@@ -178,9 +160,6 @@ mod tests {
         write(&folder, &[("cA.png", ""), ("cB.png", "")]);
         let set = TruthFolder::open(folder.path()).unwrap();
         assert_eq!(set.names(), ["bA", "bB", "cA", "cB"]);
-        assert!(set.is_pair([0, 1]) && !set.is_pair([1, 2]) && !set.is_pair([0, 2]) && !set.is_pair([4, 5]));
-        assert_eq!(set.neighbour([0, 1], true), Some([2, 3]));
-        assert_eq!(set.neighbour([2, 3], false), Some([0, 1]));
         assert_eq!(set.pair_name([2, 3]), "c");
         let truth = set.truth([0, 1]).unwrap();
         assert_eq!((truth.matches.len(), truth.origin), (9, TruthOrigin::Matches));

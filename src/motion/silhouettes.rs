@@ -108,11 +108,6 @@ impl Silhouettes {
         Ok(Self { name, size, full_size, frames, words, bits })
     }
 
-    /// Returns the name of the sequence for messages.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
     /// Returns the number of frames.
     pub fn len(&self) -> usize {
         self.frames
@@ -133,22 +128,10 @@ impl Silhouettes {
         self.full_size
     }
 
-    /// Returns whether a pixel is moving in a frame.
-    pub fn is_moving(&self, x: usize, y: usize, time: usize) -> bool {
-        let word = self.bits[(y * self.size.width + x) * self.words + time / WORD];
-        word >> (time % WORD) & 1 == 1
-    }
-
     /// Returns the mask of a frame, row by row.
     pub fn mask(&self, time: usize) -> Vec<bool> {
         let of_pixel = |own: &[u64]| own[time / WORD] >> (time % WORD) & 1 == 1;
         self.bits.chunks_exact(self.words).map(of_pixel).collect()
-    }
-
-    /// Returns the fraction of moving pixels over all frames.
-    pub fn share(&self) -> f64 {
-        let set: u64 = self.bits.iter().map(|word| u64::from(word.count_ones())).sum();
-        set as f64 / (self.size.width * self.size.height * self.frames).max(1) as f64
     }
 
     /// Returns the barcode of a line, in pixels of an image that is `scale` times as large as the

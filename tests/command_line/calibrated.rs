@@ -1,6 +1,6 @@
 //! Commands with a calibration, on the built-in pair seen through a lens.
 
-use epiline::camera::{CameraModel, UndistortedView};
+use epiline::camera::{CameraModel, Lens, UndistortedView};
 use epiline::geometry::{FundamentalMatrix, Point, PointPair, finite_point, sampson_distance};
 use epiline::synthetic::Sample;
 use nalgebra::{Matrix3, Rotation3};
@@ -27,7 +27,7 @@ impl LensPair {
         // The centre of the top-left pixel is (0.5, 0.5) in COLMAP.
         let parameters = [FOCAL, x + 0.5, y + 0.5, DISTORTION];
         let camera = CameraModel::from_colmap("SIMPLE_RADIAL", &parameters).unwrap();
-        let pinhole = camera.without_distortion();
+        let pinhole = CameraModel::new(&camera.calibration(), Lens::IDEAL).unwrap();
         for (name, picture) in ["near.png", "far.png"].iter().zip(&sample.pictures) {
             let drawn = picture.redrawn(frame, |p| pinhole.image_from_ray(&camera.ray_from_image(p)?));
             drawn.pixels.save(pictures.path(name)).unwrap();

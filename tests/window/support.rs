@@ -42,7 +42,6 @@ pub fn fake_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
     };
     let trace = SearchTrace {
         clicks: Clicks::for_plan(pairs, SearchPlan::of(parameters, pairs.len())),
-        method: parameters.method,
         preset: parameters.preset,
         seed: parameters.seed,
         first_seconds: 0.01,

@@ -128,7 +128,6 @@ impl<'a> SearchRecord<'a> {
             clicks: clicks.clone(),
             view: patches.view(),
             features: patches.features(),
-            method: parameters.method,
             preset: parameters.preset,
             seed: parameters.seed,
             pencils: pencils.to_vec(),

@@ -11,7 +11,7 @@ use serde::Serialize;
 use crate::estimate::evidence::patches::{Hypothesis, PatchLevels};
 use crate::estimate::{
     BarcodeFigures, Clicks, ComparedPencils, ENOUGH_MATCHES, EpipoleBearing, EpipoleCertainty, LineFigures,
-    Method, PatchSupport, PreparedPair, Preset, RefinedMatch, Refinement, Stage, Trust, Uncertainty, Verdict,
+    PatchSupport, PreparedPair, Preset, RefinedMatch, Refinement, Stage, Trust, Uncertainty, Verdict,
     Warning,
 };
 use crate::features::FeatureViews;
@@ -128,8 +128,6 @@ pub struct SearchTrace {
     pub view: RelativeView,
     /// Kind of covariant features used beside patches, if any.
     pub features: Option<FeatureViews>,
-    /// Method of the search.
-    pub method: Method,
     /// Preset of the parameters.
     pub preset: Preset,
     /// Seed of all random numbers.
