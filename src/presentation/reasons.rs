@@ -213,7 +213,7 @@ mod tests {
         let body = source.split(&format!("pub enum {name} {{")).nth(1).unwrap();
         let body = body.split("\n}").next().unwrap();
         let is_variant = |line: &&str| line.as_bytes().get(4).is_some_and(u8::is_ascii_uppercase);
-        body.lines().filter(is_variant).map(|line| line.trim().trim_end_matches([',', '{', ' '])).collect()
+        body.lines().filter(is_variant).filter_map(|line| line.trim().split([',', ' ']).next()).collect()
     }
 
     /// Returns a name of the source in the form of result files: `few-matches` for `FewMatches`.
