@@ -151,7 +151,10 @@ fn without_a_determined_epipole_there_is_no_scene_and_no_pose() {
     assert!(window.query_by_label("Rotation").is_none());
     press(&mut window, Key::Num5);
     show_step(&mut window, "Validation");
-    assert!(painted(&window, "not determined"), "the result in the table has no other epipole than the verdict");
+    assert!(
+        painted(&window, "not determined"),
+        "the result in the table has no other epipole than the verdict"
+    );
 }
 
 #[test]
