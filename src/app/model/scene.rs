@@ -102,12 +102,7 @@ impl Orbit {
         let turned: Vec<Vector3<f64>> = places.iter().map(|place| rotation * place).collect();
         let least = turned.iter().fold(Vector3::repeat(f64::INFINITY), |all, place| all.inf(place));
         let most = turned.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |all, place| all.sup(place));
-        // Turning is about the middle depth of the points. About a place nearer to the cameras, the
-        // points would leave the view.
         let mut middle = 0.5 * (least + most);
-        if of_points > 0 {
-            middle.z = median(&turned[..of_points].iter().map(|place| place.z).collect::<Vec<_>>());
-        }
         let half = size * (HALF / size.min().max(1e-9));
         let needed = |middle: Vector3<f64>| {
             let needed = turned.iter().map(|place| {
@@ -127,7 +122,16 @@ impl Orbit {
             let off = 0.5 * (least + most) * distance;
             middle += Vector3::new(off.x, off.y, 0.0);
         }
-        Self { centre: rotation.inverse() * middle, distance: needed(middle), ..start }
+        let mut distance = needed(middle);
+        // The same view, but turning is about the median depth of the points. About a place nearer to
+        // the cameras, the points would leave the view.
+        if of_points > 0 {
+            let depths: Vec<f64> = turned[..of_points].iter().map(|place| place.z).collect();
+            let further = median(&depths) - middle.z;
+            middle.z += further;
+            distance = (distance + further).clamp(DISTANCES[0], DISTANCES[1]);
+        }
+        Self { centre: rotation.inverse() * middle, distance, ..start }
     }
 
     /// Returns the rotation from the axes of camera 1 to those of the view.

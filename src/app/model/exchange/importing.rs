@@ -240,6 +240,6 @@ mod tests {
         );
         assert_eq!(on_the_images(&[inside; 2], frames, "m.csv").1, None);
         let (_, note) = on_the_images(&[PointPair::new(-9.0, 0.0, 0.0, 0.0); 8], frames, "m.csv");
-        assert!(note.unwrap().ends_with("number 4, number 5, 3 more."));
+        assert!(note.unwrap().ends_with("number 4, number 5, 3 more)."));
     }
 }

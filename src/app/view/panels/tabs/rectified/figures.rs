@@ -282,7 +282,7 @@ mod tests {
         let (text, _) = disparity_hint([-12.0, 87.0], true);
         assert_eq!(text, "Disparities of matches −12 to 87 px. Suggested search range: −16 to 96 px.");
         let (text, _) = disparity_hint([-90.4, -14.2], true);
-        assert!(text.contains("Swap the images") && text.ends_with("range: −96 to 0."), "{text}");
+        assert!(text.contains("Swap the images") && text.ends_with("range: −96 to 0 px."), "{text}");
         let (text, _) = disparity_hint([-90.4, -14.2], false);
         assert!(text.contains("set a negative minimum") && !text.contains("Swap"), "{text}");
     }
