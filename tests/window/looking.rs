@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Shape, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::estimate::{RefinedMatch, Refinement};
 use epiline::geometry::{Point, PointPair, symmetric_epipolar_distance};
 use epiline::internals::app::model::document::Side;
@@ -167,6 +167,21 @@ fn the_palette_finds_and_runs_commands_by_key_and_by_mouse() {
     press(&mut window, Key::Escape);
     assert!(window.query_by_label("Search commands").is_none());
     assert_eq!(window.state().document().pairs.len(), 2, "its keys are its own");
+}
+
+#[test]
+fn enter_runs_no_other_command_in_place_of_an_unavailable_one() {
+    let files = Files::new();
+    let mut window = open([files.image("a.png", 3, 3), files.image("b.png", 658, 486)]);
+    press_with(&mut window, Modifiers::COMMAND, Key::K);
+    window.event(egui::Event::Text("without".into()));
+    settle(&mut window);
+    assert!(painted(&window, "not available now"));
+    press(&mut window, Key::Enter);
+    window.get_by_label("Search commands");
+    assert!(!window.state().model().open.alone);
+    let entry = window.get_by_label("Find the geometry without clicks");
+    assert!(entry.accesskit_node().is_disabled());
 }
 
 #[test]

@@ -246,18 +246,14 @@ pub fn with_keys() -> Vec<Action> {
         action(Command::TogglePalette, "Commands", "Search for any command by name and run it.")
             .key(COMMAND, Key::K)
             .key(COMMAND, Key::P)
-            .while_typing()
-            // The action closes this list.
-            .when(|_| false),
+            .while_typing(),
         action(
             Command::Cancel,
             "Cancel",
             "Cancel a drag or the first click of a pair, or close a dialog or the topmost message.",
         )
         .key(NONE, Key::Escape)
-        .while_typing()
-        // This action closes the list, too.
-        .when(|_| false),
+        .while_typing(),
         action(Command::ToggleTheme, "Light or dark theme", "Switch between the light and the dark theme.")
             .key(NONE, Key::T),
         action(Command::ToggleShortcuts, "Keys", "Show the keys and mouse actions.")

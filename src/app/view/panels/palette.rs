@@ -1,6 +1,6 @@
 //! The list of all commands, searchable by name.
 
-use egui::{Align2, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window, vec2};
+use egui::{Align2, Button, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window, vec2};
 
 use super::finish_button;
 use crate::app::model::{Command, Model, OverlayId};
@@ -16,10 +16,11 @@ pub struct CommandPalette {
     just_opened: bool,
 }
 
-/// A command that can be run now.
 struct PaletteEntry {
     title: String,
     command: Command,
+    /// Whether the command can be run now.
+    available: bool,
 }
 
 impl CommandPalette {
@@ -61,7 +62,7 @@ impl CommandPalette {
                 ui.add_space(4.0);
                 let moved = up + down > 0;
                 self.list(ui, &found, moved, commands);
-                if run && let Some(entry) = found.get(self.marked) {
+                if run && let Some(entry) = found.get(self.marked).filter(|entry| entry.available) {
                     commands.push(entry.command.clone());
                     self.open = false;
                 }
@@ -79,7 +80,8 @@ impl CommandPalette {
             for (number, entry) in found.iter().enumerate() {
                 ui.horizontal(|ui| {
                     let marked = number == self.marked;
-                    let response = ui.selectable_label(marked, &entry.title);
+                    let button = Button::selectable(marked, &entry.title);
+                    let response = ui.add_enabled(entry.available, button);
                     if marked && moved {
                         response.scroll_to_me(None);
                     }
@@ -87,12 +89,17 @@ impl CommandPalette {
                     if response.clicked() {
                         self.open = false;
                     }
-                    if let Some(key) = key_text(ui.ctx(), &entry.command) {
+                    let key = key_text(ui.ctx(), &entry.command);
+                    let note = if entry.available { key } else { Some("not available now".to_owned()) };
+                    if let Some(note) = note {
                         let right = egui::Layout::right_to_left(egui::Align::Center);
                         ui.with_layout(right, |ui| {
                             // Keep clear of the scroll bar.
                             ui.add_space(14.0);
-                            ui.label(RichText::new(key).weak());
+                            if !entry.available {
+                                ui.disable();
+                            }
+                            ui.label(RichText::new(note).weak());
                         });
                     }
                 });
@@ -101,45 +108,59 @@ impl CommandPalette {
     }
 }
 
-/// Returns the commands that apply in the present state.
+/// Returns all commands, except those that close this list.
 fn entries(model: &Model) -> Vec<PaletteEntry> {
-    let offered = ACTIONS.iter().filter(|action| (action.makes_sense)(model));
-    let named = offered.filter_map(|action| {
+    let closes = |command: &Command| matches!(command, Command::TogglePalette | Command::Cancel);
+    let named = ACTIONS.iter().filter(|action| !closes(&action.command)).filter_map(|action| {
         let title = match action.listed {
             Some(title) => title(model),
             // Every action with shortcuts is listed, under its name if it has no title.
             None if !action.keys.is_empty() => action.name,
             None => return None,
         };
-        Some(PaletteEntry { title: title.to_owned(), command: action.command.clone() })
+        let available = (action.makes_sense)(model);
+        Some(PaletteEntry { title: title.to_owned(), command: action.command.clone(), available })
     });
     let overlays = OverlayId::ALL.into_iter().filter(|overlay| model.offers(*overlay)).map(|overlay| {
         let verb = if model.look.shows(overlay) { "Hide" } else { "Show" };
         let title = format!("{verb} {}", overlay.name().to_lowercase());
-        PaletteEntry { title, command: Command::ToggleOverlay(overlay) }
+        PaletteEntry { title, command: Command::ToggleOverlay(overlay), available: true }
     });
     named.chain(overlays).collect()
 }
 
-/// Returns the entries that match the text, best first; all of them for an empty text.
+/// Returns the entries that match the text, best first; all available ones for an empty text. Of equally good
+/// matches, the available ones come first. A command that is not available stays above worse matches, so that Enter
+/// runs none of those instead.
 fn found(entries: Vec<PaletteEntry>, text: &str) -> Vec<PaletteEntry> {
     let wanted = text.trim().to_lowercase();
     let rank_of = |entry: &PaletteEntry| {
         rank(&entry.title.to_lowercase(), &entry.command.tooltip().to_lowercase(), &wanted)
     };
+    let typed = !wanted.is_empty();
+    let listed = entries.into_iter().filter(|entry| typed || entry.available);
     let mut ranked: Vec<(usize, PaletteEntry)> =
-        entries.into_iter().filter_map(|entry| Some((rank_of(&entry)?, entry))).collect();
+        listed.filter_map(|entry| Some((rank_of(&entry)?, entry))).collect();
+    // Of an unavailable command, only the title tells that it was meant.
+    ranked.retain(|(rank, entry)| entry.available || *rank < IN_TOOLTIP);
     // Of equally good matches, the shorter title is closer to the search.
-    let typed = !text.trim().is_empty();
-    ranked.sort_by_key(|(rank, entry)| (*rank, if typed { entry.title.len() } else { 0 }));
+    ranked.sort_by_key(|(rank, entry)| {
+        (*rank / QUALITY, !entry.available, *rank, if typed { entry.title.len() } else { 0 })
+    });
     ranked.into_iter().map(|(_, entry)| entry).collect()
 }
+
+/// Step of the rank from whole words to beginnings of words, and from these to letters inside a word.
+const QUALITY: usize = 1000;
+
+/// Rank from which the words are in the tooltip, not in the title.
+const IN_TOOLTIP: usize = 100_000;
 
 /// Returns the rank of an entry, lower is better: by the words in the title, or else in the tooltip, or else a
 /// large number if words of the title begin with the letters in this order. `None` if they do not.
 fn rank(title: &str, tooltip: &str, text: &str) -> Option<usize> {
     let words = |of: &str| text.split_whitespace().map(|word| place(of, word)).sum::<Option<usize>>();
-    words(title).or_else(|| Some(100_000 + words(tooltip)?)).or_else(|| {
+    words(title).or_else(|| Some(IN_TOOLTIP + words(tooltip)?)).or_else(|| {
         let mut initials = title.split(|c: char| !c.is_alphanumeric()).filter_map(|word| word.chars().next());
         let mut letters = text.chars().filter(|letter| !letter.is_whitespace());
         letters.all(|letter| initials.any(|other| other == letter)).then_some(1_000_000 + title.len())
@@ -152,7 +173,7 @@ fn place(text: &str, word: &str) -> Option<usize> {
     let rank = |(at, found): (usize, &str)| {
         let begins = !text[..at].ends_with(char::is_alphanumeric);
         let ends = !text[at + found.len()..].starts_with(char::is_alphanumeric);
-        at + 1000 * if begins { usize::from(!ends) } else { 2 }
+        at + QUALITY * if begins { usize::from(!ends) } else { 2 }
     };
     text.match_indices(word).map(rank).min()
 }
@@ -166,7 +187,11 @@ mod tests {
         let titles = ["Fit both images", "Open the sample images", "Light or dark", "Link views"];
         let entries = || {
             titles
-                .map(|title| PaletteEntry { title: title.to_owned(), command: Command::EndDrag })
+                .map(|title| PaletteEntry {
+                    title: title.to_owned(),
+                    command: Command::EndDrag,
+                    available: true,
+                })
                 .into_iter()
                 .collect()
         };
@@ -187,5 +212,27 @@ mod tests {
         assert_eq!(rank("show me: place two pairs on the sample", "", "swap"), None);
         assert_eq!(search("").len(), titles.len());
         assert!(search("zzz").is_empty());
+    }
+
+    #[test]
+    fn unavailable_commands_come_below_equal_matches_and_above_worse_ones() {
+        let search = |text: &str| -> Vec<String> {
+            let entry = |title: &str, command, available| PaletteEntry {
+                title: title.to_owned(),
+                command,
+                available,
+            };
+            let entries = vec![
+                entry("Find without clicks", Command::EndDrag, false),
+                // Its tooltip has the word "without".
+                entry("Pictures alone", Command::ToggleAlone, true),
+                entry("Go on without a longer title", Command::EndDrag, true),
+            ];
+            found(entries, text).into_iter().map(|entry| entry.title).collect()
+        };
+        let all = ["Go on without a longer title", "Find without clicks", "Pictures alone"];
+        assert_eq!(search("without"), all);
+        assert_eq!(search("without clicks"), ["Find without clicks"]);
+        assert_eq!(search(""), ["Pictures alone", "Go on without a longer title"]);
     }
 }
