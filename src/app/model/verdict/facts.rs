@@ -343,14 +343,14 @@ pub fn card_facts(facts: &[Fact]) -> impl Iterator<Item = &Fact> {
     others.into_iter().take(most).chain(epipoles)
 }
 
+/// Distance of an epipole that counts as infinite, px. The lines in an image of 1,000 px turn by less than 0.6°.
+const FAR: f64 = 1e5;
+
 /// Describes the position of an epipole.
 pub fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String {
-    // Farther away, the lines in an image of 1,000 px turn by less than 0.6°.
-    const FAR: f64 = 1e5;
     let near = finite_point(epipole).filter(|p| p.coords.amax() < FAR || frame.is_some());
     let Some(p) = near else {
-        let degrees = epipole.y.atan2(epipole.x).rem_euclid(PI).to_degrees();
-        return format!("at infinity, {degrees:.1}°");
+        return format!("at infinity, {:.1}°", far_direction(epipole));
     };
     // Far away, fractions of a pixel mean nothing.
     let decimals = usize::from(p.coords.amax() < 1000.0);
@@ -363,6 +363,19 @@ pub fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String 
         Some(frame) => format!("{}, far away", direction(p, frame)),
         None => place,
     }
+}
+
+/// Describes the position of an epipole in few letters.
+pub fn short_epipole_text(epipole: &HomogeneousPoint) -> String {
+    match finite_point(epipole).filter(|p| p.coords.amax() < FAR) {
+        Some(p) => format!("({:.0}, {:.0})", p.x, p.y),
+        None => format!("far, {:.0}°", far_direction(epipole)),
+    }
+}
+
+/// Returns the direction of a far epipole, degrees in `[0, 180)`.
+fn far_direction(epipole: &HomogeneousPoint) -> f64 {
+    epipole.y.atan2(epipole.x).rem_euclid(PI).to_degrees()
 }
 
 /// Returns the side of an image on which a point outside lies.

@@ -20,7 +20,7 @@ pub use action::{CardAction, LineLook, USE_LENS};
 use facts::facts;
 pub use facts::{
     Fact, card_facts, corrected_fact, epipole_text, epipoles, hypothesis_facts, import_facts, lens_fact,
-    pose_facts,
+    pose_facts, short_epipole_text,
 };
 pub use gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text};
 pub use standing::Standing;

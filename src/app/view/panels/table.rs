@@ -115,6 +115,14 @@ pub struct Table<'a> {
     pub look: &'a dyn Fn(usize) -> RowLook,
 }
 
+/// Headings as written.
+struct Headings {
+    texts: Vec<String>,
+    /// Width of the column that each heading needs, screen points.
+    needed: Vec<f32>,
+    font: FontId,
+}
+
 /// Order of the rows, kept from frame to frame.
 #[derive(Clone)]
 struct Ordered {
@@ -131,8 +139,10 @@ const BAR: f32 = 24.0;
 /// Least width of a gauge, screen points. In less room a gauge is left out; its words stay in the
 /// tooltip.
 const SHORTEST_BAR: f32 = 12.0;
-/// Distance of text from the edge of its column, screen points.
+/// Distances of text from the left and the right edge of its column, screen points. The mark of the sort order
+/// has room at the right.
 const INSET: f32 = 6.0;
+const MARK: f32 = 14.0;
 
 impl Table<'_> {
     /// Shows the table in all available space.
@@ -140,9 +150,10 @@ impl Table<'_> {
         let id = ui.make_persistent_id(self.name);
         let mut sort =
             ui.data(|data| data.get_temp::<Sort>(id)).unwrap_or(Sort { column: 0, descending: false });
-        let edges = self.edges(ui.available_width());
         let font = TextStyle::Body.resolve(ui.style());
-        if let Some(clicked) = self.headings(ui, &edges, sort, &font) {
+        let headings = self.headings_for(ui, &font);
+        let edges = self.edges(ui.available_width(), &headings.needed);
+        if let Some(clicked) = self.show_headings(ui, &edges, sort, &headings) {
             let descending = sort.column == clicked && !sort.descending;
             sort = Sort { column: clicked, descending };
             ui.data_mut(|data| data.insert_temp(id, sort));
@@ -170,16 +181,48 @@ impl Table<'_> {
         touched
     }
 
-    /// Returns the right edge of each column, relative to the left edge of the table.
-    fn edges(&self, available: f32) -> Vec<f32> {
-        let total: f32 = self.columns.iter().map(|column| column.width).sum();
+    /// Returns the least width at which no heading touches the next one, screen points.
+    pub fn least_width(&self, ui: &Ui) -> f32 {
+        self.small_headings(ui).needed.iter().sum()
+    }
+
+    /// Returns headings that fit the available width. In little room they are small and have no unit.
+    fn headings_for(&self, ui: &Ui, font: &FontId) -> Headings {
+        let large = self.headings_in(ui, font.clone(), |column| format!("{}{}", column.title, column.unit));
+        let fits = large.needed.iter().sum::<f32>() <= ui.available_width();
+        if fits { large } else { self.small_headings(ui) }
+    }
+
+    fn small_headings(&self, ui: &Ui) -> Headings {
+        self.headings_in(ui, FontId::proportional(theme::CAPTION), |column| column.title.to_owned())
+    }
+
+    fn headings_in(&self, ui: &Ui, font: FontId, text: impl Fn(&Column<'_>) -> String) -> Headings {
+        let texts: Vec<String> = self.columns.iter().map(text).collect();
+        let width = |text: &String| {
+            ui.painter().layout_no_wrap(text.clone(), font.clone(), Color32::WHITE).size().x + INSET + MARK
+        };
+        let needed = texts.iter().map(width).collect();
+        Headings { texts, needed, font }
+    }
+
+    /// Returns the right edge of each column, relative to the left edge of the table. Each column has at least
+    /// the width that its heading needs, if there is room for all.
+    fn edges(&self, available: f32, needed: &[f32]) -> Vec<f32> {
+        let widths = |scale: f32| {
+            self.columns.iter().zip(needed).map(move |(column, needed)| (column.width * scale).max(*needed))
+        };
         // In a wide window, columns spread out only as far as a row stays readable.
-        let scale = (available / total).min(1.6);
-        let right = |sum: &mut f32, column: &Column<'_>| {
-            *sum += column.width * scale;
+        let (mut low, mut high) = (0.0, 1.6);
+        for _ in 0..20 {
+            let middle = f32::midpoint(low, high);
+            if widths(middle).sum::<f32>() > available { high = middle } else { low = middle }
+        }
+        let right = |sum: &mut f32, width: f32| {
+            *sum += width;
             Some(*sum)
         };
-        self.columns.iter().scan(0.0, right).collect()
+        widths(low).scan(0.0, right).collect()
     }
 
     /// Returns the order of the rows, sorted again only after a change, and whether it is of another list or
@@ -209,7 +252,7 @@ impl Table<'_> {
     }
 
     /// Shows the headings. Returns the column that was clicked.
-    fn headings(&self, ui: &mut Ui, edges: &[f32], sort: Sort, font: &FontId) -> Option<usize> {
+    fn show_headings(&self, ui: &mut Ui, edges: &[f32], sort: Sort, headings: &Headings) -> Option<usize> {
         let (area, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
         let mut clicked = None;
         for (number, column) in self.columns.iter().enumerate() {
@@ -226,11 +269,10 @@ impl Table<'_> {
             } else {
                 ui.visuals().weak_text_color()
             };
-            let (start, end) = (cell.left_center() + vec2(INSET, 0.0), cell.right_center() - vec2(14.0, 0.0));
+            let (start, end) = (cell.left_center() + vec2(INSET, 0.0), cell.right_center() - vec2(MARK, 0.0));
             let (at, align) =
                 if column.is_text { (start, Align2::LEFT_CENTER) } else { (end, Align2::RIGHT_CENTER) };
-            let title = format!("{}{}", column.title, column.unit);
-            let title = ui.painter().text(at, align, title, font.clone(), color);
+            let title = ui.painter().text(at, align, &headings.texts[number], headings.font.clone(), color);
             if sort.column == number {
                 let mark = title.right_center() + vec2(8.0, 0.0);
                 sort_mark(ui, mark, sort.descending, color);
@@ -277,7 +319,7 @@ impl Table<'_> {
         let mut left = 0.0;
         let mut words = None;
         for (right, column) in edges.iter().zip(self.columns) {
-            let (start, end) = (area.min.x + left + INSET, area.min.x + right - 14.0);
+            let (start, end) = (area.min.x + left + INSET, area.min.x + right - MARK);
             let text = (column.text)(row);
             if column.is_text {
                 let at = pos2(start, area.center().y);
@@ -351,6 +393,29 @@ mod tests {
             assert_eq!(of(4, (2, 0), UP), (4, true), "another run");
             assert_eq!(of(4, (2, 1), UP), (4, true), "another list");
             assert_eq!(of(4, (2, 1), Sort { descending: true, ..UP }), (4, true));
+        });
+    }
+
+    #[test]
+    fn headings_have_room_for_the_mark_of_the_sort_order() {
+        egui::__run_test_ui(|ui| {
+            let column = |title, width| Column::words(title, width, "", |_| String::new()).in_unit(", px");
+            let columns = [column("Rank", 74.0), column("Round trip", 20.0), column("Epipole", 130.0)];
+            let table = table(&columns, 1);
+            let font = TextStyle::Body.resolve(ui.style());
+            for width in [table.least_width(ui) + 1.0, 260.0, 400.0] {
+                ui.set_max_width(width);
+                let headings = table.headings_for(ui, &font);
+                let edges = table.edges(width, &headings.needed);
+                assert!(edges.last().is_some_and(|right| *right <= width), "{edges:?} in {width}");
+                let mut left = 0.0;
+                for (text, right) in headings.texts.iter().zip(edges) {
+                    let drawn =
+                        ui.painter().layout_no_wrap(text.clone(), headings.font.clone(), Color32::WHITE);
+                    assert!(right - left >= drawn.size().x + INSET + MARK - 0.1, "{text} in {width}");
+                    left = right;
+                }
+            }
         });
     }
 

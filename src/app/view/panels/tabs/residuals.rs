@@ -16,9 +16,6 @@ use crate::app::view::theme;
 /// Registered in [`super::TABS`].
 pub const TAB: Tab = Tab { id: TabId::Residuals, tools, show };
 
-/// Width below which the table scrolls sideways, screen points.
-const LEAST_WIDTH: f32 = 420.0;
-
 /// Shows the switch of the ground truth.
 pub fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     truth_button(ui, model, commands);
@@ -62,11 +59,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             "Strokes in the pictures: distances of the {which} from their lines, 50 times enlarged"
         ));
     }
-    let width = ui.available_width().max(LEAST_WIDTH);
-    ScrollArea::horizontal().id_salt("residual table").auto_shrink([false, false]).show(ui, |ui| {
-        ui.set_width(width);
-        points(ui, model, comparison, commands);
-    });
+    points(ui, model, comparison, commands);
 }
 
 /// Shows the choices of points and measure.
@@ -190,7 +183,7 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
         })
     };
     let columns: Vec<Column> = std::iter::once(point).chain(contestants.into_iter().map(distance)).collect();
-    let touched = Table {
+    let table = Table {
         name: "residuals",
         columns: &columns,
         rows: comparison.points.len(),
@@ -210,8 +203,15 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
             chosen: are_pairs && document.selection.is_some_and(|at| at.pair == row),
             lit: model.open.focus.hovered().is_some_and(|hovered| target(row) == Some(hovered)),
         },
-    }
-    .show(ui);
+    };
+    // With many methods, a narrow table scrolls sideways.
+    let width = ui.available_width().max(table.least_width(ui));
+    let area = ScrollArea::horizontal().id_salt("residual table").auto_shrink([false, false]);
+    let shown = area.show(ui, |ui| {
+        ui.set_width(width);
+        table.show(ui)
+    });
+    let touched = shown.inner;
     if let Some(target) = touched.hovered.and_then(target) {
         commands.push(Command::PointAt(target));
     }

@@ -5,13 +5,14 @@ use egui::Ui;
 use super::super::super::table::{Column, RowLook, Table};
 use super::super::empty;
 use crate::app::model::verdict::{
-    HypothesisFigure, HypothesisScales, Standing, epipole_text, line_score_text,
+    HypothesisFigure, HypothesisScales, Standing, epipole_text, line_score_text, short_epipole_text,
 };
 use crate::app::model::{Command, MethodStep, Model, Side, Target};
 use crate::estimate::Estimate;
-use crate::geometry::{Point, finite_point};
+use crate::geometry::{HomogeneousPoint, Point, finite_point};
 
-/// Width below which the right epipole is left out, screen points: figures would run into each other.
+/// Width below which the epipoles are rounded and the right one is left out, screen points. The tooltips of the
+/// rows have both.
 const ROOM_FOR_ALL: f32 = 400.0;
 
 /// Why the result may have worse figures than a hypothesis.
@@ -62,12 +63,15 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
             if number(row).is_some() { scales.gauge(figure, value) } else { scales.of_result(figure, value) }
         })
     };
-    let epipoles = Side::BOTH.map(|side| epipole(listed, model, side));
+    let is_narrow = ui.available_width() < ROOM_FOR_ALL;
+    let epipoles = Side::BOTH.map(|side| epipole(listed, model, side, is_narrow));
     let mut columns: Vec<Column> =
         std::iter::once(rank).chain(of_step(step, figure)).chain(epipoles).collect();
-    if ui.available_width() < ROOM_FOR_ALL {
+    if is_narrow {
         columns.pop();
     }
+    let is_open = model.epipole_is_open();
+    let tells_epipoles = |row: usize| is_narrow && (number(row).is_some() || !is_open);
     let touched = Table {
         name: if step == MethodStep::RoundTrip { "round trips" } else { "validation" },
         columns: &columns,
@@ -78,9 +82,15 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
             let mark = if standing(row) == Some(Standing::Rival) { ", the rival" } else { "" };
             number(row).map_or("Result".to_owned(), |number| format!("Hypothesis {}{mark}", number + 1))
         },
-        about: &|row| match number(row) {
-            Some(number) => Some(Standing::of(listed.result?, number)?.in_words(listed.result?, number)),
-            None => Some(RESULT.to_owned()),
+        about: &|row| {
+            let standing = match number(row) {
+                Some(number) => listed.result.and_then(|result| {
+                    Standing::of(result, number).map(|standing| standing.in_words(result, number))
+                }),
+                None => Some(RESULT.to_owned()),
+            };
+            let lines = standing.into_iter().chain(tells_epipoles(row).then(|| both_epipoles(listed, row)));
+            lines.reduce(|above, below| format!("{above}\n{below}"))
         },
         look: &|row| RowLook {
             chosen: chosen == number(row),
@@ -145,7 +155,7 @@ fn of_step<'a>(
 }
 
 /// Returns the column with the epipoles of one image.
-fn epipole<'a>(listed: &'a Listed, model: &Model, side: Side) -> Column<'a> {
+fn epipole<'a>(listed: &'a Listed, model: &Model, side: Side, is_narrow: bool) -> Column<'a> {
     let (title, tooltip) = match side {
         Side::Left => (
             "Left epipole",
@@ -163,12 +173,19 @@ fn epipole<'a>(listed: &'a Listed, model: &Model, side: Side) -> Column<'a> {
     let away =
         move |row: usize| finite_point(&epipole(row)).map_or(f64::INFINITY, |point| (point - centre).norm());
     let is_open = model.epipole_is_open();
-    Column::figures(title, 130.0, tooltip, away, |_| String::new()).written(move |row| {
-        match listed.number(row) {
-            None if is_open => "not determined".to_owned(),
-            _ => epipole_text(&epipole(row), None),
-        }
-    })
+    let text = move |row: usize| match listed.number(row) {
+        None if is_open => "not determined".to_owned(),
+        _ if is_narrow => short_epipole_text(&epipole(row)),
+        _ => epipole_text(&epipole(row), None),
+    };
+    Column::figures(title, 130.0, tooltip, away, |_| String::new()).written(text)
+}
+
+/// Describes the epipoles of a row, one line each.
+fn both_epipoles(listed: &Listed, row: usize) -> String {
+    let [left, right] =
+        Side::BOTH.map(|side| epipole_text(&side.epipole(listed.hypothesis(row).fundamental()), None));
+    format!("Left epipole, px: {left}\nRight epipole, px: {right}")
 }
 
 /// Rows of the table: the final result, then the hypotheses by rank.
