@@ -647,6 +647,38 @@ fn figures_stand_on_their_scales_of_good_and_bad() {
     window.get_by_label_contains("Support on its scale: ");
 }
 
+#[test]
+fn nothing_is_cut_in_a_narrow_dock_and_plots_without_room_say_so() {
+    let mut window = with_result();
+    run_command(&mut window, "Dock: at the right");
+    for step in ["Pencils", "Candidates", "Epipoles", "Round trip", "Validation", "Result"] {
+        show_step(&mut window, step);
+        assert_eq!(cut_texts(&window), [""; 0], "step {step}");
+    }
+    show_step(&mut window, "Pencils");
+    assert!(!painted(&window, "Enlarge the dock"));
+    // Rings on the rims of the maps do not touch.
+    show_step(&mut window, "Epipoles");
+    let [left, right] =
+        ["left", "right"].map(|side| window.get_by_label(&format!("epipole map of the {side} image")).rect());
+    assert!(right.min.x - left.max.x >= 16.0, "{left:?} {right:?}");
+    // The row has both epipoles, and the table only one.
+    show_step(&mut window, "Validation");
+    let row = window.get_by_label("Hypothesis 2").rect();
+    window.hover_at(row.left_center() + vec2(30.0, 0.0));
+    for _ in 0..30 {
+        window.step();
+    }
+    assert!(painted(&window, "Right epipole, px: ") && !painted(&window, "Right epipole\n"));
+
+    run_command(&mut window, "Dock: at the bottom");
+    window.set_size(vec2(1024.0, 640.0));
+    show_step(&mut window, "Pencils");
+    window.ctx.set_zoom_factor(1.35);
+    settle(&mut window);
+    assert!(painted(&window, "Enlarge the dock to see the plots."));
+}
+
 /// Returns the texts in view that have no room: they end in "…", or at the edge of their area.
 fn cut_texts(window: &Window) -> Vec<String> {
     let text = |clipped: &egui::epaint::ClippedShape| match &clipped.shape {

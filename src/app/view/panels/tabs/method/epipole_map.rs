@@ -13,6 +13,8 @@ use crate::geometry::{Frame, HomogeneousPoint, Vector};
 
 /// Height of the title, screen points.
 const CAPTION: f32 = 16.0;
+/// Outer radius of the largest ring, screen points. Rings on the rim stay inside the map's own area.
+const RING: f32 = 9.0;
 /// Number of hypotheses drawn, by rank.
 const DRAWN: usize = 60;
 /// Share of the radius beyond which a position is also drawn on the opposite side: epipoles of
@@ -78,7 +80,7 @@ pub fn show(ui: &mut Ui, area: Rect, side: Side, model: &Model, commands: &mut V
     let weak = ui.visuals().weak_text_color();
     ui.painter().text(area.center_top(), Align2::CENTER_TOP, title, font, weak);
     let room = area.with_min_y(area.min.y + CAPTION);
-    let radius = (room.width().min(room.height()) / 2.0 - 2.0).max(8.0);
+    let radius = (room.width().min(room.height()) / 2.0 - RING).max(8.0);
     let centre = room.center();
     let disc = PlaneDisc { centre, radius, frame };
     let area = Rect::from_center_size(centre, vec2(radius, radius) * 2.0);
@@ -92,7 +94,7 @@ pub fn show(ui: &mut Ui, area: Rect, side: Side, model: &Model, commands: &mut V
     let response = ui.interact(area, ui.scope_id().with(("epipole map", side.index())), Sense::click());
     let name = format!("epipole map of the {} image", side.name());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, &name));
-    let painter = ui.painter_at(area.expand(4.0));
+    let painter = ui.painter_at(area.expand(RING));
     painter.circle_filled(centre, radius, Color32::from_black_alpha(190));
     painter.circle_stroke(centre, radius, Stroke::new(1.0, Color32::from_gray(150)));
     painter.add(Shape::closed_line(disc.outline(), Stroke::new(1.2, Color32::from_gray(215))));

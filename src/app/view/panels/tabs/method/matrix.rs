@@ -22,6 +22,11 @@ const SNAP: f32 = 6.0;
 /// Width of the label of an angle with its gap, screen points.
 const LABEL: f32 = 34.0;
 
+/// Distance from the plot to the end of the last label, screen points.
+const LABEL_BEYOND: f32 = 8.0;
+/// Outer radius of the largest ring, screen points.
+const RING: f32 = 8.0;
+
 /// Picture of a matrix, kept from frame to frame.
 #[derive(Clone)]
 struct MatrixPicture {
@@ -140,7 +145,7 @@ impl<'a> PencilMatrix<'a> {
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(self.picture.texture.id(), plot, whole, Color32::WHITE);
         self.axes(ui, plot);
-        let painter = ui.painter_at(plot.expand(5.0));
+        let painter = ui.painter_at(plot.expand(RING));
         let ring = |at: Pos2, radius: f32, color: Color32| {
             let width = radius / 4.0 + 0.8;
             painter.circle_stroke(at, radius, Stroke::new(width + 1.6, theme::HALO));
@@ -198,8 +203,13 @@ impl<'a> PencilMatrix<'a> {
         for degrees in (0..=180).step_by(step) {
             let x = egui::lerp(plot.x_range(), degrees as f32 / 180.0);
             painter.vline(x, plot.max.y..=plot.max.y + 3.0, stroke);
+            // The last label ends near the plot, so that the edge of the panel does not cut it.
+            let (x, align) = match degrees {
+                180 => (x + LABEL_BEYOND, Align2::RIGHT_TOP),
+                _ => (x, Align2::CENTER_TOP),
+            };
             let at = pos2(x, plot.max.y + 4.0);
-            painter.text(at, Align2::CENTER_TOP, format!("{degrees}°"), font.clone(), color);
+            painter.text(at, align, format!("{degrees}°"), font.clone(), color);
         }
         let [middle, extent] =
             [self.picture.rotations.middle, self.picture.rotations.extent].map(f64::to_degrees);

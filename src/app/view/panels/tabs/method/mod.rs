@@ -137,12 +137,21 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
+/// Words in place of plots without room.
+const NO_ROOM: &str = "Enlarge the dock to see the plots.";
+/// Least height of the maps of the epipoles, screen points.
+const LEAST_MAP: f32 = 56.0;
+
 fn epipoles(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if model.shown().is_none() {
         super::empty(ui, "The epipoles of all hypotheses appear here during the estimate.");
         return;
     }
     let area = ui.available_rect_before_wrap();
+    if area.height() < LEAST_MAP {
+        super::empty(ui, NO_ROOM);
+        return;
+    }
     let (left, right) = area.split_left_right_at_fraction(0.5);
     for (side, area) in Side::BOTH.into_iter().zip([left, right]) {
         epipole_map::show(ui, area, side, model, commands);

@@ -1,10 +1,10 @@
 //! The similarity matrices of the pencils through `p` and `q`.
 
-use egui::{Rect, RichText, Ui, UiBuilder, pos2, vec2};
+use egui::{Rect, RichText, Ui, UiBuilder, Vec2, pos2, vec2};
 
 use super::super::empty;
 use super::matrix::PencilMatrix;
-use super::why_no_pencils;
+use super::{NO_ROOM, why_no_pencils};
 use crate::app::model::{Command, LineSource, Model, Target, pair_name};
 use crate::app::view::heat;
 use crate::app::view::theme;
@@ -46,6 +46,16 @@ fn legend(ui: &mut Ui) {
     }
 }
 
+/// Room for the axes and the title around a plot, screen points. Rings at its edges stay clear of the title and of
+/// the edge of the panel.
+const LEFT_TOP: Vec2 = vec2(44.0, 26.0);
+const RIGHT_BOTTOM: Vec2 = vec2(10.0, 18.0);
+/// Least size of a plot, screen points.
+const LEAST: Vec2 = vec2(40.0, 24.0);
+
+/// Height of a title, screen points.
+const TITLE: f32 = 16.0;
+
 /// Width of a matrix below which its title is only the name of the point, screen points.
 const ROOM_FOR_WORDS: f32 = 130.0;
 
@@ -59,11 +69,12 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let area = ui.available_rect_before_wrap();
     let (area, below) = area.split_top_bottom_at_y(area.max.y - LEGEND);
     let (left, right) = area.split_left_right_at_fraction(0.5);
-    for (number, rect) in
-        [left.with_max_x(left.max.x - theme::GAP), right.with_min_x(right.min.x + theme::GAP)]
-            .into_iter()
-            .enumerate()
-    {
+    let halves = [left.with_max_x(left.max.x - theme::GAP), right.with_min_x(right.min.x + theme::GAP)];
+    if halves.iter().any(|half| (half.size() - LEFT_TOP - RIGHT_BOTTOM - LEAST).min_elem() < 0.0) {
+        empty(ui, NO_ROOM);
+        return;
+    }
+    for (number, rect) in halves.into_iter().enumerate() {
         let mut child = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(number));
         one(&mut child, model, number, &pencils[number], commands);
     }
@@ -74,10 +85,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, commands: &mut Vec<Command>) {
     let matrix = PencilMatrix::new(ui, number, pencils, model.open.computation.pencils_revision());
     let area = ui.available_rect_before_wrap();
-    let plot = Rect::from_min_max(area.min + vec2(44.0, 18.0), area.max - vec2(6.0, 18.0));
-    if plot.width() < 40.0 || plot.height() < 30.0 {
-        return;
-    }
+    let plot = Rect::from_min_max(area.min + LEFT_TOP, area.max - RIGHT_BOTTOM);
     // Pencils may pass through matches that replace clicks; lines through those cannot be pinned.
     let pair = model.document.pair_of_pencils(number, &pencils.click);
     let name = pair.map_or_else(|| format!("match {}", number + 1), pair_name);
@@ -98,7 +106,7 @@ fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, com
     });
     let title = if plot.width() < ROOM_FOR_WORDS { name } else { format!("Lines through {name}") };
     let heading = RichText::new(title).size(theme::CAPTION);
-    let top = Rect::from_min_max(pos2(plot.min.x, area.min.y), pos2(area.max.x, plot.min.y - 2.0));
+    let top = Rect::from_min_max(pos2(plot.min.x, area.min.y), pos2(area.max.x, area.min.y + TITLE));
     ui.put(top, egui::Label::new(heading.weak()).truncate().halign(egui::Align::Min));
     matrix.draw(ui, plot, lit, shown);
     let Some([row, column]) = hovered else { return };
