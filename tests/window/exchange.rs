@@ -129,7 +129,7 @@ fn as_it_is_means_as_the_file_has_it() {
     let mut window = sample();
     let given = transposed(&truth().fundamental);
     drop_files(&mut window, &[file(&files, "F.txt", &rows(&given))]);
-    tap(&mut window, "as read");
+    tap(&mut window, "as in the file");
     tap(&mut window, "Import matrix");
     assert!(is_near(&imported(&window).unwrap(), &given));
     assert!(window.state().document().imported.as_ref().unwrap().check.as_ref().is_some_and(|c| !c.fits));
@@ -138,6 +138,19 @@ fn as_it_is_means_as_the_file_has_it() {
     assert_eq!(imported(&window), None);
     undo(&mut window);
     assert!(imported(&window).is_some());
+}
+
+#[test]
+fn the_next_reading_that_the_sentence_names_can_be_chosen() {
+    let files = Files::new();
+    let mut window = sample();
+    drop_files(&mut window, &[file(&files, "F.txt", &rows(&truth().fundamental))]);
+    window.get_by_label_contains("Under the next different reading (pixels counted from (0.5, 0.5))");
+    window.get_by_label("pixels counted from (0.5, 0.5)");
+    tap(&mut window, "as in the file");
+    tap(&mut window, "Import matrix");
+    assert!(painted(&window, "Convention") && painted(&window, "as in the file"));
+    assert!(!painted(&window, "as read"));
 }
 
 #[test]

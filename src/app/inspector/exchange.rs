@@ -6,7 +6,7 @@ use egui::Context;
 
 use super::Inspector;
 use crate::app::model::comparison::Contestant;
-use crate::app::model::document::{Checked, GIVEN_FIT, Given, Imported, counted};
+use crate::app::model::document::{AS_READ, Checked, GIVEN_FIT, Given, Imported, counted};
 use crate::app::model::exchange::{
     ExportContent, ExportKind, ExportOrder, ImportFound, ImportQuestion, ImportSource, ImportedFile,
     ImportedMatrix, PendingImport, ViewPart, content, sources, trust_note,
@@ -257,7 +257,7 @@ impl Inspector {
             // In another convention the matrix no longer belongs to the cameras.
             cameras: cameras.filter(|_| read == *fundamental),
             file: name.clone(),
-            reading: ranked.map_or_else(|| "as read".to_owned(), |ranked| ranked.reading.to_string()),
+            reading: ranked.map_or_else(|| AS_READ.to_owned(), |ranked| ranked.reading.to_string()),
             check: checked,
         };
         let pairs = with_pairs.then(|| dialog.found().pairs.clone()).filter(|pairs| !pairs.is_empty());

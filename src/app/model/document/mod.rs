@@ -21,8 +21,8 @@ use crate::rectify::RectifyMethod;
 
 pub use given::{GIVEN_FIT, Given};
 pub use parts::{
-    Checked, HalfPair, Imported, PairNote, PictureIdentity, PointRef, Role, Side, TruthSource, counted,
-    is_inside, pair_name, sides_named,
+    AS_READ, Checked, HalfPair, Imported, PairNote, PictureIdentity, PointRef, Role, Side, TruthSource,
+    counted, is_inside, pair_name, sides_named,
 };
 
 /// Everything that a person can change and undo.

@@ -114,7 +114,15 @@ pub struct Imported {
     pub check: Option<Checked>,
 }
 
+/// Name of the reading without changes, as stored in sessions.
+pub const AS_READ: &str = "as read";
+
 impl Imported {
+    /// Returns whether the numbers of the file were taken without a change.
+    pub fn is_as_read(&self) -> bool {
+        self.reading == AS_READ
+    }
+
     pub fn geometry(&self) -> GivenGeometry {
         GivenGeometry { fundamental: self.fundamental, cameras: self.cameras }
     }

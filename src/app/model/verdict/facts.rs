@@ -59,9 +59,9 @@ pub fn import_facts(imported: &Imported) -> Vec<Fact> {
     let facts = [
         Fact::new("From", imported.file.clone(), "File that the geometry was imported from."),
         Fact::new(
-            "Read as",
-            sides_named(&imported.reading),
-            "Convention in which the numbers of the file were read.",
+            "Convention",
+            if imported.is_as_read() { "as in the file".to_owned() } else { sides_named(&imported.reading) },
+            "Convention in which the numbers of the file were read. As in the file: they were taken without a change.",
         ),
         Fact::new("Checked", median, "Median symmetric distance of these pairs at the time of the import."),
     ];

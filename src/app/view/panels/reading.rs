@@ -106,9 +106,13 @@ fn as_read(check: &ConventionCheck) -> Option<usize> {
 /// Shows the readings to choose from.
 fn readings(ui: &mut Ui, check: &ConventionCheck, chosen: &mut usize) {
     let own = as_read(check);
-    // Other readings than the best one, those that fit as well, and the one of the file are no choice.
     let is_alike = |place: usize| check.fits() && !check.readings[place].told_apart;
-    let is_listed = |place: &usize| *place == 0 || Some(*place) == own || is_alike(*place);
+    // The sentence names the next different reading. It is a choice if it fits, too.
+    let next = check.readings.iter().position(|ranked| ranked.told_apart);
+    let next = next.filter(|place| check.readings[*place].median <= check.limit);
+    // Other readings than the best one, those that fit as well, and the one of the file are no choice.
+    let is_listed =
+        |place: &usize| *place == 0 || Some(*place) == own || Some(*place) == next || is_alike(*place);
     let headings = [
         ("Reading", "How the numbers of the matrix are interpreted."),
         ("Median, px", "Half of the matches are closer to their epipolar lines than this."),
@@ -122,8 +126,9 @@ fn readings(ui: &mut Ui, check: &ConventionCheck, chosen: &mut usize) {
         ui.end_row();
         for place in (0..check.readings.len()).filter(is_listed) {
             let ranked = &check.readings[place];
-            ui.radio_value(chosen, place, ranked.reading.brief())
-                .on_hover_text(sentence(&ranked.reading.to_string()));
+            let is_own = Some(place) == own;
+            let name = if is_own { "as in the file".to_owned() } else { ranked.reading.brief() };
+            ui.radio_value(chosen, place, name).on_hover_text(sentence(&ranked.reading.to_string()));
             ui.label(pixels(ranked.median));
             ui.label(format!("{:.0} %", 100.0 * ranked.within));
             let note = match place {
