@@ -202,6 +202,43 @@ fn unsaved_work_is_offered_after_a_crash() {
 }
 
 #[test]
+fn a_search_that_found_nothing_is_no_unsaved_work() {
+    let (files, copies) = (Files::new(), tempfile::tempdir().unwrap());
+    let opening = Opening::Files(files.image("a.png", 640, 480), files.image("b.png", 640, 480));
+    let services = Services {
+        estimate: Box::new(|_, _| Err(epiline::estimate::EstimateError::NoGeometry)),
+        ..with_copies(copies.path())
+    };
+    let mut window = window(Start { opening, ..Start::default() }, services);
+    tap(&mut window, "Find without clicks");
+    assert!(window.state().document().is_unclicked());
+    choose(&mut window, "Help", "Open the sample pictures");
+    assert_eq!(window.state().messages().count(), 0, "{:?}", window.state().messages().next());
+    assert!(window.state().model().left_behind.is_empty());
+}
+
+#[test]
+fn a_long_line_about_unsaved_work_is_wrapped() {
+    let (files, copies) = (Files::new(), tempfile::tempdir().unwrap());
+    let [left, right] = ["A", "B"].map(|end| format!("a-rather-long-name-of-an-image-{end}.png"));
+    let opening = Opening::Files(files.image(&left, 64, 48), files.image(&right, 50, 70));
+    let start = Start { opening, pairs: pairs(), ..Start::default() };
+    drop(window(start, with_copies(copies.path())));
+    let mut next = window(Start::default(), with_copies(copies.path()));
+    click_at(&mut next, Side::Left, 0.1, 0.1);
+    press_with(&mut next, Modifiers::COMMAND, Key::O);
+    let whole = next.output().shapes.iter().any(|clipped| match &clipped.shape {
+        egui::Shape::Text(text) => {
+            text.galley.text().contains("were not saved.")
+                && !text.galley.elided
+                && text.galley.rows.len() > 1
+        }
+        _ => false,
+    });
+    assert!(whole);
+}
+
+#[test]
 fn what_is_saved_leaves_no_copy() {
     let (files, copies) = (Files::new(), tempfile::tempdir().unwrap());
     let opening = Opening::Files(files.image("a.png", 64, 48), files.image("b.png", 50, 70));

@@ -41,7 +41,7 @@ pub struct KeptPair {
 impl KeptPair {
     /// Returns whether the pair has any work that would be lost.
     pub fn is_worth_keeping(&self) -> bool {
-        self.document.is_worth_keeping() || !self.pins.is_empty() || self.cameras.is_some()
+        self.document.is_worth_keeping(true) || !self.pins.is_empty() || self.cameras.is_some()
     }
 
     /// Returns whether the two have the same work.

@@ -73,6 +73,7 @@ pub use focus::{LineSource, Target};
 pub use ids::{MethodStep, OverlayId, StageId, TabId};
 
 use album::Album;
+use computation::Freshness;
 use document::PictureIdentity;
 use exchange::PendingImport;
 use history::{EditKey, History};
@@ -306,7 +307,9 @@ impl Model {
     /// Returns whether any work would be lost without saving.
     pub fn is_worth_keeping(&self) -> bool {
         let elsewhere = self.album.as_ref().is_some_and(|album| !album.pairs().is_empty());
-        elsewhere || self.document.is_worth_keeping() || self.pins().next().is_some()
+        let result = self.open.computation.result();
+        let has_result = result.is_some_and(|(_, freshness)| freshness != Freshness::Preliminary);
+        elsewhere || self.document.is_worth_keeping(has_result) || self.pins().next().is_some()
     }
 
     /// Returns whether closing now would lose work that saving would keep.

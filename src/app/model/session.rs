@@ -192,11 +192,11 @@ impl Document {
         work(self) == work(other)
     }
 
-    /// Returns whether the document has work that would be lost. A geometry found without clicks counts, as
-    /// finding it takes time.
-    pub fn is_worth_keeping(&self) -> bool {
+    /// Returns whether the document has work that would be lost. A geometry that was found without clicks counts, as
+    /// finding it takes time. A search that has found nothing does not.
+    pub fn is_worth_keeping(&self, has_result: bool) -> bool {
         let has_points = !self.pairs.is_empty() || self.half.is_some();
-        has_points || self.unclicked || self.imported.is_some() || self.given.is_some()
+        has_points || (self.unclicked && has_result) || self.imported.is_some() || self.given.is_some()
     }
 
     /// Moves points into images of these sizes, and removes references to missing points.

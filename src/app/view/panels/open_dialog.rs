@@ -217,13 +217,14 @@ fn unsaved_work(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool
     }
     ui.weak("Unsaved work");
     ScrollArea::vertical().id_salt("unsaved work").max_height(UNSAVED).show(ui, |ui| {
+        ui.set_max_width(ui.available_width() - theme::SCROLL_BAR);
         for copy in &model.left_behind {
-            ui.horizontal(|ui| {
+            ui.horizontal_top(|ui| {
                 for action in copy.actions() {
                     let button = ui.add(Button::new(action.label).small());
                     focused |= finish_button(ui, button, action.command, commands).has_focus();
                 }
-                ui.add(Label::new(copy.told()).truncate());
+                ui.add(Label::new(copy.told()).wrap());
             });
         }
     });
