@@ -342,6 +342,18 @@ fn overlays_keys_and_themes_can_be_switched() {
 }
 
 #[test]
+fn overlays_of_a_tab_are_marked_only_while_there_are_tabs() {
+    let mut window = sample();
+    tap(&mut window, "Overlays");
+    window.get_by_label("Show Matched samples");
+    assert!(!painted(&window, "shown by the open tab"));
+    press(&mut window, Key::Escape);
+    click_two_pairs(&mut window);
+    tap(&mut window, "Overlays");
+    assert!(painted(&window, "shown by the open tab"));
+}
+
+#[test]
 fn a_small_window_and_a_large_one_hold_everything() {
     for size in [vec2(860.0, 540.0), vec2(1920.0, 1080.0)] {
         let mut window = sample();

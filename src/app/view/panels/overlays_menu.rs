@@ -30,13 +30,15 @@ fn content(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         let of_group = |id: OverlayId| id.group() == group && model.offers(id);
         for overlay in OVERLAYS.iter().filter(|overlay| of_group(overlay.id)) {
             ui.horizontal(|ui| {
+                let mut kept = model.look.overlays[overlay.id as usize];
+                // At the start, the dock has no tabs.
+                let by_tab = !kept && model.look.shows(overlay.id) && !model.is_at_start();
                 let (swatch, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
-                if model.look.shows(overlay.id) {
+                if kept || by_tab {
                     ui.painter().rect_filled(swatch, 2.0, overlay.color);
                 }
                 let stroke = egui::Stroke::new(1.0, ui.visuals().weak_text_color());
                 ui.painter().rect_stroke(swatch, 2.0, stroke, egui::StrokeKind::Inside);
-                let mut kept = model.look.overlays[overlay.id as usize];
                 let name = overlay.id.name();
                 let entry = ui.checkbox(&mut kept, name);
                 let label = format!("Show {name}");
@@ -44,7 +46,7 @@ fn content(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                 if entry.on_hover_text(overlay.tooltip).clicked() {
                     commands.push(Command::ToggleOverlay(overlay.id));
                 }
-                if !kept && model.look.shows(overlay.id) {
+                if by_tab {
                     ui.weak("shown by the open tab")
                         .on_hover_text("Goes with the tab or step. Tick it to keep it.");
                 }
