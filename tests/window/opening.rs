@@ -82,6 +82,24 @@ fn swapped_images_keep_their_points() {
 }
 
 #[test]
+fn the_fields_stay_where_they_are_when_an_error_appears() {
+    let mut window = sample();
+    press_with(&mut window, Modifiers::COMMAND, Key::O);
+    let role = egui::accesskit::Role::TextInput;
+    for label in ["Left image", "Right image"] {
+        window.get_by_role_and_label(role, label).focus();
+        window.step();
+        window.get_by_role_and_label(role, label).type_text("/no/such/picture.png");
+        settle(&mut window);
+    }
+    let place = |window: &Window| window.get_by_role_and_label(role, "Left image").rect();
+    let before = place(&window);
+    press(&mut window, Key::Enter);
+    window.get_by_label_contains("there is no such file");
+    assert_eq!(place(&window), before);
+}
+
+#[test]
 fn typed_paths_open() {
     let files = Files::new();
     let mut window = sample();

@@ -17,7 +17,11 @@ const LABEL_WIDTH: f32 = 84.0;
 const HEIGHT: f32 = 26.0;
 const BROWSE_WIDTH: f32 = 72.0;
 
-/// Shows a centred dialog with content of the given width. Tab moves inside the dialog only. Returns
+/// Place of the top of a dialog, as a share of the height of the window. A dialog that grows, as with the reason of a
+/// failure, keeps its fields where they are.
+const TOP: f32 = 0.12;
+
+/// Shows a dialog with content of the given width. Tab moves inside the dialog only. Returns
 /// whether it stays open.
 pub fn dialog(ctx: &Context, title: &str, width: f32, content: impl FnOnce(&mut Ui)) -> bool {
     let mut open = true;
@@ -25,7 +29,7 @@ pub fn dialog(ctx: &Context, title: &str, width: f32, content: impl FnOnce(&mut 
         .open(&mut open)
         .collapsible(false)
         .resizable(false)
-        .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
+        .anchor(Align2::CENTER_TOP, vec2(0.0, TOP * ctx.content_rect().height()))
         .show(ctx, |ui| {
             // Small windows have less room.
             ui.set_width(width.min(ctx.content_rect().width() - 56.0));
