@@ -185,6 +185,28 @@ fn enter_runs_no_other_command_in_place_of_an_unavailable_one() {
 }
 
 #[test]
+fn no_tooltip_stays_below_a_dialog() {
+    let mut window = sample();
+    let tooltip = "Pin the epipolar lines through each place you click. Escape returns";
+    for (modifiers, key) in
+        [(Modifiers::COMMAND, Key::K), (Modifiers::NONE, Key::F1), (Modifiers::COMMAND, Key::O)]
+    {
+        let button = window.get_by_label("Pin tool").rect().center();
+        window.hover_at(button + vec2(400.0, 300.0));
+        window.step();
+        window.hover_at(button);
+        let wait = |window: &mut Window| (0..30).for_each(|_| window.step());
+        wait(&mut window);
+        assert!(painted(&window, tooltip), "{key:?}");
+        press_with(&mut window, modifiers, key);
+        assert!(!painted(&window, tooltip), "{key:?}");
+        wait(&mut window);
+        assert!(!painted(&window, tooltip), "{key:?}");
+        press(&mut window, Key::Escape);
+    }
+}
+
+#[test]
 fn linked_views_zoom_and_move_together() {
     let mut window = sample();
     let (left, right) = (at(&window, Side::Left, 0.2, 0.1), at(&window, Side::Right, 0.2, 0.1));

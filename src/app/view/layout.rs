@@ -31,6 +31,8 @@ pub struct View {
     /// Sizes of the pictures that were arranged.
     arranged: Option<[FrameSize; 2]>,
     title: String,
+    /// Whether a dialog was open in the last frame.
+    pub had_dialog: bool,
 }
 
 impl Default for View {
@@ -44,8 +46,18 @@ impl Default for View {
             placement: None,
             arranged: None,
             title: String::new(),
+            had_dialog: false,
         }
     }
+}
+
+/// Closes the tooltip of a button of the window. A tooltip stays open while the cursor rests on its button, also below
+/// a dialog. One layer shows one tooltip in a frame, so an invisible one takes its place.
+fn close_tooltips(ui: &Ui) {
+    let (id, nowhere) = (egui::Id::unique("no tooltip"), Rect::from_min_size(egui::Pos2::ZERO, Vec2::ZERO));
+    let mut tooltip = egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, nowhere);
+    tooltip.popup = tooltip.popup.frame(Frame::NONE);
+    tooltip.show(|_| {});
 }
 
 impl View {
@@ -111,6 +123,11 @@ impl View {
 
     fn draw_all(&mut self, ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> Option<Hover> {
         let ctx = ui.ctx().clone();
+        if std::mem::replace(&mut self.had_dialog, self.dialogs.is_open()) != self.dialogs.is_open()
+            || self.dialogs.shortcuts
+        {
+            close_tooltips(ui);
+        }
         let bar = |ui: &Ui| Frame::new().fill(ui.visuals().panel_fill).inner_margin(Margin::symmetric(8, 2));
         if !model.open.alone {
             Panel::top("top bar")
