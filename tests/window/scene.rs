@@ -205,6 +205,14 @@ fn typed_focal_lengths_give_a_scene_and_leave_the_geometry() {
         window.step();
     }
     window.get_by_label("not a positive number");
+    let is_bad = |clipped: &egui::epaint::ClippedShape| match &clipped.shape {
+        egui::Shape::Text(text) if text.galley.text() == "not a positive number" => {
+            let own = text.galley.job.sections[0].format.color;
+            own.r() > own.g() + 60 && own.r() > own.b() + 60
+        }
+        _ => false,
+    };
+    assert!(window.output().shapes.iter().any(is_bad), "in the colour of errors");
     window.get_by_label("included in the uncertainty of the pose");
     press(&mut window, Key::Enter);
     assert_eq!(stage(&window), StageId::Pictures, "nothing to use yet");

@@ -101,6 +101,7 @@ fn after_a_search_in_vain_the_hint_says_so() {
 fn a_single_point_leaves_the_offer_in_view() {
     let mut window = window(Start::default(), finding());
     click_at(&mut window, Side::Left, 0.1, 0.1);
+    assert!(painted(&window, "Mark two point pairs to estimate the epipolar geometry."));
     tap(&mut window, "Find without clicks");
     assert!(window.state().model().shown().is_some());
     assert!(window.query_by_label("Find without clicks").is_none());

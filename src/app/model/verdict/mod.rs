@@ -194,16 +194,16 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
 fn waiting(document: &Document) -> String {
     let needed = document.pairs_needed();
     if document.pictures.is_none() {
-        return "Open two pictures of the same scene".into();
+        return "Open two pictures of the same scene.".into();
     }
     if let Some(hint) = document.too_small() {
         return hint;
     }
     let more = needed.saturating_sub(document.used().count());
     match more {
-        1 => "Mark one more point pair to estimate the epipolar geometry".into(),
-        3 => "Mark three point pairs to estimate the epipolar geometry".into(),
-        _ => "Mark two point pairs to estimate the epipolar geometry".into(),
+        1 => "Mark one more point pair to estimate the epipolar geometry.".into(),
+        3 => "Mark three point pairs to estimate the epipolar geometry.".into(),
+        _ => "Mark two point pairs to estimate the epipolar geometry.".into(),
     }
 }
 

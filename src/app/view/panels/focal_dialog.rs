@@ -4,6 +4,7 @@ use egui::{Context, Label, TextEdit};
 
 use super::dialog::{dialog, ending, row_label};
 use crate::app::model::{Command, Side};
+use crate::app::view::theme;
 use crate::camera::FocalLength;
 
 /// Relative standard deviation proposed for typed focal lengths, as for those of EXIF data. A chosen value:
@@ -53,7 +54,11 @@ impl FocalDialog {
                         field.request_focus();
                     }
                     ui.label(unit);
-                    ui.weak(note);
+                    if [NO_LENGTH, NO_PERCENT].contains(&note) {
+                        ui.colored_label(theme::palette(ui.visuals()).bad, note);
+                    } else {
+                        ui.weak(note);
+                    }
                 });
             }
             ui.add_space(6.0);
@@ -88,11 +93,13 @@ impl FocalDialog {
             }
             _ if text.is_empty() => "no EXIF data; often 0.7 to 1.3 times the width",
             Ok(pixels) if pixels.is_finite() && pixels > 0.0 => "",
-            _ => "not a positive number",
+            _ => NO_LENGTH,
         }
     }
 }
 
+/// Text beside a focal length that cannot be read.
+const NO_LENGTH: &str = "not a positive number";
 /// Text beside a deviation that cannot be read.
 const NO_PERCENT: &str = "not a percentage below 100";
 

@@ -47,11 +47,13 @@ pub fn show(ui: &mut Ui, stage: Stage, parameters: &Parameters, commands: &mut V
         (label.inner.on_hover_text(tooltip.as_str()).id, tooltip)
     };
     let width = ui.available_width();
-    let without_field = RESET + 2.0 * GAP;
+    // Without a changed parameter, no button needs room.
+    let beside = if is_any_changed(stage, parameters) { RESET + GAP } else { 0.0 };
+    let without_field = beside + GAP;
     let field = (width - without_field - LEAST_NAME).clamp(FIELD.x, LARGEST_CHOICE);
     let room = width - without_field - field;
     if room < LEAST_NAME {
-        let field = (width - RESET - GAP).clamp(FIELD.x, LARGEST_CHOICE);
+        let field = (width - beside).clamp(FIELD.x, LARGEST_CHOICE);
         for setting in of(stage) {
             let (label, tooltip) = name(ui, &setting, width);
             ui.horizontal(|ui| {
@@ -175,6 +177,23 @@ mod tests {
     use crate::estimate::Preset;
     use egui_kittest::Harness;
     use egui_kittest::kittest::{NodeT, Queryable};
+
+    #[test]
+    fn no_choice_is_cut_where_there_is_room() {
+        for stage in Stage::ALL {
+            let mut window = Harness::builder().with_size(vec2(600.0, 900.0)).build_ui(move |ui| {
+                crate::app::view::theme::install(ui.ctx());
+                ui.set_max_width(290.0);
+                show(ui, stage, &Parameters::default(), &mut Vec::new());
+            });
+            window.run();
+            for clipped in &window.output().shapes {
+                if let egui::Shape::Text(text) = &clipped.shape {
+                    assert!(!text.galley.elided, "{}", text.galley.text());
+                }
+            }
+        }
+    }
 
     #[test]
     fn every_reset_button_stays_in_the_panel_however_long_the_name_and_narrow_the_panel() {
