@@ -599,6 +599,20 @@ fn the_key_sheet_is_grouped() {
     for group in ["Mouse", "Points", "Files", "Display", "Panels", "Result", "Program"] {
         assert!(window.query_all_by_label(group).count() >= 1, "{group}");
     }
+    // Keys stand as they are printed on a keyboard, and the plain one before that with Shift.
+    window.get_by_label(",");
+    window.get_by_label(".");
+    for [first, second] in [
+        ["Undo the last step", "Redo the last undone step"],
+        [
+            "Save points, parameters, pinned lines and views in one JSON file",
+            "Save the session in another file",
+        ],
+        ["Show the next step of the method", "Show the previous step of the method"],
+    ] {
+        let top = |label: &str| window.get_by_label(label).rect().min.y;
+        assert!(top(first) < top(second), "{first}");
+    }
 }
 
 #[test]

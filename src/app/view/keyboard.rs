@@ -71,8 +71,11 @@ pub fn pressed(ctx: &egui::Context, keyboard: KeyboardState) -> Vec<Command> {
 
 /// Returns the first shortcut of a command as text, such as `Ctrl+Z`.
 pub fn key_text(ctx: &egui::Context, command: &Command) -> Option<String> {
-    command.keys().first().map(|shortcut| {
-        // egui spells out the name of this key.
-        if shortcut.logical_key == Key::Questionmark { "?".into() } else { ctx.format_shortcut(shortcut) }
+    // egui spells out the names of these keys.
+    command.keys().first().map(|shortcut| match shortcut.logical_key {
+        Key::Questionmark => "?".into(),
+        Key::Comma => ",".into(),
+        Key::Period => ".".into(),
+        _ => ctx.format_shortcut(shortcut),
     })
 }

@@ -66,7 +66,15 @@ type ShortcutRows = Vec<(String, &'static str)>;
 /// Returns the shortcuts of a group, each with the first sentence of its tooltip.
 fn keys_of(ctx: &egui::Context, name: &str) -> ShortcutRows {
     let actions = ACTIONS.iter().filter(|action| !action.keys.is_empty() && action.group == name);
-    let rows = actions.map(|action| {
+    let mut actions: Vec<_> = actions.collect();
+    // The table of actions has the keys with Shift first. People look for the plain key first.
+    for k in 1..actions.len() {
+        let [before, after] = [k - 1, k].map(|at| actions[at].keys[0]);
+        if before.logical_key == after.logical_key && before.modifiers.shift && !after.modifiers.shift {
+            actions.swap(k - 1, k);
+        }
+    }
+    let rows = actions.into_iter().map(|action| {
         let keys = key_text(ctx, &action.command).unwrap_or_default();
         (keys, action.tooltip.split(['.', ';']).next().unwrap_or_default())
     });
