@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use egui::accesskit::Role;
 use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Rect, Shape, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::estimate::{CancelFlag, Estimate, Reason, Trust, Verdict};
 use epiline::geometry::{Frame, FundamentalMatrix, Point, PointPair};
 use epiline::internals::app::Services;
@@ -236,6 +236,13 @@ fn guide_lines_are_at_the_same_rows_and_can_be_hidden() {
     assert_eq!(left, guides(&window, RIGHT));
     tap(&mut window, "guide lines");
     assert!(guides(&window, LEFT).is_empty());
+    tap(&mut window, "guide lines");
+    window.get_by_label_contains("its row in both");
+    // The disparities are one picture without guide lines.
+    tap(&mut window, "Disparity");
+    assert!(window.query_by_label_contains("its row in both").is_none());
+    window.get_by_label_contains("Point at the picture to see its row");
+    assert!(window.get_by_label("guide lines").accesskit_node().is_disabled());
 }
 
 #[test]

@@ -4,7 +4,7 @@ use egui::{Align, Label, Layout, RichText, Ui};
 
 use super::{busy, command_button};
 use crate::app::model::guide::guide;
-use crate::app::model::rectified::RectifiedCommand;
+use crate::app::model::rectified::{RectifiedCommand, RectifiedLayout};
 use crate::app::model::{Command, Model, StageId};
 use crate::app::view::theme;
 use crate::estimate::Preset;
@@ -17,6 +17,9 @@ const ORBIT: &str = "Drag turns · scroll zooms · right drag moves · double cl
 
 /// What the mouse does on a rectified pair.
 const ROWS: &str = "Point at a picture to see its row in both · scroll zooms · drag pans · double click fits";
+
+/// What the mouse does on a rectified pair in one picture.
+const ROW: &str = "Point at the picture to see its row · scroll zooms · drag pans · double click fits";
 
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.spacing_mut().interact_size.y = theme::STATUS_BAR - 6.0;
@@ -57,7 +60,10 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                 }
                 let hint = || match model.stage() {
                     StageId::Scene if model.scene().is_some() => ORBIT.to_owned(),
-                    StageId::Rectified => ROWS.to_owned(),
+                    StageId::Rectified if model.look.rectified.layout == RectifiedLayout::SideBySide => {
+                        ROWS.to_owned()
+                    }
+                    StageId::Rectified => ROW.to_owned(),
                     StageId::Pictures if model.is_at_start() => MOUSE.to_owned(),
                     StageId::Scene => "Press 5 for the pictures, 6 for the rectified pair".to_owned(),
                     StageId::Pictures => guide(model),

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use egui::{Button, Grid, RichText, Slider, Ui, UiBuilder};
+use egui::{Button, Checkbox, Grid, RichText, Slider, Ui, UiBuilder};
 
 use super::finish_button;
 use crate::app::model::rectified::{Blink, DrawnPair, Rectified, RectifiedCommand, RectifiedLayout};
@@ -143,8 +143,10 @@ fn shift_chooser(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut V
 /// Shows the switch of the guide lines and, in blink layout, the controls of the alternation.
 fn guide_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     name(ui, "Rows");
-    let mut shown = !model.look.rectified.hides_guides;
-    let switch = ui.checkbox(&mut shown, "guide lines");
+    // The disparities have no guide lines.
+    let has_guides = model.look.rectified.layout != RectifiedLayout::Disparity;
+    let mut shown = has_guides && !model.look.rectified.hides_guides;
+    let switch = ui.add_enabled(has_guides, Checkbox::new(&mut shown, "guide lines"));
     finish_button(ui, switch, RectifiedCommand::ToggleGuides.into(), commands);
     if model.look.rectified.layout == RectifiedLayout::Blink {
         let swap = ui.button("Swap");
