@@ -77,6 +77,12 @@ fn swapped_images_keep_their_points() {
     let placed = point(&window, P_LEFT);
     assert_eq!(placed, before.pairs[0].point2);
     assert!(*window.state().estimate().unwrap().fundamental() != f, "the result is computed again");
+    window.get_by_label_contains("Swap them again to go back");
+    // The clicks can still be undone.
+    undo(&mut window);
+    let document = window.state().document();
+    assert_eq!((document.pairs.len(), document.half.map(|half| half.side)), (1, Some(Side::Right)));
+    press_with(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     run_command(&mut window, "Swap the images");
     assert_eq!(window.state().document().pairs, before.pairs);
 }

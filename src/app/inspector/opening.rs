@@ -109,9 +109,10 @@ impl Inspector {
         self.tasks.thumbnailing.forget();
         self.model.thumbnails.follow(None);
         let document = std::mem::take(&mut self.model.document).swapped();
+        let history = std::mem::take(&mut self.model.history).swapped();
         self.model.open(pictures, None, false, None);
-        self.model.document = document;
-        self.model.open.done.tell("Swapped the images");
+        (self.model.document, self.model.history) = (document, history);
+        self.model.open.done.tell("Swapped the images. Swap them again to go back.");
         if set_aside {
             self.offer_left_behind();
         }

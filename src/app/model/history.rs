@@ -78,6 +78,14 @@ impl History {
         self.open.take().filter(is_under_way).and_then(|_| self.revert())
     }
 
+    /// Returns the same steps for the pictures in the other order.
+    #[must_use]
+    pub fn swapped(self) -> Self {
+        let swapped = |steps: VecDeque<Document>| steps.into_iter().map(Document::swapped).collect();
+        let before_lens = self.before_lens.map(|before| Box::new(before.swapped()));
+        Self { undo: swapped(self.undo), redo: swapped(self.redo), open: None, before_lens }
+    }
+
     pub fn can_undo(&self) -> bool {
         !self.undo.is_empty()
     }
