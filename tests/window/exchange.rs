@@ -435,6 +435,25 @@ fn an_export_that_fails_says_so_and_one_that_replaces_as_well() {
     assert!(told(&window, "file dialog could not be opened here"));
 }
 
+#[test]
+fn a_name_without_an_ending_gets_that_of_its_kind_and_a_file_is_no_folder() {
+    let files = Files::new();
+    let mut window = sample();
+    press(&mut window, Key::S);
+    export(&mut window, &["Report", "Plain text"], &files.0.path().join("report"));
+    assert!(files.0.path().join("report.txt").is_file());
+    export(&mut window, &["Geometry"], &files.0.path().join("g"));
+    assert!(files.0.path().join("g.json").is_file());
+    press_with(&mut window, Modifiers::COMMAND, Key::E);
+    tap(&mut window, "Rectified pair");
+    let folder = files.0.path().join("g2.json");
+    type_into(&mut window, "Folder", &folder);
+    window.get_by_label_contains("This name is that of a file");
+    press(&mut window, Key::Enter);
+    assert!(!folder.exists());
+    assert!(window.get_by_label("Export rectified pair").accesskit_node().is_disabled());
+}
+
 /// Returns the area of the export dialog's buttons, and the path that it names.
 fn export_dialog(window: &Window) -> ([egui::Rect; 3], String) {
     let areas = ["Export file", "Table", "Figure"].map(|label| window.get_by_label(label).rect());
@@ -457,7 +476,9 @@ fn kinds_of_export_have_their_own_names_and_the_dialog_stands_still() {
         tap(&mut window, kind);
         let (now, name) = export_dialog(&window);
         assert_eq!(now, areas, "{kind} moves what is under the cursor");
-        assert!(name.contains("fig-"), "{kind}: {name}");
+        // The name of the pictures, in the folder that was typed.
+        let beginning = files.0.path().join("courtyard-1-courtyard-2");
+        assert!(name.starts_with(beginning.to_str().unwrap()), "{kind}: {name}");
         assert!(!names.contains(&name), "{kind} replaces {name}");
         names.push(name);
     }

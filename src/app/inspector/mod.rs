@@ -117,6 +117,10 @@ impl Inspector {
             ctx.request_repaint();
         }
         self.note_activity();
+        if self.view.dialogs.is_open() && !self.view.had_dialog {
+            // The success of an earlier task would cover the dialog.
+            self.model.messages.settle(MessageKind::Done);
+        }
         let mut commands = Vec::new();
         let hover = self.view.draw(ui, &self.model, &mut commands);
         if hover != self.model.open.hover {

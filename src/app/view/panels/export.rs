@@ -16,7 +16,7 @@ use crate::app::model::exchange::{
 };
 use crate::app::model::{Command, ExchangeCommand, Model, OverlayId};
 use crate::app::view::theme;
-use crate::io::{Format, PictureFormat};
+use crate::io::{Format, PictureFormat, has_extension};
 
 /// Width of the dialog, of its list of kinds, and height of the options, screen points. They do not
 /// depend on the kind, so that nothing moves under the cursor.
@@ -35,7 +35,7 @@ pub struct FileExport {
     path: String,
     /// Folder and stem of exports of the open images.
     images: PathBuf,
-    /// Folder and stem of suggested file names: of the latest typed path, or else of the images.
+    /// Folder and stem of suggested file names: the folder of the latest typed path, and the stem of the images.
     begin: PathBuf,
     /// Latest suggested path.
     suggested: String,
@@ -95,11 +95,11 @@ impl FileExport {
         }
     }
 
-    /// Keeps a typed path for its kind. The names of other kinds begin with the same stem.
+    /// Keeps a typed path for its kind. Files of other kinds are suggested in the same folder.
     fn note_typed(&mut self) {
         let typed = path_of(&self.path).filter(|_| self.path != self.suggested);
         if let Some(typed) = &typed {
-            self.begin = typed.with_extension("");
+            self.begin = typed.with_file_name(self.images.file_name().unwrap_or_default());
         }
         self.typed[self.order.what as usize] = typed;
     }
@@ -126,6 +126,14 @@ impl FileExport {
             Some(typed) => typed.with_extension(self.extension()).display().to_string(),
             None => self.suggested.clone(),
         };
+    }
+
+    /// Returns the path with the extension of its kind, if it has none.
+    fn completed(&self, path: PathBuf) -> PathBuf {
+        if path.extension().is_some() || path.is_dir() {
+            return path;
+        }
+        path.with_added_extension(self.extension())
     }
 
     fn choose(&mut self, what: ExportKind) {
@@ -174,8 +182,9 @@ impl FileExport {
             if file.changed() {
                 self.problem = None;
             }
-            let path = path_of(&self.path);
+            let path = path_of(&self.path).map(|path| self.completed(path));
             let missing = self.order.what.missing(model);
+            let missing = missing.or_else(|| names_a_file(path.as_deref().filter(|_| is_folder)?));
             let replaces = !is_folder && path.as_ref().is_some_and(|path| path.exists());
             let palette = theme::palette(ui.visuals());
             let note = match (&self.problem, missing) {
@@ -403,6 +412,16 @@ fn trust(ui: &mut Ui, what: ExportKind, model: &Model) {
         let first: String = note.reasons.first().cloned().unwrap_or_default();
         ui.add(Label::new(RichText::new(first).color(color).small()).wrap());
     }
+}
+
+/// Tells that a new folder would have the name of a file; `None` if it would not.
+fn names_a_file(folder: &Path) -> Option<&'static str> {
+    let others = ["csv", "json", "npy", "pdf", "png", "svg", "tiff", "txt"];
+    let files: Vec<&str> = Format::ALL.into_iter().map(Format::extension).chain(others).collect();
+    (has_extension(folder, &files) && !folder.is_dir()).then_some(
+        "This name is that of a file, and a rectified pair is a folder. Choose another kind on the left, or a name \
+         without this ending.",
+    )
 }
 
 /// Returns whether a file can be created at a path, as far as its folder matters.
