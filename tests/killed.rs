@@ -18,7 +18,7 @@ const CHILD: &str = "EPILINE_TEST_SAVES_TO";
 
 /// Files of a rectified pair, the description last.
 const NAMES: [&str; 6] =
-    ["left.png", "right.png", "stacked.png", "left-map.npy", "right-map.npy", "rectification.json"];
+    ["left.png", "right.png", "side-by-side.png", "left-map.npy", "right-map.npy", "rectification.json"];
 
 fn kills() -> u64 {
     std::env::var("EPILINE_KILLS").ok().and_then(|value| value.parse().ok()).unwrap_or(12)

@@ -15,7 +15,7 @@ use epiline::estimate::CancelFlag;
 use epiline::geometry::{Camera, Frame};
 use epiline::image::GrayPlane;
 use epiline::io::{PictureFormat, encode_picture};
-use epiline::rectify::{Distortion, Limits, RectifyMethod, rectify, stacked};
+use epiline::rectify::{Distortion, Limits, RectifyMethod, rectify, side_by_side};
 use epiline::synthetic::{Motion, Sample};
 use epiline_lab::{KnownScene, pair_scenes, vgg_scenes};
 use image::{DynamicImage, GrayImage, RgbImage};
@@ -115,7 +115,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 if auto.method == method { " (auto)" } else { "" }
             );
             if let Some(folder) = arguments.get(2) {
-                let both = DynamicImage::from(stacked([&drawn[0], &drawn[1]], 40));
+                let both = DynamicImage::from(side_by_side([&drawn[0], &drawn[1]], 40));
                 let file = Path::new(folder).join(format!("{}-{}.png", scene.name, method.name()));
                 std::fs::write(file, encode_picture(&both, PictureFormat::Png)?)?;
             }

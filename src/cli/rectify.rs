@@ -48,7 +48,7 @@ pub(super) struct RectifyArguments {
     /// Format of the pictures
     #[arg(long, value_enum, default_value_t = PictureFormat::default())]
     format: PictureFormat,
-    /// Rows between the guide lines of the stacked picture, 0 for none
+    /// Rows between the guide lines of the picture of both, 0 for none
     #[arg(long, value_name = "ROWS", default_value_t = 40)]
     guide_lines: usize,
     /// Also write the original position of each rectified pixel, as npy arrays for cv2.remap

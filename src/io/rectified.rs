@@ -15,14 +15,14 @@ use super::picture_file::{PictureError, PictureFormat, encode_picture};
 use crate::foreign::{reason, shown_path};
 use crate::geometry::{FundamentalMatrix, Point};
 use crate::image::Picture;
-use crate::rectify::{Description, ImageMap, Rectification, stacked};
+use crate::rectify::{Description, ImageMap, Rectification, side_by_side};
 
 /// Options of the files written beside the two pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RectifiedOptions {
     /// Format of the pictures.
     pub format: PictureFormat,
-    /// Rows between the guide lines of the stacked picture; 0 draws none.
+    /// Rows between the guide lines of the picture of both; 0 draws none.
     pub guide_spacing: usize,
     /// Whether to write the original position of each rectified pixel, as `npy` arrays.
     pub maps: bool,
@@ -57,7 +57,7 @@ pub enum RectifiedError {
 #[derive(Debug)]
 pub struct RectifiedFiles {
     pictures: [OutputFile; 2],
-    stacked: OutputFile,
+    both: OutputFile,
     description: OutputFile,
     maps: Option<[OutputFile; 2]>,
     options: RectifiedOptions,
@@ -78,7 +78,7 @@ struct Described<'a> {
 
 impl RectifiedFiles {
     /// Creates the folder if necessary and checks, before the work, that all files can be written:
-    /// `left`, `right` and `stacked` with the extension of the format, `rectification.json`, and
+    /// `left`, `right` and `side-by-side` with the extension of the format, `rectification.json`, and
     /// with [`RectifiedOptions::maps`] `left-map.npy` and `right-map.npy`.
     ///
     /// The folder is locked until the value is dropped, so another run cannot write into it.
@@ -99,7 +99,7 @@ impl RectifiedFiles {
         let picture = |name: &str| file(&format!("{name}.{}", options.format.extension()));
         let files = Self {
             pictures: [picture("left")?, picture("right")?],
-            stacked: picture("stacked")?,
+            both: picture("side-by-side")?,
             description: file("rectification.json")?,
             maps: if options.maps { Some([file("left-map.npy")?, file("right-map.npy")?]) } else { None },
             options,
@@ -141,8 +141,8 @@ impl RectifiedFiles {
             staged.push(file.stage(&encode_picture(picture, self.options.format)?)?);
         }
         next()?;
-        let both = stacked(rectified, self.options.guide_spacing).into();
-        staged.push(self.stacked.stage(&encode_picture(&both, self.options.format)?)?);
+        let both = side_by_side(rectified, self.options.guide_spacing).into();
+        staged.push(self.both.stage(&encode_picture(&both, self.options.format)?)?);
         drop(both);
         for (file, map) in self.maps.iter().flatten().zip(&rectification.maps) {
             next()?;
@@ -173,7 +173,7 @@ impl RectifiedFiles {
         let maps = self.maps.iter().flatten();
         self.pictures
             .iter()
-            .chain([&self.stacked])
+            .chain([&self.both])
             .chain(maps)
             .chain([&self.description])
             .map(|f| f.path().to_owned())

@@ -28,7 +28,7 @@ impl PixelMap for ImageMap {
 
 /// Puts both pictures side by side, with a horizontal guide line every `spacing` rows (0: none).
 /// Corresponding points touch the same guide line.
-pub fn stacked(pictures: [&DynamicImage; 2], spacing: usize) -> RgbaImage {
+pub fn side_by_side(pictures: [&DynamicImage; 2], spacing: usize) -> RgbaImage {
     let [left, right] = pictures.map(DynamicImage::to_rgba8);
     let (width, height) = (left.width() + right.width(), left.height().max(right.height()));
     let mut out = RgbaImage::new(width, height);

@@ -262,7 +262,7 @@ fn a_cancelled_picture_is_none() {
 fn pictures_side_by_side_and_in_one() {
     let left = DynamicImage::from(image::RgbImage::from_pixel(4, 6, Rgb([200, 200, 200])));
     let right = DynamicImage::from(image::RgbImage::from_pixel(4, 6, Rgb([100, 100, 100])));
-    let both = stacked([&left, &right], 4);
+    let both = side_by_side([&left, &right], 4);
     assert_eq!(both.dimensions(), (8, 6));
     assert_eq!(
         (both.get_pixel(3, 0).0, both.get_pixel(4, 0).0),

@@ -32,8 +32,8 @@ fn writes_pictures_with_their_homographies() {
         assert_eq!([picture.width(), picture.height()], size);
         assert!(picture.color().has_alpha());
     }
-    let stacked = image::open(pictures.path("new/folder/stacked.png")).unwrap();
-    assert_eq!([stacked.width(), stacked.height()], [2 * size[0], size[1]]);
+    let both = image::open(pictures.path("new/folder/side-by-side.png")).unwrap();
+    assert_eq!([both.width(), both.height()], [2 * size[0], size[1]]);
     // The homographies map true matches into the same row, under the convention stated in the file.
     let matrix = |name: &str| -> [[f64; 3]; 3] { serde_json::from_value(description[name].clone()).unwrap() };
     let (h1, h2) = (matrix("homography1"), matrix("homography2"));

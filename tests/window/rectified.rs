@@ -281,9 +281,17 @@ fn the_pair_is_exported_at_full_size_with_what_was_chosen() {
     settle(&mut window);
     window.get_by_label_contains("The rectified pair is in ");
     assert!(window.query_by_label("Export rectified pair").is_none(), "the window for it is closed");
-    for name in
-        ["left.tiff", "right.tiff", "stacked.tiff", "left-map.npy", "right-map.npy", "rectification.json"]
-    {
+    // The message does not cover the next dialog.
+    press_with(&mut window, Modifiers::COMMAND, Key::O);
+    assert!(window.query_by_label_contains("The rectified pair is in ").is_none());
+    for name in [
+        "left.tiff",
+        "right.tiff",
+        "side-by-side.tiff",
+        "left-map.npy",
+        "right-map.npy",
+        "rectification.json",
+    ] {
         assert!(into.join(name).is_file(), "{name}");
     }
     let original = Sample::Courtyard.load().pictures[1].pixels.clone();
