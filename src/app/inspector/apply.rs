@@ -192,7 +192,7 @@ impl Inspector {
             Command::ShowFocalLengths => self.ask_for_focal_lengths(),
             Command::SetFocalLengths(lengths) => self.set_focal_lengths(lengths),
             Command::ShowStage(StageId::Rectified) if !model.can_rectify() => {
-                model.messages.tell(NO_RECTIFIED)
+                model.messages.tell(NO_RECTIFIED);
             }
             Command::ShowStage(stage) => {
                 model.look.stage = stage;
