@@ -9,7 +9,7 @@ use crate::app::model::verdict::{
 };
 use crate::app::model::{Command, MethodStep, Model, Side, Target};
 use crate::estimate::Estimate;
-use crate::geometry::{HomogeneousPoint, Point, finite_point};
+use crate::geometry::{Point, finite_point};
 
 /// Width below which the epipoles are rounded and the right one is left out, screen points. The tooltips of the
 /// rows have both.
