@@ -448,7 +448,7 @@ fn a_name_without_an_ending_gets_that_of_its_kind_and_a_file_is_no_folder() {
     tap(&mut window, "Rectified pair");
     let folder = files.0.path().join("g2.json");
     type_into(&mut window, "Folder", &folder);
-    window.get_by_label_contains("This name is that of a file");
+    window.get_by_label_contains("this name ends like that of a file");
     press(&mut window, Key::Enter);
     assert!(!folder.exists());
     assert!(window.get_by_label("Export rectified pair").accesskit_node().is_disabled());

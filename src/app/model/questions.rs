@@ -215,8 +215,8 @@ impl Model {
     }
 
     /// Returns the matches for checking an imported matrix: true ones, else the pairs of the user, else
-    /// matches of the result, which may be wrong. Kept matches are only a few of those of the result. Using true
-    /// matches here does not reveal them.
+    /// all matches of the result, which may be wrong. Pairs that were made from matches count as
+    /// matches. Using true matches here does not reveal them.
     pub fn matches_for_import(&self) -> MatchesAtHand {
         let known = self.open.known().map(|known| known.truth.clone());
         if let Some(truth) = known.filter(|truth| truth.matches.len() >= FEWEST_MATCHES) {

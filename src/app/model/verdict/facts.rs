@@ -122,7 +122,8 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
             },
             "Image patches matched along the epipolar lines at full resolution, and the median of their \
              symmetric distances from the lines. The result is fitted to them. A clear result ends the search \
-             early, so a better one may have fewer. The reasons of the verdict count only distinctive matches: image features that were paired before any lines were known.",
+             early, so a better one may have fewer. The reasons of the verdict count only distinctive matches: \
+             image features that were paired before any lines were known.",
         );
         let gauge = Gauge::judged(Scale::MATCHES, count as f64, |v| format!("{v:.0}"));
         facts.push(fact.on(Some(gauge).filter(|_| count > 0)));

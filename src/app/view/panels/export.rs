@@ -419,8 +419,8 @@ fn names_a_file(folder: &Path) -> Option<&'static str> {
     let others = ["csv", "json", "npy", "pdf", "png", "svg", "tiff", "txt"];
     let files: Vec<&str> = Format::ALL.into_iter().map(Format::extension).chain(others).collect();
     (has_extension(folder, &files) && !folder.is_dir()).then_some(
-        "This name is that of a file, and a rectified pair is a folder. Choose another kind on the left, or a name \
-         without this ending.",
+        "A rectified pair is a folder, and this name ends like that of a file. Choose another kind on the left, or a \
+         name without this ending.",
     )
 }
 

@@ -63,8 +63,8 @@ impl MethodStep {
                  image. Line pairs through matches propose more if doubts remain."
             }
             Self::Epipoles if all_lines => {
-                "Candidates from all lines of both images give the map between the lines, and so a \
-                 hypothesis, three at a time. Each hypothesis has an epipole in either image."
+                "Three candidates at a time, from all lines of both images, give the map between the lines, \
+                 and so a hypothesis. Each hypothesis has an epipole in either image."
             }
             Self::Epipoles => {
                 "A candidate through p and one through q meet in an epipole in each image. Their bisectors \
