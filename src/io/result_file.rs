@@ -403,11 +403,13 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
         let _ = writeln!(text, "Round trip: {area:.3} px between the lines and their return");
     }
     let _ = match assessment.margin {
-        Some(margin) => writeln!(text, "Margin to the best clearly different geometry: {margin:.3}"),
-        None => writeln!(text, "Margin: no clearly different geometry was found"),
+        Some(margin) => {
+            writeln!(text, "Lead over the rival, the best clearly different geometry: {margin:.3}")
+        }
+        None => writeln!(text, "Lead over the rival: no clearly different geometry was found"),
     };
     if let Some(margin) = assessment.refined_margin {
-        let _ = writeln!(text, "Margin with the other geometries refined too: {margin:.3}");
+        let _ = writeln!(text, "Lead with the other geometries refined too: {margin:.3}");
     }
     for warning in &assessment.warnings {
         let _ = writeln!(text, "Warning: {}", warning_in_words(warning));

@@ -25,7 +25,7 @@ pub fn reason_in_words(reason: &Reason) -> String {
         Reason::ClicksAlone => {
             "The point pairs agree with each other, but contradict the matches found in the images. \
              This geometry rests on the point pairs alone. \
-             Check that each pair shows the same scene point in both images."
+             Check that each pair shows the same scene point, and that left and right are not exchanged."
                 .into()
         }
         Reason::FewMatches { matches } => format!(
@@ -79,7 +79,7 @@ pub fn reason_in_words(reason: &Reason) -> String {
         Reason::Ambiguous { margin } => {
             let support = if margin < 0.0 { "more" } else { "nearly as much" };
             format!(
-                "A clearly different geometry has {support} support (margin {:.0} %). \
+                "A clearly different geometry has {support} support (lead of the result {:.0} %). \
                  Either may be right. Add a point pair to decide.",
                 100.0 * margin
             )
@@ -107,14 +107,24 @@ fn no_relief(along: usize, across: usize, on_warp: usize) -> String {
     if on_warp <= along + across {
         return format!(
             "The epipole is not determined, because too few distinctive matches confirm it: {along} of {all}. \
-             Another {across} contradict it. Use images that overlap more."
+             {} it. Use images that overlap more.",
+            contradicting(across)
         );
     }
     format!(
         "{on_warp} of {all} distinctive matches follow one smooth warp, as with a flat scene or a turned camera. \
-         The epipole is not determined: {along} of the other matches confirm it, and {across} contradict it. \
-         Use views from different places, or a scene with more depth."
+         The epipole is not determined: {along} of the other matches confirm it, and {} it. \
+         Use views from different places, or a scene with more depth.",
+        contradicting(across).to_lowercase()
     )
+}
+
+fn contradicting(matches: usize) -> String {
+    match matches {
+        0 => "None contradicts".into(),
+        1 => "1 contradicts".into(),
+        _ => format!("{matches} contradict"),
+    }
 }
 
 /// Returns the message if a plane explains the matches, or if the camera stood still.

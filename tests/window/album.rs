@@ -122,7 +122,7 @@ fn points_stay_with_their_pair_while_others_are_looked_at() {
     press(&mut window, Key::PageUp);
     assert_eq!(made(&window), first);
     // The other one is offered, with what is on it.
-    tap(&mut window, "Edited pairs (1)");
+    tap(&mut window, "Pairs with work (1)");
     tap(&mut window, "shot2 and shot3: 2 point pairs");
     assert_eq!(made(&window), second);
     // A crash leaves all of it behind, once the copy of it is due.

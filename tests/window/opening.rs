@@ -77,14 +77,22 @@ fn swapped_images_keep_their_points() {
     let placed = point(&window, P_LEFT);
     assert_eq!(placed, before.pairs[0].point2);
     assert!(*window.state().estimate().unwrap().fundamental() != f, "the result is computed again");
-    window.get_by_label_contains("Swap them again to go back");
-    // The clicks can still be undone.
+    window.get_by_label_contains("Undo goes back");
+    let swapped = after.pairs.clone();
+    undo(&mut window);
+    settle(&mut window);
+    assert_eq!(window.state().document(), &before);
+    assert_eq!(point(&window, P_LEFT), before.pairs[0].point1, "the left picture is on the left again");
+    assert_eq!(window.state().estimate().unwrap().fundamental(), &f);
+    // The clicks can be undone too, and all steps be redone.
     undo(&mut window);
     let document = window.state().document();
-    assert_eq!((document.pairs.len(), document.half.map(|half| half.side)), (1, Some(Side::Right)));
-    press_with(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
-    run_command(&mut window, "Swap the images");
-    assert_eq!(window.state().document().pairs, before.pairs);
+    assert_eq!((document.pairs.len(), document.half.map(|half| half.side)), (1, Some(Side::Left)));
+    for _ in 0..2 {
+        press_with(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    }
+    assert_eq!(window.state().document().pairs, swapped);
+    assert_eq!(point(&window, P_LEFT), before.pairs[0].point2);
 }
 
 #[test]

@@ -55,8 +55,8 @@ impl Inspector {
                 let matches = model.telling_matches();
                 model.edit(|document| document.keep_as_checks(&matches));
             }
-            Command::Undo => self.travel(true),
-            Command::Redo => self.travel(false),
+            Command::Undo => self.travel(ctx, true),
+            Command::Redo => self.travel(ctx, false),
             Command::DeleteSelected => model.delete_selected(),
             Command::DeletePair(pair) => model.edit(|document| document.remove(pair)),
             Command::SetRole(pair, role) => model.set_role([pair], role),
@@ -289,15 +289,6 @@ impl Inspector {
             let pixel = model.open.pixel(side, side.point(&pair));
             self.view.panes[side.index()].magnify_at(pixel);
         }
-    }
-
-    fn travel(&mut self, back: bool) {
-        if back && !self.model.history.can_undo() && self.model.history.before_lens.is_some() {
-            // The correction of the lens came first.
-            return self.remove_calibration();
-        }
-        self.model.travel(back);
-        self.view.let_go();
     }
 
     /// Cancels the most recent unfinished action.

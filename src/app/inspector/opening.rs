@@ -101,18 +101,43 @@ impl Inspector {
     /// Opens the pictures in the other order, with the same points. The folder and its other pairs belong to
     /// the old order.
     pub(super) fn swap_images(&mut self, ctx: &egui::Context) {
-        let is_of_files = self.model.document.is_of_files();
-        let Some([left, right]) = self.model.open.pictures.clone().filter(|_| is_of_files) else { return };
+        if !self.model.document.is_of_files() {
+            return;
+        }
+        let before = self.model.document.clone();
+        self.model.document = before.clone().swapped();
+        self.model.history = std::mem::take(&mut self.model.history).swapped();
+        self.model.history.record(before, &self.model.document, None);
+        self.exchange_pictures(ctx);
+        self.model.open.done.tell("Swapped the images. Undo goes back.");
+    }
+
+    /// Undoes a step, or redoes one.
+    pub(super) fn travel(&mut self, ctx: &egui::Context, back: bool) {
+        if back && !self.model.history.can_undo() && self.model.history.before_lens.is_some() {
+            // The correction of the lens came first.
+            return self.remove_calibration();
+        }
+        let before = self.model.document.clone();
+        self.model.travel(back);
+        if self.model.document.is_swapped(&before) {
+            self.exchange_pictures(ctx);
+        }
+        self.view.let_go();
+    }
+
+    /// Opens the pictures in the order of the document.
+    fn exchange_pictures(&mut self, ctx: &egui::Context) {
+        let Some([left, right]) = self.model.open.pictures.clone() else { return };
         let pictures = [right, left];
         let set_aside = self.model.album.is_some() && self.set_aside();
         self.replace_pictures(ctx, &pictures);
         self.tasks.thumbnailing.forget();
         self.model.thumbnails.follow(None);
-        let document = std::mem::take(&mut self.model.document).swapped();
-        let history = std::mem::take(&mut self.model.history).swapped();
+        let document = std::mem::take(&mut self.model.document);
+        let history = std::mem::take(&mut self.model.history);
         self.model.open(pictures, None, false, None);
         (self.model.document, self.model.history) = (document, history);
-        self.model.open.done.tell("Swapped the images. Swap them again to go back.");
         if set_aside {
             self.offer_left_behind();
         }

@@ -73,8 +73,11 @@ impl Inspector {
 
     fn ask_before_replacing(&mut self, path: PathBuf) {
         let name = path.display();
-        let text =
-            format!("{name} has changed since this window read it. Saving replaces its present contents.");
+        let since = match self.model.session.on_disk {
+            Some(_) => "has changed since this window read it",
+            None => "exists, and this window has not read it",
+        };
+        let text = format!("{name} {since}. Saving replaces its present contents.");
         let replace = MessageAction { label: "Replace", command: SessionCommand::SaveTo(path).into() };
         let save_as = MessageAction { label: "Save as", command: SessionCommand::SaveAs.into() };
         self.model.messages.say(MessageKind::Replace, text, vec![replace, save_as]);

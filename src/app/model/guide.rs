@@ -30,7 +30,13 @@ pub fn guide(model: &Model) -> String {
         };
     }
     if model.tool == Tool::Measure {
-        return "Measure tool: click two places in one image, or drag from one to the other. Escape goes back to placing points.".into();
+        let how = "click two places in one image, or drag from one to the other.";
+        let escape = if model.open.measuring.is_some() {
+            "removes the measurement"
+        } else {
+            "goes back to placing points"
+        };
+        return format!("Measure tool: {how} Escape {escape}.");
     }
     if document.half.is_some() {
         let name = pair_name(document.pairs.len());

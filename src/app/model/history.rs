@@ -56,12 +56,16 @@ impl History {
     }
 
     /// Exchanges the current state for the one before the last step, or for the undone state that
-    /// follows. Returns the current state if there is none.
+    /// follows. Returns the current state if there is none. If the two have the pictures in different
+    /// orders, all other states take the order of the returned one.
     pub fn travel(&mut self, back: bool, current: Document) -> Document {
         self.open = None;
-        let (from, to) =
-            if back { (&mut self.undo, &mut self.redo) } else { (&mut self.redo, &mut self.undo) };
+        let from = if back { &mut self.undo } else { &mut self.redo };
         let Some(other) = from.pop_back() else { return current };
+        if other.is_swapped(&current) {
+            *self = std::mem::take(self).swapped();
+        }
+        let to = if back { &mut self.redo } else { &mut self.undo };
         to.push_back(current);
         other
     }
@@ -98,6 +102,8 @@ impl History {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::model::document::PictureIdentity;
+    use crate::geometry::Frame;
 
     const RUN: Option<EditKey> = Some(EditKey::Offset);
 
@@ -122,6 +128,24 @@ mod tests {
         assert!(history.can_redo() && !history.can_undo());
         history.record(current, &state(9), None);
         assert!(!history.can_redo());
+    }
+
+    #[test]
+    fn a_swap_of_the_pictures_is_a_step_and_states_before_it_have_the_order_of_their_time() {
+        let identity =
+            |name: &str| PictureIdentity { name: name.into(), path: None, frame: Frame::new(320, 240) };
+        let start = Document { pictures: Some(["a", "b"].map(identity)), ..Document::default() };
+        let moved = Document { offset: 3, ..start.clone() };
+        let mut history = History::default();
+        history.record(start.clone(), &moved, None);
+        let swapped = moved.clone().swapped();
+        let mut history = history.swapped();
+        history.record(moved.clone(), &swapped, None);
+        let back = history.travel(true, swapped.clone());
+        assert_eq!(back, moved);
+        assert_eq!(history.travel(true, back), start);
+        assert_eq!(history.travel(false, start), moved);
+        assert_eq!(history.travel(false, moved), swapped);
     }
 
     #[test]

@@ -30,8 +30,11 @@ impl From<TruthFolder> for PairFolder {
     }
 }
 
+/// Folder of the pictures in the projects of most programs.
+const PICTURES: &str = "images";
+
 impl PairFolder {
-    /// Opens a folder. The error is text for the middle of a sentence.
+    /// Opens a folder, or the folder `images` in it if it has no images itself. The error is text for the middle of a sentence.
     pub fn open(path: &Path) -> Result<Self, String> {
         let problem = match TruthFolder::open(path) {
             Ok(truth) => return Ok(truth.into()),
@@ -46,6 +49,7 @@ impl PairFolder {
         }
         let folder = Self::of_images(path, entries);
         match folder.images.len() {
+            0 if path.join(PICTURES).is_dir() => Self::open(&path.join(PICTURES)),
             0 => Err(format!("{} has no images in it", path.display())),
             1 => Err(format!("{} has only one image in it, and it takes two", path.display())),
             _ => Ok(folder),

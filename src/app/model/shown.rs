@@ -154,7 +154,7 @@ impl Model {
 
     /// Returns whether the pencils compared last pass through the current points.
     pub fn has_current_pencils(&self) -> bool {
-        let standing_in = self.standing_in().into_iter();
+        let standing_in = self.stood_in().into_iter();
         let used: Vec<PointPair> =
             self.document.used().map(|pair| self.document.pairs[pair]).chain(standing_in).collect();
         let mut pencils = self.open.computation.pencils().into_iter().flatten();

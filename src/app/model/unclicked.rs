@@ -2,8 +2,8 @@
 
 use super::Model;
 use super::document::{Document, Role, Side};
-use crate::estimate::{Method, Parameters, RefinedMatch, Search, SearchPlan};
-use crate::geometry::PointPair;
+use crate::estimate::{CLICK_DEVIATIONS, Method, Parameters, RefinedMatch, Search, SearchPlan};
+use crate::geometry::{PointPair, sampson_distance};
 use crate::io::PairOrigin;
 
 impl Document {
@@ -72,18 +72,28 @@ impl Model {
             && self.document.too_small().is_none()
     }
 
-    /// Returns the matches that replace clicks in the result; none for an estimate from clicks.
-    pub fn standing_in(&self) -> Vec<PointPair> {
+    /// Returns the matches that replaced clicks in the search, right or wrong; none for an estimate from
+    /// clicks.
+    pub(super) fn stood_in(&self) -> Vec<PointPair> {
         let result = self.result().filter(|_| self.document.is_unclicked());
         result.and_then(|estimate| Some(estimate.trace.as_ref()?.clicks.chosen())).unwrap_or_default()
+    }
+
+    /// Returns the matches that replace clicks in the result; none if the result contradicts one of them.
+    pub fn standing_in(&self) -> Vec<PointPair> {
+        let most = CLICK_DEVIATIONS * self.document.parameters.click_sigma;
+        let fits = |pair: &PointPair| {
+            self.result().is_some_and(|estimate| sampson_distance(estimate.fundamental(), pair) <= most)
+        };
+        let found = self.stood_in();
+        if found.iter().all(fits) { found } else { Vec::new() }
     }
 
     /// Returns the matches that become point pairs on request: in each ninth of the left image, the match of
     /// the most similar patches. Without matches, those that replace the clicks.
     pub fn telling_matches(&self) -> Vec<PointPair> {
-        let stand_ins = self.standing_in();
-        let Some(frame) = self.document.frame(Side::Left).filter(|_| !stand_ins.is_empty()) else {
-            return stand_ins;
+        let Some(frame) = self.document.frame(Side::Left).filter(|_| !self.stood_in().is_empty()) else {
+            return Vec::new();
         };
         let part = |at: f64, size: usize| ((at / size as f64 * 3.0).max(0.0) as usize).min(2);
         let mut best: [Option<RefinedMatch>; 9] = [None; 9];
@@ -95,7 +105,7 @@ impl Model {
             }
         }
         let chosen: Vec<PointPair> = best.into_iter().flatten().map(|found| found.pair).collect();
-        if chosen.is_empty() { stand_ins } else { chosen }
+        if chosen.is_empty() { self.standing_in() } else { chosen }
     }
 
     /// Returns whether any of these matches is not yet a pair.

@@ -185,10 +185,8 @@ impl View {
             self.placement = None;
         }
         // The arrangement is kept while pictures load.
-        let frames = frames.or(self.placement.is_none().then_some([FrameSize::new(4, 3); 2]));
-        if let Some(frames) = frames {
-            self.placement = Some(placed(size(window), size(room.size()), frames, look, self.placement));
-        }
+        let frames = frames.or(self.arranged).unwrap_or([FrameSize::new(4, 3); 2]);
+        self.placement = Some(placed(size(window), size(room.size()), frames, look, self.placement));
         let Some(Placement { edge, size, .. }) = self.placement.filter(|_| !model.open.alone) else {
             return (None, room);
         };

@@ -40,13 +40,13 @@ impl Doubt {
             | Reason::Pattern { .. }
             | Reason::Mirrored { .. } => Some(Self::Epipole),
             Reason::NotRefined
-            | Reason::ClicksAlone
             | Reason::FewMatches { .. }
             | Reason::Contradicted { .. }
             | Reason::Ambiguous { .. }
             | Reason::Loose { .. } => Some(Self::Support),
             Reason::NotChecked
             | Reason::RefinementOff
+            | Reason::ClicksAlone
             | Reason::BarcodesByChance { .. }
             | Reason::FewBarcodes { .. }
             | Reason::LooseBarcodes { .. } => None,
@@ -74,8 +74,8 @@ impl Assessment {
     /// It is the share of right results among results with the same verdict and the same kinds of
     /// failed tests, measured on pairs with known truth. If the epipoles are open
     /// ([`Trust::says_one_plane`]), it concerns the lines near the matches alone. `None` without a
-    /// verdict, and for what was not measured: motion barcodes, and searches without patches or
-    /// refinement.
+    /// verdict, and for what was not measured: motion barcodes, a geometry of the clicks alone, and
+    /// searches without patches or refinement.
     pub fn probability_within_one_percent(&self) -> Option<f64> {
         let trust = self.trust.as_ref().filter(|_| self.barcodes.is_none())?;
         Doubt::of(trust).map(Doubt::probability)

@@ -25,6 +25,12 @@ impl Document {
         self
     }
 
+    /// Returns whether the other document is about the same pictures in the other order.
+    pub fn is_swapped(&self, other: &Self) -> bool {
+        let pictures = [self, other].map(|document| document.pictures.as_ref());
+        matches!(pictures, [Some([a, b]), Some([c, d])] if [a, b] == [d, c] && [a, b] != [c, d])
+    }
+
     /// Returns this document about the pictures in the other order. The ground truth belongs to the old
     /// order and is not used any more.
     #[must_use]

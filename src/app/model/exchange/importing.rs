@@ -83,7 +83,7 @@ impl ImportQuestion {
                 "{prelude}, and it cannot be imported either: {problem}. Nothing was changed. Try another file."
             ),
             None => format!(
-                "{name} could not be imported: {problem}. Nothing was changed. Correct the file, or try another one."
+                "{name} could not be imported: {problem}. Nothing was changed. Import F, two cameras, point pairs or a calibration, but no model of many images."
             ),
         })
     }

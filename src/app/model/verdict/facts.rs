@@ -216,9 +216,9 @@ fn margin(estimate: &Estimate) -> Fact {
 }
 
 const MARGIN: &str = "Lead over rival";
-const MARGIN_TOOLTIP: &str = "The margin: how far the result is ahead of the rival, the best clearly different \
-                              geometry. With a small margin, the result is a guess. The step Validation marks \
-                              the rival.";
+const MARGIN_TOOLTIP: &str = "How far the support of the result is ahead of that of the rival, the best clearly \
+                              different geometry. With a small lead, the result is a guess. The step Validation \
+                              marks the rival.";
 
 /// Returns the figures of a hypothesis shown in place of its result `of`.
 pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate, of: Option<&Estimate>) -> Vec<Fact> {
@@ -288,7 +288,13 @@ pub(super) fn bearing_text(epipole: &HomogeneousPoint, frame: Frame, bearing: &E
     let (sin, cos) = bearing.direction.sin_cos();
     let side = direction(frame.centre() + Vector::new(cos, sin) * (2.0 * frame.longer_side()), frame);
     let interval = interval_in_words(bearing);
-    if bearing.certainty() == EpipoleCertainty::Open { interval } else { format!("{side}, {interval}") }
+    // The tooltip says from where.
+    let interval = interval.strip_suffix(" away").unwrap_or(&interval);
+    if bearing.certainty() == EpipoleCertainty::Open {
+        interval.to_owned()
+    } else {
+        format!("{side}, {interval}")
+    }
 }
 
 /// Returns line cost and round trip. The first result of a computation has neither yet.
@@ -355,7 +361,7 @@ pub fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String 
     };
     // Far away, fractions of a pixel mean nothing.
     let decimals = usize::from(p.coords.amax() < 1000.0);
-    let place = format!("({:.decimals$}, {:.decimals$})", p.x, p.y);
+    let place = in_parentheses(p, decimals);
     match frame {
         Some(frame) if frame.contains(p) => format!("{place} inside the image"),
         Some(frame) if p.coords.amax() < FAR => {
@@ -366,10 +372,18 @@ pub fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String 
     }
 }
 
+/// Writes a position; −0 is written as 0.
+fn in_parentheses(p: Point, decimals: usize) -> String {
+    let [x, y] = [p.x, p.y].map(|v| format!("{v:.decimals$}"));
+    let [x, y] =
+        [&x, &y].map(|text| if text.trim_start_matches(['-', '0', '.']).is_empty() { "0" } else { text });
+    format!("({x}, {y})")
+}
+
 /// Describes the position of an epipole in few letters.
 pub fn short_epipole_text(epipole: &HomogeneousPoint) -> String {
     match finite_point(epipole).filter(|p| p.coords.amax() < FAR) {
-        Some(p) => format!("({:.0}, {:.0})", p.x, p.y),
+        Some(p) => in_parentheses(p, 0),
         None => format!("far, {:.0}°", far_direction(epipole)),
     }
 }

@@ -44,7 +44,9 @@ pub struct VerdictInWords {
 /// Returns a warning about an imported geometry.
 pub fn import_warning(imported: &Imported) -> Option<&'static str> {
     match &imported.check {
-        None => Some("Unchecked: there were too few matches when it was imported. Compare judges it now."),
+        None => Some(
+            "Unchecked: there were too few matches when it was imported. Compare judges it once there are matches.",
+        ),
         Some(check) if !check.fits => {
             Some("It does not fit the matches of these images. It may belong to other images.")
         }

@@ -39,10 +39,10 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 fn fundamental(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(shown) = model.shown() else { return };
     CollapsingHeader::new("Fundamental matrix F").id_salt("fundamental").show_unindented(ui, |ui| {
-        let convention = "x2ᵀ F x1 = 0 for a match of x1 in the left image and x2 in the right one, pixels, with \
+        let convention = "x2 · F x1 = 0 for a match of x1 in the left image and x2 in the right one, pixels, with \
                           the centre of the upper left pixel at (0, 0).";
-        let rows = shown.fundamental.rows().map(|row| row.map(|value| format!("{value:>11.3e}")).join(" "));
-        ui.add(Label::new(RichText::new(rows.join("\n")).monospace())).on_hover_text(convention);
+        let rows = shown.fundamental.rows().map(|row| row.map(|value| format!("{value:>9.2e}")).join(" "));
+        ui.add(Label::new(RichText::new(rows.join("\n")).monospace()).extend()).on_hover_text(convention);
         copy_fundamental_menu(ui, model, commands);
     });
 }

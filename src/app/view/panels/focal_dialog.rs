@@ -71,8 +71,14 @@ impl FocalDialog {
         open
     }
 
+    /// Returns the text of a focal length. Without one, the right image has that of the left.
+    fn text(&self, side: Side) -> &str {
+        let [left, right] = self.pixels.each_ref().map(|text| text.trim());
+        if side == Side::Left || right.is_empty() { left } else { right }
+    }
+
     fn focal(&self, side: Side) -> Option<FocalLength> {
-        let pixels: f64 = self.pixels[side.index()].trim().parse().ok()?;
+        let pixels: f64 = self.text(side).parse().ok()?;
         let deviation = self.percent()? / 100.0;
         (pixels.is_finite() && pixels > 0.0).then_some(FocalLength { pixels, deviation })
     }
@@ -86,8 +92,10 @@ impl FocalDialog {
 
     /// Tells where a focal length is from, or what is wrong with it.
     fn note(&self, side: Side) -> &'static str {
-        let text = self.pixels[side.index()].trim();
+        let text = self.text(side);
+        let is_empty = self.pixels[side.index()].trim().is_empty();
         match text.parse::<f64>() {
+            _ if is_empty && !text.is_empty() => "that of the left image",
             _ if self.guesses[side.index()].is_some_and(|guess| shown(guess) == text) => {
                 "guessed from EXIF data"
             }

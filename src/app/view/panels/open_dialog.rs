@@ -161,8 +161,8 @@ impl OpenDialog {
             elsewhere |= row.show_browse(ui, place, commands).has_focus();
             ui.add_space(6.0);
             ui.weak(
-                "Optional: point pairs, a fundamental matrix or two cameras for the images above or the open \
-                 ones, in any known format.",
+                "Optional: point pairs, a fundamental matrix, two cameras or a calibration for the images above \
+                 or the open ones (text, CSV, JSON or YAML).",
             );
             ui.add_space(2.0);
             let browse = "Browse for a file to import";

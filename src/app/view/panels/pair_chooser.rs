@@ -34,7 +34,7 @@ fn kept_pairs(ui: &mut Ui, model: &Model, folder: &PairFolder, commands: &mut Ve
     if kept.is_empty() {
         return;
     }
-    let menu = ui.menu_button(format!("Edited pairs ({})", kept.len()), |ui| {
+    let menu = ui.menu_button(format!("Pairs with work ({})", kept.len()), |ui| {
         ScrollArea::vertical().show(ui, |ui| {
             for pair in kept {
                 let name = format!("{}: {}", folder.pair_name(pair), counted(model.points_on(pair)));
@@ -45,7 +45,7 @@ fn kept_pairs(ui: &mut Ui, model: &Model, folder: &PairFolder, commands: &mut Ve
         });
     });
     menu.response.on_hover_text(
-        "Other pairs on which you placed points or pinned lines. They are saved with the session.",
+        "Other pairs with points, pinned lines or a search of their own. They are saved with the session.",
     );
 }
 

@@ -34,7 +34,8 @@ pub struct Chip {
 
 impl Chip {
     /// Shows the name and the size of the image, its zoom, and whether its brightness is changed.
-    pub fn show(&self, ui: &Ui, model: &Model) {
+    /// Returns the area.
+    pub fn show(&self, ui: &Ui, model: &Model) -> Rect {
         let title = self.side.title();
         let (mut name, mut text) = (String::new(), String::new());
         if let Some(picture) = model.document.pictures.as_ref().map(|p| &p[self.side.index()]) {
@@ -91,6 +92,7 @@ impl Chip {
         let legend = legend.map_or(String::new(), |legend| format!("  {legend}"));
         let whole = format!("{title} {name}{text}{legend}");
         response.widget_info(|| WidgetInfo::labeled(Role::Label, true, whole.clone()));
+        chip
     }
 }
 

@@ -59,6 +59,8 @@ pub struct ImagePane {
     menu: Option<Menu>,
     /// Area of the latest frame.
     rect: Rect,
+    /// Area of the name in the latest frame.
+    chip: Rect,
 }
 
 /// View and position of a pane.
@@ -87,7 +89,7 @@ impl PaneImage {
 
 impl ImagePane {
     pub fn new(side: Side) -> Self {
-        Self { side, image: None, drag: None, menu: None, rect: Rect::ZERO }
+        Self { side, image: None, drag: None, menu: None, rect: Rect::ZERO, chip: Rect::NOTHING }
     }
 
     pub fn side(&self) -> Side {
@@ -210,6 +212,7 @@ impl ImagePane {
         }
         image.texture.draw(&painter, &transform);
         let labels = Labels::default();
+        labels.take(self.chip);
         let canvas = Canvas {
             painter: &painter,
             transform: &transform,
@@ -265,7 +268,7 @@ impl ImagePane {
             let scale = Some(image.transform(rect).scale).filter(|_| !image.view.fits());
             let (lens, is_turned) = (image.lens, image.view.turn != QuarterTurns::default());
             let chip = Chip { side, rect, size: image.shown, lens, is_turned, scale };
-            chip.show(ui, model);
+            self.chip = chip.show(ui, model);
         }
         hover
     }

@@ -85,11 +85,15 @@ pub fn show(ui: &mut Ui, panes: &mut [ImagePane; 2], model: &Model, commands: &m
     drawing.chip(scene, model);
 }
 
+/// Height of the text at the upper left, screen points.
+const CHIP: f32 = 24.0;
+
 /// Shows a match in small copies of both pictures, each in a corner of its side. They are on the other half of the
 /// height than the scene point, so that they never cover it.
 fn small_pictures(drawing: &Drawing, panes: &mut [ImagePane; 2], model: &Model, number: usize, at: Pos2) {
     let Some(pair) = model.matched_pairs().nth(number) else { return };
-    let room = drawing.rect.shrink(MARGIN);
+    let mut room = drawing.rect.shrink(MARGIN);
+    room.min.y += CHIP;
     let size = drawing.rect.size() * vec2(SMALL, 2.0 * SMALL);
     let below = at.y < room.center().y;
     for (side, along) in Side::BOTH.into_iter().zip([Align::Min, Align::Max]) {

@@ -68,8 +68,9 @@ impl Trust {
             _ => {}
         }
         if let Some(margin) = evidence.margin.filter(|m| *m < CLEAR_MARGIN) {
-            // No search has compared a given geometry with this one.
-            unreliable |= matches!(evidence.refined_on, RefinedOn::Given(_)) && margin < -CLEAR_MARGIN;
+            // No search has preferred a geometry of given matches or of clicks alone.
+            let is_given = matches!(evidence.refined_on, RefinedOn::Given(_) | RefinedOn::Clicks);
+            unreliable |= is_given && margin < -CLEAR_MARGIN;
             reasons.push(Reason::Ambiguous { margin });
         }
         if let Some(deviation) = evidence.deviation.filter(|d| *d > LOOSEST * evidence.side) {
@@ -176,10 +177,11 @@ mod tests {
             assert_eq!(verdict(&worse), Verdict::Doubtful);
         }
         assert_eq!(verdict(&Evidence { refined_on: RefinedOn::Matches(12), ..GOOD }), Verdict::Unreliable);
-        let given = Evidence { refined_on: RefinedOn::Given(300), ..GOOD };
-        let of_margin = |margin| verdict(&Evidence { margin: Some(margin), ..given });
+        let of = |refined_on, margin| verdict(&Evidence { refined_on, margin: Some(margin), ..GOOD });
+        let [given, clicks] = [RefinedOn::Given(300), RefinedOn::Clicks];
         let expected = [Verdict::Reliable, Verdict::Doubtful, Verdict::Unreliable];
-        assert_eq!([0.5, -0.1, -0.5].map(of_margin), expected);
+        assert_eq!([0.5, -0.1, -0.5].map(|margin| of(given, margin)), expected);
+        assert_eq!([-0.1, -0.5].map(|margin| of(clicks, margin)), expected[1..]);
         assert_eq!(verdict(&Evidence { clicks: &[40.0, 0.1], ..GOOD }), Verdict::Doubtful, "outvoted");
         assert_eq!(
             verdict(&Evidence { clicks: &[40.0, 0.1], margin: Some(0.1), ..GOOD }),

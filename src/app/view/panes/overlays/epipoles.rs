@@ -11,7 +11,8 @@ pub fn draw(canvas: &Canvas) {
         mark(canvas, &truth.fundamental, ("true epipole", 36.0), theme::TRUE, 1.0);
     }
     if let Some((shown, opacity)) = canvas.shown() {
-        mark(canvas, shown.fundamental, ("epipole", -2.0), theme::ESTIMATED, opacity);
+        let color = theme::line_color(canvas.model.line_look());
+        mark(canvas, shown.fundamental, ("epipole", -2.0), color, opacity);
     }
 }
 

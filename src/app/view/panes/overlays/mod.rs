@@ -98,7 +98,8 @@ impl Labels {
         self.0.borrow().iter().all(|other| !other.intersects(area))
     }
 
-    fn take(&self, area: Rect) {
+    /// Occupies an area.
+    pub fn take(&self, area: Rect) {
         self.0.borrow_mut().push(area);
     }
 
@@ -120,6 +121,9 @@ impl Labels {
         area
     }
 }
+
+/// Number of pairs that hide the pictures if each has a ring, a name and a strong line.
+const CROWD: usize = 25;
 
 /// Drawing surface over an image.
 pub struct Canvas<'a> {
@@ -146,6 +150,20 @@ impl Canvas<'_> {
     /// Returns a cursor or selection state in the window, and nothing in a figure.
     fn at_hand<T>(&self, of_state: Option<T>) -> Option<T> {
         of_state.filter(|_| !self.is_figure)
+    }
+
+    /// Returns whether a pair is one of very many, and neither selected, nor pointed at, nor outvoted. Its
+    /// marks are small and its line is faint.
+    fn is_lost_in_a_crowd(&self, pair: usize) -> bool {
+        let document = &self.model.document;
+        let is_crowded = document.pairs.len() >= CROWD && !self.is_figure;
+        let stands_out = || {
+            document.selection.is_some_and(|selected| selected.pair == pair)
+                || document.chosen.contains(&pair)
+                || self.model.open.focus.hovered() == Some(Target::Pair(pair))
+                || self.model.outvoted(pair).is_some()
+        };
+        is_crowded && !stands_out()
     }
 
     /// Returns the screen position of a pair's point in this image.

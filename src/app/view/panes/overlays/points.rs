@@ -7,14 +7,8 @@ use super::{Canvas, Pointing};
 use crate::app::model::{Role, Target};
 use crate::app::view::theme;
 
-/// Number of pairs from which on most marks are small and without names. With more, rings and names cover
-/// the pictures and each other.
-const CROWD: usize = 25;
-
 pub fn draw(canvas: &Canvas) {
     let document = &canvas.model.document;
-    let is_crowded = document.pairs.len() >= CROWD && !canvas.is_figure;
-    let hovered = canvas.model.open.focus.hovered();
     for (at, point) in document.points(canvas.side) {
         let centre = canvas.transform.screen_from_image(point);
         let role = document.role(at.pair);
@@ -23,10 +17,7 @@ pub fn draw(canvas: &Canvas) {
             theme::pair_color(at.pair).gamma_multiply(if left_out { theme::STALE_OPACITY } else { 1.0 });
         let painter = canvas.painter;
         let outvoted = canvas.model.outvoted(at.pair).is_some();
-        let at_hand = document.selection.is_some_and(|selected| selected.pair == at.pair)
-            || document.chosen.contains(&at.pair)
-            || hovered == Some(Target::Pair(at.pair));
-        let is_small = is_crowded && !at_hand && !outvoted;
+        let is_small = canvas.is_lost_in_a_crowd(at.pair);
         let (radius, edge, width) = if is_small { (3.0, 3.0, 1.4) } else { (theme::HANDLE_RADIUS, 4.5, 2.2) };
         if canvas.at_hand(document.selection) == Some(at) {
             painter.circle_stroke(centre, theme::HANDLE_RADIUS + 3.5, Stroke::new(4.0, theme::HALO));

@@ -34,8 +34,13 @@ pub fn places(canvas: &Canvas) -> Vec<(f64, Pos2)> {
 pub fn draw(canvas: &Canvas) {
     let color = theme::pair_color(canvas.model.document.pairs.len());
     let is_clear = matches!(&canvas.model.open.suggestion, Some(Ok(found)) if found.clear().is_some());
-    let offer = if is_clear { "Enter to accept" } else { "one of several alike" };
     let places = places(canvas);
+    let looks_best = places.iter().skip(1).all(|(rival, _)| *rival <= places[0].0);
+    let offer = match (is_clear, looks_best) {
+        (true, true) => "Enter to accept",
+        (true, false) => "Enter to accept, moves like its neighbours",
+        (false, _) => "one of several alike",
+    };
     for (rank, (correlation, at)) in places.iter().enumerate().rev() {
         let (radius, width, shade) = if rank == 0 { (11.0, 2.0, 1.0) } else { (7.0, 1.3, 0.6) };
         for (color, width) in [(theme::HALO, width + 2.5), (theme::SUGGESTED.gamma_multiply(shade), width)] {

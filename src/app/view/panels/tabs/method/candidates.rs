@@ -4,7 +4,7 @@ use egui::Ui;
 
 use super::super::super::table::{Column, RowLook, Table};
 use super::super::empty;
-use super::why_no_pencils;
+use super::{NO_PENCILS, has_no_pencils};
 use crate::app::model::{Command, LineSource, Model, Target, pair_name};
 use crate::estimate::{Candidate, ComparedPencils};
 
@@ -20,7 +20,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         pencils.map(|(number, pencils)| (number, &**pencils)).flat_map(of).collect();
     if rows.is_empty() {
         let text = "Candidate line pairs appear here during the estimate.";
-        empty(ui, why_no_pencils(model).unwrap_or(text));
+        empty(ui, if has_no_pencils(model) { NO_PENCILS } else { text });
         return;
     }
     let rows = &rows[..];
@@ -52,14 +52,15 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         Column::figures(
             "Left line",
             78.0,
-            "Direction of the line in the left image, degrees.",
+            "Direction of the line in the left image, degrees, clockwise from the x axis.",
             angle(0),
             degrees,
         ),
         Column::figures(
             "Right line",
             78.0,
-            "Direction of the line in the right image, degrees.",
+            "Direction of the line in the right image, degrees, clockwise from the x axis. Beyond 180°, it \
+             corresponds to the left line in the opposite direction.",
             angle(1),
             degrees,
         ),

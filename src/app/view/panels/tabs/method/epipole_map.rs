@@ -131,7 +131,8 @@ pub fn show(ui: &mut Ui, area: Rect, side: Side, model: &Model, commands: &mut V
     response.on_hover_text(
         "The whole plane of this image: the image in the middle, infinity at the rim. Ring: epipole \
          of the geometry shown. Blue ring: true epipole, where known. Dots: epipoles of the hypotheses; \
-         click a dot to show its hypothesis.",
+         click a dot to show its hypothesis. \
+         Marks near the rim are also drawn on the opposite side, for a far epipole may lie on either.",
     );
 }
 

@@ -66,7 +66,7 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
     let is_narrow = ui.available_width() < ROOM_FOR_ALL;
     let epipoles = Side::BOTH.map(|side| epipole(listed, model, side, is_narrow));
     let mut columns: Vec<Column> =
-        std::iter::once(rank).chain(of_step(step, figure)).chain(epipoles).collect();
+        std::iter::once(rank).chain(of_step(step, listed, figure)).chain(epipoles).collect();
     if is_narrow {
         columns.pop();
     }
@@ -107,14 +107,15 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
     }
 }
 
-/// Returns the columns with the figures of a step.
+/// Returns the columns with the figures of a step. A search of sequences has none of some kinds.
 fn of_step<'a>(
     step: MethodStep,
+    listed: &Listed,
     figure: impl Fn(&'static str, f32, &'static str, HypothesisFigure, usize) -> Column<'a>,
-) -> [Column<'a>; 2] {
-    if step == MethodStep::RoundTrip {
+) -> impl Iterator<Item = Column<'a>> {
+    let columns = if step == MethodStep::RoundTrip {
         [
-            figure(
+            (
                 "Round trip",
                 100.0,
                 "Distance, px, between a line and its image after the maps H (to the other image) and G (back). A small \
@@ -123,7 +124,7 @@ fn of_step<'a>(
                 HypothesisFigure::RoundTrip,
                 2,
             ),
-            figure(
+            (
                 "Stretch",
                 72.0,
                 "Stretch κ of the line map H (left to right) divided by that of G (right to left). 1 means that \
@@ -134,7 +135,7 @@ fn of_step<'a>(
         ]
     } else {
         [
-            figure(
+            (
                 "Support",
                 74.0,
                 "Image corners that find a match along their epipolar line, weighted by similarity. Higher is better; \
@@ -142,7 +143,7 @@ fn of_step<'a>(
                 HypothesisFigure::Support,
                 1,
             ),
-            figure(
+            (
                 "Line cost",
                 84.0,
                 "How unlike corresponding lines are, over both images. Lower is better. The preset Robust gives the \
@@ -151,7 +152,14 @@ fn of_step<'a>(
                 1,
             ),
         ]
-    }
+    };
+    let is_known = |figure: HypothesisFigure| {
+        (0..listed.rows()).any(|row| figure.of(listed.hypothesis(row)).is_finite())
+    };
+    let known: Vec<_> = columns.into_iter().filter(|(_, _, _, figure, _)| is_known(*figure)).collect();
+    known
+        .into_iter()
+        .map(move |(title, width, tooltip, kind, decimals)| figure(title, width, tooltip, kind, decimals))
 }
 
 /// Returns the column with the epipoles of one image.

@@ -51,8 +51,9 @@ impl MethodStep {
                  and the same for q. A bright cell is a line pair across which things move in the same frames."
             }
             Self::Pencils => {
-                "Every line through p in the left image is matched with every line through p in the right \
-                 one, and the same for q. A bright cell is a line pair whose intensities match well."
+                "Lines through p in the left image are matched with lines through p in the right one, and \
+                 the same for q. A bright cell is a line pair whose intensities match well. Empty cells are \
+                 not compared: a line has little texture, or the other is turned farther."
             }
             Self::Candidates => {
                 "A candidate is a line pair of which each line is the best match of the other. The images \
@@ -76,8 +77,8 @@ impl MethodStep {
                  a large region, so the validation decides."
             }
             Self::Validation if plan == SearchPlan::Barcodes => {
-                "The best hypotheses are fitted to the barcodes of lines all over both images. The lead over \
-                 the rival compares the best one with the best clearly different one."
+                "The best hypotheses are fitted to the barcodes of lines all over both images. The one whose \
+                 barcodes agree best is the result."
             }
             Self::Validation => {
                 "The best hypotheses are scored over the whole of both images. The lead over the rival \
@@ -85,7 +86,7 @@ impl MethodStep {
             }
             Self::Result if plan == SearchPlan::Barcodes => {
                 "The best hypothesis is fitted to the barcodes in full size. Fits without some of the frames \
-                 give its uncertainty."
+                 give its uncertainty, if there are enough."
             }
             Self::Result => {
                 "The best hypothesis is fitted to patches that match along its lines at full resolution. \
@@ -137,6 +138,8 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
+/// Words in place of the plots of pencils that a search does not have.
+const NO_PENCILS: &str = "This search has no line pencils.";
 /// Words in place of plots without room.
 const NO_ROOM: &str = "Enlarge the dock to see the plots.";
 /// Least height of the maps of the epipoles, screen points.
@@ -158,13 +161,20 @@ fn epipoles(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// Tells why a search has no pencils; `None` if it has, or may have.
-fn why_no_pencils(model: &Model) -> Option<&'static str> {
+/// Returns whether the search compares all lines at once, in place of pencils.
+fn has_no_pencils(model: &Model) -> bool {
     let plan = model.document.search_plan();
     let all_lines = matches!(plan, SearchPlan::Barcodes | SearchPlan::LinesAlone { .. });
-    (all_lines && model.document.is_unclicked()).then_some(
-        "This search compares all lines of both images at once. Line pencils need two point pairs.",
-    )
+    all_lines && model.document.is_unclicked()
+}
+
+/// Explains a step of the search of this document.
+fn explanation(step: MethodStep, model: &Model) -> String {
+    if matches!(step, MethodStep::Pencils | MethodStep::Candidates) && has_no_pencils(model) {
+        return "This search compares all lines of both images at once. Line pencils need two point pairs."
+            .into();
+    }
+    step.explanation(model.document.search_plan())
 }
 
 /// Shows the explanation, the figure that decided, the parameters, and the neighbouring steps.
@@ -178,7 +188,7 @@ fn explained(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Co
                 finish_button(ui, button, Command::StepMethod { forward }, commands);
             }
         });
-        ui.add(Label::new(step.explanation(model.document.search_plan())).wrap());
+        ui.add(Label::new(explanation(step, model)).wrap());
         for stage in step.stages() {
             if let Some(text) = result_text(*stage, &model.document, &model.open.computation) {
                 ui.add(Label::new(RichText::new(text).weak()).wrap());
@@ -287,11 +297,7 @@ fn strip(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             let mark = Rect::from_center_size(pos2(place.max.x - 16.0, middle), vec2(14.0, 14.0));
             ui.scope_builder(UiBuilder::new().max_rect(mark), busy::show);
         }
-        let hint = format!(
-            "{}. {} (N for the next step)",
-            step.title(),
-            step.explanation(model.document.search_plan())
-        );
+        let hint = format!("{}. {} (N for the next step)", step.title(), explanation(step, model));
         if response.on_hover_text(hint).clicked() {
             commands.push(Command::ShowStep(step));
         }

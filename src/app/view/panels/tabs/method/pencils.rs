@@ -4,7 +4,7 @@ use egui::{Rect, RichText, Ui, UiBuilder, Vec2, pos2, vec2};
 
 use super::super::empty;
 use super::matrix::PencilMatrix;
-use super::{NO_ROOM, why_no_pencils};
+use super::{NO_PENCILS, NO_ROOM, has_no_pencils};
 use crate::app::model::{Command, LineSource, Model, Target, pair_name};
 use crate::app::view::heat;
 use crate::app::view::theme;
@@ -63,7 +63,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(pencils) = model.open.computation.pencils() else {
         let text = "The costs of matching all lines through p and q appear here once there are enough point \
                     pairs. Point at a cell to see its two lines, and click it to inspect them.";
-        empty(ui, why_no_pencils(model).unwrap_or(text));
+        empty(ui, if has_no_pencils(model) { NO_PENCILS } else { text });
         return;
     };
     let area = ui.available_rect_before_wrap();
