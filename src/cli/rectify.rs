@@ -147,7 +147,7 @@ fn read_result(path: &Path, is_calibrated: bool) -> Result<(FundamentalMatrix, V
             shown_path(path)
         )));
     }
-    Ok((fundamental, if file.found.is_empty() { file.pairs } else { file.found }))
+    Ok((fundamental, file.matches()))
 }
 
 /// Returns the pose of F or, without F, the pose of the calibration. The length of the baseline is

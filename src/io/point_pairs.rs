@@ -5,19 +5,11 @@
 //! row. Pitfall: a decimal comma is indistinguishable from a separator.
 
 use super::number::{cells, finite_numbers, rows};
+use super::read::Problem;
 use crate::geometry::PointPair;
 
-/// Error in a row of point pairs.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct PairProblem {
-    /// Line number, from 1.
-    pub line: usize,
-    /// Expected and found content.
-    pub problem: String,
-}
-
 /// Parses all pairs of a text.
-pub fn parse_point_pairs(text: &str) -> Result<Vec<PointPair>, PairProblem> {
+pub fn parse_point_pairs(text: &str) -> Result<Vec<PointPair>, Problem> {
     let (mut pairs, mut columns) = (Vec::new(), None);
     for (k, (line, row)) in rows(text).enumerate() {
         if k == 0 && is_heading(row) {
@@ -27,7 +19,7 @@ pub fn parse_point_pairs(text: &str) -> Result<Vec<PointPair>, PairProblem> {
             columns = is_named.then_some(4);
             continue;
         }
-        let failed = |problem| PairProblem { line, problem };
+        let failed = |problem| Problem::at(line, problem);
         let numbers = match columns {
             Some(columns) => finite_numbers(&cells(row).take(columns).collect::<Vec<_>>().join(" ")),
             None => finite_numbers(row),
@@ -51,8 +43,8 @@ mod tests {
     use super::*;
 
     fn problem(text: &str) -> (usize, String) {
-        let PairProblem { line, problem } = parse_point_pairs(text).unwrap_err();
-        (line, problem)
+        let Problem { line, problem } = parse_point_pairs(text).unwrap_err();
+        (line.unwrap(), problem)
     }
 
     #[test]

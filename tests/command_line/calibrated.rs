@@ -104,6 +104,12 @@ fn clicks_in_bent_pictures_give_the_geometry_of_straight_ones_and_a_pose() {
         distances.sort_by(f64::total_cmp);
         assert!(distances[distances.len() / 2] < 0.2);
     }
+    // The matches of the result, given as matches, are those of the pictures with distortion.
+    let output = lens.command("estimate", &["--matches", &lens.pictures.text("result.json")]);
+    let words = text(&output.stdout);
+    let given = words.split("Given matches: ").nth(1).unwrap();
+    let counts: Vec<usize> = given.split(' ').filter_map(|word| word.parse().ok()).take(2).collect();
+    assert!(counts[0] * 20 > counts[1] * 19, "{given}");
     // The covariances of F and of the pose leave together.
     let (result, archive) = (lens.pictures.text("result.json"), lens.pictures.text("result.npz"));
     assert!(run(&["convert", &result, "--output", &archive]).status.success());

@@ -37,10 +37,10 @@ use self::fields::Fields;
 use super::npy::rows_as_text;
 use super::number::rows;
 use super::output::{OutputFile, WriteError};
-use super::read::{ReadError, read_bytes, text_of};
+use super::read::{Problem, ReadError, read_bytes, text_of};
 use crate::geometry::{FundamentalMatrix, PointPair};
 
-pub use self::content::{CalibratedNote, GeometryFile, ImageNote, Problem};
+pub use self::content::{CalibratedNote, GeometryFile, ImageNote};
 #[cfg(feature = "colmap")]
 pub(super) use self::coordinates::{moved_fundamental, moved_pair, shift};
 pub use self::format::Format;
@@ -132,7 +132,7 @@ pub fn read_fundamental(path: &Path) -> Result<FundamentalMatrix, ReadError> {
 }
 
 /// Returns the text of a file, or the rows of a NumPy array as text.
-pub(super) fn text_or_rows(path: &Path, bytes: Vec<u8>) -> Result<String, ReadError> {
+fn text_or_rows(path: &Path, bytes: Vec<u8>) -> Result<String, ReadError> {
     match rows_as_text(&bytes) {
         Some(text) => text.map_err(|problem| ReadError::content(path, problem)),
         None => text_of(path, bytes),
@@ -141,13 +141,22 @@ pub(super) fn text_or_rows(path: &Path, bytes: Vec<u8>) -> Result<String, ReadEr
 
 /// Reads the point pairs of a file of any [`Format`]; at least one.
 pub fn read_point_pairs(path: &Path) -> Result<Vec<PointPair>, ReadError> {
+    point_pairs(path, read_bytes(path)?, |file| file.pairs)
+}
+
+/// Parses the bytes of a file and returns those of its point pairs that `select` takes; at least one.
+pub(super) fn point_pairs(
+    path: &Path,
+    bytes: Vec<u8>,
+    select: fn(GeometryFile) -> Vec<PointPair>,
+) -> Result<Vec<PointPair>, ReadError> {
     let none = || ReadError::content(path, "no point pairs found. Each row needs x1 y1 x2 y2");
-    // A pipe can be read only once.
-    let text = text_or_rows(path, read_bytes(path)?)?;
+    let text = text_or_rows(path, bytes)?;
     let (file, _) = match GeometryFile::parse(&text) {
         // An empty file needs no list of field names.
         Err(_) if rows(&text).next().is_none() => return Err(none()),
         other => other.map_err(|problem| problem.of_file(path))?,
     };
-    if file.pairs.is_empty() { Err(none()) } else { Ok(file.pairs) }
+    let pairs = select(file);
+    if pairs.is_empty() { Err(none()) } else { Ok(pairs) }
 }
