@@ -75,13 +75,3 @@ impl CommandLine {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_description_of_the_command_line_is_consistent() {
-        <CommandLine as clap::CommandFactory>::command().debug_assert();
-    }
-}
