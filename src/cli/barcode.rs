@@ -51,9 +51,9 @@ pub(super) struct BarcodeArguments {
     /// Preset of the parameters
     #[arg(long, value_enum, default_value_t)]
     preset: Preset,
-    /// Random seed; the same seed gives the same F
-    #[arg(long, default_value_t = 0)]
-    seed: u64,
+    /// Random seed, by default 0; the same seed gives the same F
+    #[arg(long)]
+    seed: Option<u64>,
     /// Number of threads, by default one per core
     #[arg(long, value_parser = threads)]
     threads: Option<usize>,
@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &BarcodeArguments) -> Result<(), CliError> {
         [&arguments.left, &arguments.right].into_iter().flatten().map(PathBuf::as_path).collect();
     let output = arguments.result.prepare(&inputs)?;
     let mut parameters = arguments.overrides.parameters(arguments.preset)?;
-    parameters.seed = arguments.seed;
+    parameters.seed = arguments.seed.unwrap_or(parameters.seed);
     parameters.similarity.measure = LineMeasure::Barcodes;
     parameters.method = if arguments.pairs.len() < 2 { Method::LinesAlone } else { Method::TwoPoint };
 

@@ -38,9 +38,9 @@ pub(super) struct EstimateArguments {
     /// compares all lines of both images and needs no pair
     #[arg(long, value_enum)]
     method: Option<Method>,
-    /// Random seed; the same seed gives the same F
-    #[arg(long, default_value_t = 0)]
-    seed: u64,
+    /// Random seed, by default 0; the same seed gives the same F
+    #[arg(long)]
+    seed: Option<u64>,
     /// Number of threads, by default one per core
     #[arg(long, value_parser = threads)]
     threads: Option<usize>,
@@ -76,7 +76,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
         .chain(arguments.matches.as_deref());
     let output = arguments.result.prepare(&files.collect::<Vec<_>>())?;
     let mut parameters = arguments.overrides.parameters(arguments.preset)?;
-    parameters.seed = arguments.seed;
+    parameters.seed = arguments.seed.unwrap_or(parameters.seed);
     let fallback = match (arguments.pairs.len(), parameters.search) {
         (0, Search::Lines) if !arguments.images.is_sample() => Method::LinesAlone,
         (0..3, _) => Method::TwoPoint,
@@ -116,7 +116,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     let reasons = found.assessment.trust.iter().flat_map(|trust| &trust.reasons);
     let may_be_bent = |reason: &Reason| matches!(reason, Reason::Pattern { .. });
     if !arguments.cameras.is_given() && reasons.clone().any(may_be_bent) {
-        tell("a lens may bend the images: --division auto tries one");
+        tell("a lens may bend the images. Try --division auto");
     }
     let given: Vec<PointPair> = given.iter().flatten().map(|found| found.pair).collect();
     let beside = Beside { views: views.as_ref(), baseline, given: &given, ..Beside::default() };
@@ -143,7 +143,7 @@ fn fitted_lens(
     let lens = find_lens(&prepared, &found);
     match &lens {
         Some(lens) => tell(lens_in_words(lens, prepared.frames())),
-        None => tell("no lens explains the matches clearly better: the images are taken as they are"),
+        None => tell("no lens distortion fits the matches clearly better. The images are used as they are"),
     }
     Ok((found, lens))
 }

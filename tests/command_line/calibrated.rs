@@ -257,8 +257,10 @@ fn matches_of_another_program_are_measured_and_bad_ones_are_not_used() {
     let output = run(&["estimate", "--sample", "courtyard", "--matches", &given]);
     let words = text(&output.stdout);
     assert!(output.status.success() && words.contains("Given matches: "), "{words}");
-    let json = run(&["estimate", "--sample", "courtyard", "--matches", &given, "--json", "-"]);
+    let options = ["--set", "seed=7", "--json", "-"];
+    let json = run(&[&["estimate", "--sample", "courtyard", "--matches", &given][..], &options].concat());
     let result: Value = serde_json::from_slice(&json.stdout).unwrap();
+    assert_eq!(result["seed"], 7);
     assert_eq!(result["given_matches"].as_array().unwrap().len(), sample.matches.len());
     pictures.write("few.txt", "1 2 3 4\n5 6 7 8\n");
     let output = run(&["estimate", "--sample", "courtyard", "--matches", &pictures.text("few.txt")]);
@@ -271,7 +273,7 @@ fn a_lens_without_a_calibration_is_fitted_to_the_matches() {
     let [near, far, json] = ["near.png", "far.png", "fitted.json"].map(|name| lens.pictures.text(name));
     let output = run(&["estimate", &near, &far, "--division", "auto", "--json", &json]);
     assert!(output.status.success(), "{}", text(&output.stderr));
-    assert!(text(&output.stderr).contains("a lens explains the matches clearly better"));
+    assert!(text(&output.stderr).contains("it moves the corners by"));
     let result: Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
     let view = &result["calibrated"]["views"][0];
     let lambda = view["lens"]["radial"]["division"]["lambda"].as_f64().unwrap();
@@ -289,10 +291,14 @@ fn a_lens_without_a_calibration_is_fitted_to_the_matches() {
     let coefficient = lambda.to_string();
     let output = run(&[&rectify[..], &["--division", &coefficient]].concat());
     assert!(output.status.success(), "{}", text(&output.stderr));
+    // Its lines do not fit the pictures with distortion.
+    let suggested = run(&["suggest", &near, &far, "--at", "300,250", "--fundamental", &json]);
+    let told = text(&suggested.stderr);
+    assert!(told.contains("fitted.json belongs to views without lens distortion"), "{told}");
     fails(&["estimate", &near, &far, "--division", "7"], 2, "a number from -0.9 to 0.9, or auto");
     // Without distortion there is nothing to fit.
     let straight = run(&["estimate", "--sample", "courtyard", "--division", "auto"]);
     let told = text(&straight.stderr);
-    assert!(told.contains("no lens explains the matches clearly better"), "{told}");
+    assert!(told.contains("no lens distortion fits the matches clearly better"), "{told}");
     assert!(!text(&straight.stdout).contains("without distortion"));
 }

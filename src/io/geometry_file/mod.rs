@@ -38,6 +38,7 @@ use super::npy::rows_as_text;
 use super::number::rows;
 use super::output::{OutputFile, WriteError};
 use super::read::{Problem, ReadError, read_bytes, text_of};
+use super::vgg::read_camera;
 use crate::geometry::{FundamentalMatrix, PointPair};
 
 pub use self::content::{CalibratedNote, GeometryFile, ImageNote};
@@ -83,12 +84,20 @@ impl GeometryFile {
     pub fn read_geometry(path: &Path) -> Result<(FundamentalMatrix, Self), ReadError> {
         let (file, _) = Self::read_for(path, BareNumbers::Geometry)?;
         let missing = match &file.cameras {
-            Some(_) => "the two cameras have the same centre, so there is no fundamental matrix",
+            Some(_) => SAME_CENTRE,
             None => {
                 "there is no fundamental matrix in it (\"F\" or \"fundamental\"), nor two cameras (\"P1\" and \"P2\")"
             }
         };
         let fundamental = file.geometry().ok_or_else(|| ReadError::content(path, missing))?;
+        Ok((fundamental, file))
+    }
+
+    /// Reads two files with a camera each.
+    pub fn read_cameras([left, right]: [&Path; 2]) -> Result<(FundamentalMatrix, Self), ReadError> {
+        let cameras = Some([read_camera(left)?, read_camera(right)?]);
+        let file = Self { cameras, ..Self::default() };
+        let fundamental = file.geometry().ok_or_else(|| ReadError::content(right, SAME_CENTRE))?;
         Ok((fundamental, file))
     }
 
@@ -118,6 +127,8 @@ impl GeometryFile {
         Ok((fields.interpret()?, format))
     }
 }
+
+const SAME_CENTRE: &str = "the two cameras have the same centre, so there is no fundamental matrix";
 
 /// Advice for an XML file: the conversion to YAML with OpenCV.
 const XML: &str = "XML is not supported. Convert it to YAML with OpenCV in Python: s = cv2.FileStorage('F.xml', 0); cv2.FileStorage('F.yml', 1).write('F', s.getNode('F').mat())";
