@@ -82,8 +82,8 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), CliError> {
         // Cameras and homographies keep the convention that was read. Only F was checked.
         let file = GeometryFile {
             fundamental: Some(best.fundamental),
-            pairs: file.pairs.clone(),
-            images: file.images.clone(),
+            pairs: file.pairs,
+            images: file.images,
             ..GeometryFile::default()
         };
         corrected.write(&file)?;

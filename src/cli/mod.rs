@@ -27,7 +27,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 pub use arguments::{pixels, threads, whole};
-pub use console::{is_watched, run_program, tell, tell_in_place};
+pub use console::{run_program, tell};
 pub use error::CliError;
 pub use output::Output;
 pub use overrides::Overrides;

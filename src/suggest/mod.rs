@@ -237,9 +237,11 @@ fn epipolar_line(f: &FundamentalMatrix, image: ClickedImage, point: Point) -> Op
 /// Returns a grid of poses around one, `steps` to either side.
 fn poses(around: Pose, steps: i32) -> Vec<Pose> {
     let offsets = || (-steps..=steps).map(f64::from);
-    let rotations: Vec<f64> = offsets().map(|k| around.rotation + k * ROTATION_STEP).collect();
-    let scales: Vec<f64> = offsets().map(|k| around.scale * SCALE_STEP.powf(k)).collect();
-    Pose::grid(&rotations, &scales)
+    let rotated = |k: f64| {
+        let rotation = around.rotation + k * ROTATION_STEP;
+        offsets().map(move |k| Pose { rotation, scale: around.scale * SCALE_STEP.powf(k) })
+    };
+    offsets().flat_map(rotated).collect()
 }
 
 fn suggestion(view: &SearchView, point: Point, candidate: &FoundPlace) -> Suggestion {
