@@ -17,7 +17,7 @@ use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::image::Picture;
 use crate::io::{
     CalibratedCamera, GeometryFile, PictureFormat, RectifiedFiles, RectifiedOptions, StereoPair,
-    StereoPairFiles, StereoProgram, read_point_pairs,
+    StereoPairFiles, StereoProgram, read_matches,
 };
 use crate::rectify::{Distortion, Limits, Rectification, RectifyMethod, rectify, rectify_calibrated};
 
@@ -65,7 +65,7 @@ pub(super) struct RectifyArguments {
 /// Rectifies the images, writes the folder and prints a summary.
 pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let calibrated = arguments.cameras.calibration.read()?;
-    let given = arguments.matches.as_deref().map(read_point_pairs).transpose()?;
+    let given = arguments.matches.as_deref().map(read_matches).transpose()?;
     if arguments.cameras.fits_lens() {
         let unknown = "rectify makes no estimate, so it cannot fit the distortion. Give the coefficient that \
                        `epiline estimate --division auto` prints";
@@ -75,7 +75,8 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let result = arguments.fundamental.as_deref().map(|path| read_result(path, is_calibrated)).transpose()?;
     let (fundamental, found) = result.unzip();
     let (pictures, known) = arguments.images.load()?;
-    let mut matches = given.or(known).unwrap_or_default();
+    let given = given.map(|given| given.iter().map(|found| found.pair).collect());
+    let mut matches: Vec<PointPair> = given.or(known).unwrap_or_default();
     let calibrated = arguments.cameras.of_pictures(calibrated, &pictures, None)?;
     let views = calibrated.as_ref().map(|cameras| views(cameras, &pictures)).transpose()?;
     if let Some(views) = &views {

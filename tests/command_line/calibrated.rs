@@ -289,8 +289,13 @@ fn a_lens_without_a_calibration_is_fitted_to_the_matches() {
     fails(&rectify, 2, "--division");
     fails(&[&rectify[..], &["--division", "auto"]].concat(), 2, "epiline estimate --division auto");
     let coefficient = lambda.to_string();
-    let output = run(&[&rectify[..], &["--division", &coefficient]].concat());
-    assert!(output.status.success(), "{}", text(&output.stderr));
+    for matches in [&[][..], &["--matches", &json]] {
+        let output = run(&[&rectify[..], &["--division", &coefficient], matches].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let words = text(&output.stdout);
+        let error = words.split(" matches: ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
+        assert!(error.parse::<f64>().unwrap() < 0.5, "{words}");
+    }
     // Its lines do not fit the pictures with distortion.
     let suggested = run(&["suggest", &near, &far, "--at", "300,250", "--fundamental", &json]);
     let told = text(&suggested.stderr);
