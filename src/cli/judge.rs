@@ -178,8 +178,8 @@ impl JudgeArguments {
         files.map(PathBuf::as_path).chain(self.calibration.files())
     }
 
-    /// Reads the geometry, and its covariance if the file has one. `None` for a calibration or rectified
-    /// images.
+    /// Reads the geometry, and its covariance if the file has one. `None` for a calibration or
+    /// rectified images.
     fn given(&self) -> Result<Option<(GivenGeometry, Option<Matrix9>)>, CliError> {
         let files: Vec<&Path> =
             self.fundamental.iter().chain(self.cameras.iter().flatten()).map(PathBuf::as_path).collect();

@@ -108,12 +108,12 @@ pub fn check_convention(
     }
     // A stable sort: of equal readings the simpler comes first.
     readings.sort_by(|a, b| a.median.total_cmp(&b.median));
-    believe(&mut readings, limit);
+    prefer_simplest(&mut readings, limit);
     Ok(ConventionCheck { readings, limit, matches: matches.len() })
 }
 
 /// Moves the simplest of the readings that are indistinguishable from the best one to the front.
-fn believe(readings: &mut Vec<RankedReading>, limit: f64) {
+fn prefer_simplest(readings: &mut Vec<RankedReading>, limit: f64) {
     let Some(best) = readings.first().cloned() else { return };
     let credible = |r: &RankedReading| !r.is_told_from(&best, limit);
     let simplest = (0..readings.len())

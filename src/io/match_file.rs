@@ -22,7 +22,8 @@ const MOST_BYTES: u64 = 256 << 20;
 /// Smallest prior of a match: a score of zero does not exclude it.
 const LEAST_PRIOR: f64 = 0.01;
 
-/// Reads matches, in the pictures as they are. Scores become prior probabilities, covariances become scales of the noise.
+/// Reads matches, in the pictures as they are. Scores become prior probabilities, covariances become
+/// scales of the noise.
 pub fn read_matches(path: &Path) -> Result<Vec<Match>, ReadError> {
     let bytes = read_bytes(path)?;
     if bytes.starts_with(b"PK") {

@@ -45,8 +45,8 @@ pub struct Reference<'a> {
     pub frames: [Frame; 2],
     /// False if the matches are too few or too doubtful to contradict a geometry.
     pub is_trusted: bool,
-    /// Covariance of the nine entries of the matrix with norm 1, row by row, if it is known. A covariance
-    /// of the judged geometry is added to it.
+    /// Covariance of the nine entries of the matrix with norm 1, row by row, if it is known. A
+    /// covariance of the judged geometry is added to it.
     pub covariance: Option<Matrix9>,
 }
 
@@ -158,8 +158,9 @@ pub fn judge(given: &GivenGeometry, reference: &Reference, limit: f64) -> Option
 }
 
 impl Reference<'_> {
-    /// Returns the distance of a geometry from the reference, px: of its lines at the matches, or of the
-    /// matches from its lines if that is larger. It is larger where a lens bends the lines of the images.
+    /// Returns the distance of a geometry from the reference, px: of its lines at the matches, or of
+    /// the matches from its lines if that is larger. It is larger where a lens bends the lines of the
+    /// images.
     fn distance(&self, f: &FundamentalMatrix) -> f64 {
         let farther = residuals(f, self.matches).median - residuals(&self.fundamental, self.matches).median;
         self.lines_apart(f).median.max(farther)

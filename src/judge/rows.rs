@@ -53,8 +53,8 @@ pub struct RowJudgement {
 const FAR_FROM_ROWS: f64 = 20.0;
 
 impl RowJudgement {
-    /// Returns whether the rows differ by more than the drift of a rig explains. The pair was then never
-    /// rectified, or it was rectified for other cameras.
+    /// Returns whether the rows differ by more than the drift of a rig explains. The pair was then
+    /// never rectified, or it was rectified for other cameras.
     pub fn is_far_off(&self) -> bool {
         self.typical > FAR_FROM_ROWS * self.limit
     }

@@ -16,7 +16,8 @@ const WORTH: f64 = 0.3;
 const OCTAVES: f64 = 3.0;
 /// Steps per octave. The cost falls towards the right factor only within 4 % of it.
 const STEPS: f64 = 16.0;
-/// Largest coefficient of distortion tried. At 0.6, corners move by 60 % of their distance from the middle.
+/// Largest coefficient of distortion tried. At 0.6, corners move by 60 % of their distance from the
+/// middle.
 const MOST_BENT: f64 = 0.6;
 /// Step between coefficients of distortion.
 const BENT_STEP: f64 = 0.02;
@@ -81,9 +82,9 @@ fn half_pixels() -> impl Iterator<Item = Change> {
     one.chain([Change::HalfPixel { images: Affected::Both, offset: -0.5 }])
 }
 
-/// Returns the shift by half a pixel after which the geometry differs from the reference by no more than
-/// the covariance allows. Such a shift moves lines by less than the usual limit, so only the covariance
-/// shows it.
+/// Returns the shift by half a pixel after which the geometry differs from the reference by no more
+/// than the covariance allows. Such a shift moves lines by less than the usual limit, so only the
+/// covariance shows it.
 pub(super) fn half_pixel(
     given: &FundamentalMatrix,
     reference: &Reference,

@@ -2,7 +2,8 @@
 //!
 //! `F` has seven degrees of freedom. With `δ` the difference of the nine entries, both matrices with norm
 //! 1, and `C` their covariance of rank 7, `δᵀ C⁺ δ` has a χ² distribution with seven degrees of freedom
-//! if chance explains the difference (Hartley & Zisserman, §5.2.3). The distribution holds to first order.
+//! if chance explains the difference (Hartley & Zisserman, §5.2.3). The distribution holds to first
+//! order.
 
 use nalgebra::{Matrix3, SVector};
 use serde::Serialize;

@@ -13,7 +13,8 @@ const NEIGHBOURS: usize = 5;
 const LARGEST_DEVIATION: f64 = 0.01;
 /// Maximum distance of a match from its expected place, standard deviations.
 const DEVIATIONS: f64 = 3.0;
-/// Largest ratio of the eigenvalues of the normal matrix. Neighbours in one row determine no affine map.
+/// Largest ratio of the eigenvalues of the normal matrix. Neighbours in one row determine no affine
+/// map.
 const ROW: f64 = 1e8;
 
 /// Place of a match, predicted by its neighbours.

@@ -63,8 +63,8 @@ const SMALLEST_SIDE: usize = 24;
 const NOISE: f64 = 1e-3;
 /// Step between searched rotations, radians.
 const ROTATION_STEP: f64 = std::f64::consts::PI / 12.0;
-/// Minimum correlation of a clear suggestion at the place that its neighbours expect. It is low, because
-/// surfaces turned away look less alike and few wrong places lie there.
+/// Minimum correlation of a clear suggestion at the place that its neighbours expect. It is low,
+/// because surfaces turned away look less alike and few wrong places lie there.
 const EXPECTED_CORRELATION: f64 = 0.6;
 /// Ratio between searched scales.
 const SCALE_STEP: f64 = 1.19;

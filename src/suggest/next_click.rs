@@ -31,8 +31,8 @@ const APART: f64 = 0.03;
 /// Minimum number of matches that can surround a place.
 const FEWEST_AROUND: usize = 3;
 /// Maximum distance of a place from matches of the result, as a fraction of the longer side. Farther
-/// away, the other image may not show the same part of the scene. Half of this distance leaves few places
-/// on sparsely matched pictures; twice of it reaches across the border of the common part.
+/// away, the other image may not show the same part of the scene. Half of this distance leaves few
+/// places on sparsely matched pictures; twice of it reaches across the border of the common part.
 const NEAR: f64 = 0.08;
 /// Smallest number of matches near a place, as a share of the median number near a match. Outside the
 /// common part of the images, a few corners fit F by chance.

@@ -88,8 +88,8 @@ impl GeometryFile {
         if self.found.is_empty() { self.pairs } else { self.found }
     }
 
-    /// Returns [`matches`](Self::matches) in the pictures as they are. The matches of a result may belong
-    /// to views without distortion.
+    /// Returns [`matches`](Self::matches) in the pictures as they are. The matches of a result may
+    /// belong to views without distortion.
     pub(in crate::io) fn original_matches(self) -> Vec<PointPair> {
         let clicks = if self.found.is_empty() { 0 } else { self.pairs.len() };
         let calibrated = self.calibrated.as_ref().filter(|_| self.is_undistorted);
