@@ -12,9 +12,7 @@ pub mod comparison {
 /// Building blocks of a command line.
 #[cfg(feature = "cli")]
 pub mod cli {
-    pub use crate::cli::{
-        CliError, Output, Overrides, is_watched, pixels, run_program, tell, tell_in_place, threads, whole,
-    };
+    pub use crate::cli::{CliError, Output, Overrides, pixels, run_program, tell, threads, whole};
 }
 
 /// The window.

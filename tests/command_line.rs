@@ -154,6 +154,7 @@ mod options {
             (["--seed", "-1"], "--seed"),
             (["--threads", "0"], "from 1 to 256"),
             (["--set", "nonsense=1"], "there is no parameter nonsense"),
+            (["--set", "seed=-1"], "--set seed=-1"),
         ] {
             pictures.estimate_fails("left.png", "right.png", &[&GOOD[..], &rest].concat(), 2, words);
         }

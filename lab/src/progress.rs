@@ -1,9 +1,10 @@
 //! Progress of the trials on standard error.
 
+use std::io::{IsTerminal, Write};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use epiline::internals::cli::{is_watched, tell, tell_in_place};
+use epiline::internals::{cli::tell, excerpt};
 
 use crate::TrialDone;
 
@@ -16,7 +17,7 @@ pub(super) struct ProgressLine {
 
 impl ProgressLine {
     pub(super) fn new() -> Self {
-        Self { started: Instant::now(), watched: is_watched(), last: Mutex::new(None) }
+        Self { started: Instant::now(), watched: std::io::stderr().is_terminal(), last: Mutex::new(None) }
     }
 
     pub(super) fn hear(&self, news: &TrialDone) {
@@ -39,7 +40,7 @@ impl ProgressLine {
             news.pair,
             news.contender
         );
-        if self.watched { tell_in_place(line) } else { tell(line) }
+        if self.watched { tell_in_place(&line) } else { tell(line) }
     }
 
     pub(super) fn finish(&self) {
@@ -47,6 +48,12 @@ impl ProgressLine {
             tell_in_place("");
         }
     }
+}
+
+/// Overwrites the current line of the terminal. Errors are ignored: there is no other channel.
+fn tell_in_place(line: &str) {
+    let mut err = std::io::stderr();
+    let _ = write!(err, "\r\x1b[2K{}", excerpt(line)).and_then(|()| err.flush());
 }
 
 /// Formats seconds, or minutes and seconds.

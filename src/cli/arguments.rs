@@ -16,27 +16,22 @@ use crate::synthetic::{Sample, SamplePair};
 
 /// Parses finite numbers separated by commas.
 fn numbers<const N: usize>(text: &str, expected: &str) -> Result<[f64; N], String> {
-    let number = |cell: &str| match cell.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!("expected {expected} (pixels), but \"{cell}\" is not a finite number")),
-    };
     let cells: Vec<&str> = text.split(',').map(str::trim).collect();
-    let wrong = || format!("expected {expected} (pixels), found {}", cells.len());
-    let cells: &[&str; N] = cells.as_slice().try_into().map_err(|_| wrong())?;
-    let mut all = [0.0; N];
-    for (value, cell) in all.iter_mut().zip(cells) {
-        *value = number(cell)?;
+    let cells: [&str; N] = cells
+        .try_into()
+        .map_err(|cells: Vec<_>| format!("expected {expected} (pixels), found {}", cells.len()))?;
+    let values = cells.map(|cell| cell.parse().unwrap_or(f64::NAN));
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(k) => Err(format!("expected {expected} (pixels), but \"{}\" is not a finite number", cells[k])),
+        None => Ok(values),
     }
-    Ok(all)
 }
 
-/// Parses four numbers separated by commas.
 pub(super) fn point_pair(text: &str) -> Result<PointPair, String> {
     let [x1, y1, x2, y2] = numbers(text, "four numbers X1,Y1,X2,Y2")?;
     Ok(PointPair::new(x1, y1, x2, y2))
 }
 
-/// Parses two numbers separated by a comma.
 pub(super) fn point(text: &str) -> Result<Point, String> {
     Ok(numbers::<2>(text, "two numbers X,Y")?.into())
 }
@@ -67,17 +62,14 @@ impl ImagePair {
         Ok(([Picture::open(left)?, Picture::open(right)?], None))
     }
 
-    /// Returns whether a built-in pair was selected.
     pub(super) fn is_sample(&self) -> bool {
         self.sample.is_some()
     }
 
-    /// Returns the image files given.
     pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
         [&self.left, &self.right].into_iter().flatten().map(PathBuf::as_path)
     }
 
-    /// Loads the built-in pair, if selected.
     pub(super) fn sample(&self) -> Result<Option<SamplePair>, CliError> {
         self.sample.as_deref().map(|name| Ok(built_in(name)?.load())).transpose()
     }

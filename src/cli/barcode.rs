@@ -18,9 +18,9 @@ use crate::similarity::LineMeasure;
 use crate::synthetic::{BallScene, ThrownBalls};
 
 /// Maximum number of offsets reported.
-const TOLD: usize = 3;
+const REPORTED: usize = 3;
 /// Frames between two progress messages.
-const NEWS: usize = 100;
+const FRAMES_PER_MESSAGE: usize = 100;
 
 /// Estimate the fundamental matrix of two stationary cameras from two sequences recorded at the
 /// same time
@@ -51,9 +51,9 @@ pub(super) struct BarcodeArguments {
     /// Preset of the parameters
     #[arg(long, value_enum, default_value_t)]
     preset: Preset,
-    /// Random seed; the same seed gives the same F
-    #[arg(long, default_value_t = 0)]
-    seed: u64,
+    /// Random seed, by default 0; the same seed gives the same F
+    #[arg(long)]
+    seed: Option<u64>,
     /// Number of threads, by default one per core
     #[arg(long, value_parser = threads)]
     threads: Option<usize>,
@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &BarcodeArguments) -> Result<(), CliError> {
         [&arguments.left, &arguments.right].into_iter().flatten().map(PathBuf::as_path).collect();
     let output = arguments.result.prepare(&inputs)?;
     let mut parameters = arguments.overrides.parameters(arguments.preset)?;
-    parameters.seed = arguments.seed;
+    parameters.seed = arguments.seed.unwrap_or(parameters.seed);
     parameters.similarity.measure = LineMeasure::Barcodes;
     parameters.method = if arguments.pairs.len() < 2 { Method::LinesAlone } else { Method::TwoPoint };
 
@@ -102,7 +102,7 @@ fn sequences(arguments: &BarcodeArguments) -> Result<[SequenceFile; 2], CliError
     };
     let read = |path: &Path| -> Result<SequenceFile, CliError> {
         let each = |count: usize| {
-            if count.is_multiple_of(NEWS) {
+            if count.is_multiple_of(FRAMES_PER_MESSAGE) {
                 tell(format_args!("{count} frames of {} read", path.display()));
             }
         };
@@ -147,7 +147,7 @@ fn best_offset(both: [&Silhouettes; 2]) -> Result<i32, CliError> {
         ));
     }
     let told: Vec<String> =
-        found.iter().take(TOLD).map(|one| format!("{} ({:.3})", one.offset, one.correlation)).collect();
+        found.iter().take(REPORTED).map(|one| format!("{} ({:.3})", one.offset, one.correlation)).collect();
     tell(format_args!("Best offsets (correlation): {}", told.join(", ")));
     let clear = clear_offset(&found);
     if clear.is_none() {

@@ -44,7 +44,6 @@ pub(super) struct CameraArguments {
     division: Option<Vec<TypedDivision>>,
 }
 
-/// Distortion of the command line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum TypedDivision {
     /// λ of the division model.
@@ -65,12 +64,9 @@ impl FromStr for TypedDivision {
     }
 }
 
-/// A focal length of the command line.
 #[derive(Debug, Clone, Copy)]
 enum TypedFocal {
-    /// Typed focal length, px.
     Pixels(f64),
-    /// Focal length of the EXIF data.
     Exif,
 }
 

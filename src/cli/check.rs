@@ -82,8 +82,8 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), CliError> {
         // Cameras and homographies keep the convention that was read. Only F was checked.
         let file = GeometryFile {
             fundamental: Some(best.fundamental),
-            pairs: file.pairs.clone(),
-            images: file.images.clone(),
+            pairs: file.pairs,
+            images: file.images,
             ..GeometryFile::default()
         };
         corrected.write(&file)?;
@@ -117,10 +117,10 @@ fn table(check: &ConventionCheck, format: Format, all: bool) -> String {
 }
 
 fn row(ranked: &RankedReading, best: &RankedReading) -> String {
-    let apart = match (ranked.told_apart, std::ptr::eq(ranked, best)) {
-        (_, true) => "",
-        (true, _) => "yes",
-        (false, _) => "no",
+    let apart = match ranked.told_apart {
+        _ if std::ptr::eq(ranked, best) => "",
+        true => "yes",
+        false => "no",
     };
     format!("{:>12.3}{:>13.0} %{apart:>12}  {}\n", ranked.median, 100.0 * ranked.within, ranked.reading)
 }

@@ -1,7 +1,7 @@
 //! Standard output and standard error. A closed pipe or a panic prints no stack trace.
 
 use std::fmt::Display;
-use std::io::{ErrorKind, IsTerminal, Write};
+use std::io::{ErrorKind, Write};
 use std::panic::AssertUnwindSafe;
 use std::process::ExitCode;
 
@@ -23,17 +23,6 @@ pub(super) fn print(text: &str) -> Result<(), CliError> {
 /// Writes a line to standard error. Errors are ignored: there is no other channel.
 pub fn tell(line: impl Display) {
     let _ = writeln!(std::io::stderr(), "{}", escaped_lines(&line.to_string()));
-}
-
-/// Overwrites the current line of the terminal.
-pub fn tell_in_place(line: impl Display) {
-    let mut err = std::io::stderr();
-    let _ = write!(err, "\r\x1b[2K{}", escaped(&line.to_string())).and_then(|()| err.flush());
-}
-
-/// Returns whether standard error is a terminal.
-pub fn is_watched() -> bool {
-    std::io::stderr().is_terminal()
 }
 
 /// Runs a program: parses its command line, runs the command, and prints an error in one line.

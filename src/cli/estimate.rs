@@ -38,9 +38,9 @@ pub(super) struct EstimateArguments {
     /// compares all lines of both images and needs no pair
     #[arg(long, value_enum)]
     method: Option<Method>,
-    /// Random seed; the same seed gives the same F
-    #[arg(long, default_value_t = 0)]
-    seed: u64,
+    /// Random seed, by default 0; the same seed gives the same F
+    #[arg(long)]
+    seed: Option<u64>,
     /// Number of threads, by default one per core
     #[arg(long, value_parser = threads)]
     threads: Option<usize>,
@@ -61,12 +61,6 @@ pub(super) struct EstimateArguments {
     overrides: Overrides,
 }
 
-/// Images and the clicks on them.
-struct EstimateInput {
-    pictures: [Picture; 2],
-    pairs: Vec<PointPair>,
-}
-
 /// Estimates F, writes the JSON file and prints the summary.
 pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     let files = arguments
@@ -76,7 +70,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
         .chain(arguments.matches.as_deref());
     let output = arguments.result.prepare(&files.collect::<Vec<_>>())?;
     let mut parameters = arguments.overrides.parameters(arguments.preset)?;
-    parameters.seed = arguments.seed;
+    parameters.seed = arguments.seed.unwrap_or(parameters.seed);
     let fallback = match (arguments.pairs.len(), parameters.search) {
         (0, Search::Lines) if !arguments.images.is_sample() => Method::LinesAlone,
         (0..3, _) => Method::TwoPoint,
@@ -86,28 +80,28 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
 
     let calibrated = arguments.cameras.calibration.read()?;
     let mut given = arguments.matches.as_deref().map(read_matches).transpose()?;
-    let mut input = input(arguments, parameters.pairs_needed(), parameters.method)?;
+    let (mut pictures, mut pairs) = input(arguments, parameters.pairs_needed(), parameters.method)?;
     let (mut first, mut lambdas) = (None, None);
     if arguments.cameras.fits_lens() {
         let (found, lens) =
-            on_threads(arguments.threads, || fitted_lens(&input, given.as_deref(), &parameters))??;
+            on_threads(arguments.threads, || fitted_lens(&pictures, &pairs, given.as_deref(), &parameters))??;
         (first, lambdas) = (Some(found), lens.map(|lens| lens.lambdas));
     }
-    let calibrated = arguments.cameras.of_pictures(calibrated, &input.pictures, lambdas)?;
+    let calibrated = arguments.cameras.of_pictures(calibrated, &pictures, lambdas)?;
     let baseline = calibrated.as_ref().and_then(CalibratedCamera::baseline);
-    let views = calibrated.map(|cameras| views(&cameras, &input.pictures)).transpose()?;
+    let views = calibrated.map(|cameras| views(&cameras, &pictures)).transpose()?;
     if let Some(views) = &views {
-        input.pairs = undistorted_pairs(&input.pairs, views)?;
+        pairs = undistorted_pairs(&pairs, views)?;
         undistort_matches(&mut given, views)?;
-        input.pictures = undistorted(input.pictures, views);
+        pictures = undistorted(pictures, views);
     }
-    let [image1, image2] = &input.pictures;
+    let [image1, image2] = &pictures;
     let compute = |monitor: &Monitor| {
         let Some(given) = &given else {
-            return estimate(&image1.gray, &image2.gray, &input.pairs, &parameters, monitor);
+            return estimate(&image1.gray, &image2.gray, &pairs, &parameters, monitor);
         };
-        let prepared = prepared(&input.pictures, Some(given), parameters.seed);
-        estimate_prepared(&prepared, &input.pairs, &parameters, monitor)
+        let prepared = prepared(&pictures, Some(given), parameters.seed);
+        estimate_prepared(&prepared, &pairs, &parameters, monitor)
     };
     let found = match first.filter(|_| views.is_none()) {
         Some(found) => found,
@@ -116,11 +110,11 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     let reasons = found.assessment.trust.iter().flat_map(|trust| &trust.reasons);
     let may_be_bent = |reason: &Reason| matches!(reason, Reason::Pattern { .. });
     if !arguments.cameras.is_given() && reasons.clone().any(may_be_bent) {
-        tell("a lens may bend the images: --division auto tries one");
+        tell("a lens may bend the images. Try --division auto");
     }
     let given: Vec<PointPair> = given.iter().flatten().map(|found| found.pair).collect();
     let beside = Beside { views: views.as_ref(), baseline, given: &given, ..Beside::default() };
-    output.write(&found, &input.pairs, &input.pictures, &parameters, beside)
+    output.write(&found, &pairs, &pictures, &parameters, beside)
 }
 
 /// Prepares the images, with matches from elsewhere.
@@ -134,35 +128,38 @@ fn prepared(pictures: &[Picture; 2], given: Option<&[Match]>, seed: u64) -> Prep
 
 /// Fits the distortion of the lens to the matches of a first estimate, and tells it. Returns both.
 fn fitted_lens(
-    input: &EstimateInput,
+    pictures: &[Picture; 2],
+    pairs: &[PointPair],
     given: Option<&[Match]>,
     parameters: &Parameters,
 ) -> Result<(Estimate, Option<DivisionFit>), CliError> {
-    let prepared = prepared(&input.pictures, given, parameters.seed);
-    let found = watched(|monitor| estimate_prepared(&prepared, &input.pairs, parameters, monitor))?;
+    let prepared = prepared(pictures, given, parameters.seed);
+    let found = watched(|monitor| estimate_prepared(&prepared, pairs, parameters, monitor))?;
     let lens = find_lens(&prepared, &found);
     match &lens {
         Some(lens) => tell(lens_in_words(lens, prepared.frames())),
-        None => tell("no lens explains the matches clearly better: the images are taken as they are"),
+        None => tell("no lens distortion fits the matches clearly better. The images are used as they are"),
     }
     Ok((found, lens))
 }
 
-/// Reads the images after checking the number of pairs, which is faster. A built-in pair has its
-/// own points.
-fn input(arguments: &EstimateArguments, needed: usize, method: Method) -> Result<EstimateInput, CliError> {
+/// Returns the pictures and the point pairs. Their number is checked before the pictures are read. A
+/// built-in pair has points of its own.
+fn input(
+    arguments: &EstimateArguments,
+    needed: usize,
+    method: Method,
+) -> Result<([Picture; 2], Vec<PointPair>), CliError> {
     let EstimateArguments { images, pairs, .. } = arguments;
-    let found = pairs.len();
     if let Some(sample) = images.sample()? {
         let own = sample.show_me.into_iter().chain([sample.third]).take(method.pairs_needed());
-        let pairs = if pairs.is_empty() { own.collect() } else { pairs.clone() };
-        return Ok(EstimateInput { pictures: sample.pictures, pairs });
+        return Ok((sample.pictures, if pairs.is_empty() { own.collect() } else { pairs.clone() }));
     }
+    let found = pairs.len();
     if found < needed {
         return Err(EstimateError::TooFewPairs { found, needed }.into());
     }
-    let (pictures, _) = images.load()?;
-    Ok(EstimateInput { pictures, pairs: pairs.clone() })
+    Ok((images.load()?.0, pairs.clone()))
 }
 
 /// Runs an estimate with its progress on standard error.

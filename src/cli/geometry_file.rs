@@ -8,9 +8,10 @@ use super::CliError;
 use super::console::{print, tell};
 use super::output::Output;
 use crate::foreign::shown_path;
+use crate::geometry::FundamentalMatrix;
 use crate::image::Picture;
 use crate::io::{
-    Format, GeometryFile, ImageNote, OutputFile, cloud_as_ply, matrix_as_npy, read_camera, read_point_pairs,
+    Format, GeometryFile, ImageNote, OutputFile, cloud_as_ply, matrix_as_npy, read_point_pairs,
     refuse_clashes,
 };
 
@@ -34,15 +35,7 @@ impl GeometryInput {
     /// those in the file.
     pub(super) fn read(&self) -> Result<(GeometryFile, Format), CliError> {
         let (mut file, format) = match &self.camera2 {
-            Some(camera2) => {
-                let cameras = Some([read_camera(&self.file)?, read_camera(camera2)?]);
-                let file = GeometryFile { cameras, ..GeometryFile::default() };
-                if file.geometry().is_none() {
-                    let problem = "the two cameras have the same centre, so there is no fundamental matrix";
-                    return Err(CliError::Arguments(problem.into()));
-                }
-                (file, Format::Text)
-            }
+            Some(camera2) => (GeometryFile::read_cameras([&self.file, camera2])?.1, Format::Text),
             None => GeometryFile::read(&self.file)?,
         };
         if let Some(matches) = &self.matches {
@@ -60,13 +53,24 @@ impl GeometryInput {
         files.map(PathBuf::as_path).collect()
     }
 
-    /// Returns the path of the geometry file.
     pub(super) fn path(&self) -> &Path {
         &self.file
     }
 }
 
-/// Returns the names and sizes of the pictures.
+/// Reads a geometry for pictures that keep their distortion. A geometry of views without distortion
+/// gets a note.
+pub(super) fn read_geometry(path: &Path) -> Result<(FundamentalMatrix, GeometryFile), CliError> {
+    let (fundamental, file) = GeometryFile::read_geometry(path)?;
+    if file.is_undistorted {
+        tell(format_args!(
+            "note: {} belongs to views without lens distortion. It fits only images without distortion",
+            shown_path(path)
+        ));
+    }
+    Ok((fundamental, file))
+}
+
 pub(super) fn image_notes(pictures: &[Picture; 2]) -> [ImageNote; 2] {
     [0, 1].map(|k| ImageNote { name: pictures[k].name.clone(), frame: pictures[k].frame() })
 }
@@ -145,12 +149,10 @@ impl GeometryOutput {
         Ok((output, geometry))
     }
 
-    /// Returns the output file, if there is one.
     pub(super) fn file(&self) -> Option<&Path> {
         self.file.as_ref().map(OutputFile::path)
     }
 
-    /// Returns whether the output is scene points.
     pub(super) fn is_cloud(&self) -> bool {
         matches!(self.content, Content::Cloud)
     }
@@ -160,7 +162,6 @@ impl GeometryOutput {
         self.file.is_none()
     }
 
-    /// Describes the destination and the format.
     pub(super) fn place(&self) -> String {
         let label = self.content.label();
         match &self.file {

@@ -12,13 +12,14 @@ use super::CliError;
 use super::arguments::{ImagePair, on_threads, pixels, threads};
 use super::calibration::{CalibrationArguments, undistort_matches, undistorted, views};
 use super::estimate::watched;
+use super::geometry_file::read_geometry;
 use super::output::Output;
 use crate::camera::{PoseDifference, RelativePose, ViewPair};
 use crate::estimate::{Match, Monitor, Parameters, Uncertainty, Verdict, estimate, estimate_fundamental};
 use crate::foreign::{reason, shown_path};
 use crate::geometry::{Frame, FundamentalMatrix, Matrix9, PointPair};
 use crate::image::Picture;
-use crate::io::{CalibratedCamera, GeometryFile, read_camera, read_matches, refuse_clashes};
+use crate::io::{CalibratedCamera, GeometryFile, read_matches, refuse_clashes};
 use crate::judge::{
     FEWEST_MATCHES, Finding, GivenGeometry, Judgement, LIMIT, ROW_LIMIT, Reference, RowJudgement, judge,
     judge_rows,
@@ -27,12 +28,12 @@ use crate::presentation::{NO_BASELINE, judgement_in_words, pose_difference_in_wo
 
 /// Judge whether a geometry from elsewhere fits two images, or whether they are rectified
 ///
-/// The geometry is a matrix, two cameras, or a stereo calibration with lenses (--calibration).
-/// Compares the epipolar lines with the lines that the images show: an estimate without clicks and its
-/// matches. If the geometry does not fit, the command looks for the simplest change that makes it
-/// fit: another convention; resized, cropped, mirrored or turned images; mistakes with cameras;
-/// missing lens distortion. The exit status is 0 if it fits, 1 if it does not, and 2 for bad input
-/// or images that do not show enough.
+/// The geometry is a matrix, two cameras, or a stereo calibration with lenses (--calibration). The
+/// command estimates the geometry of the images without clicks, and compares the epipolar lines of
+/// both geometries at the matches. If they differ, it looks for the simplest change after which the
+/// geometry fits: another convention; resized, cropped, mirrored or turned images; mistakes with
+/// cameras; missing lens distortion. The exit status is 0 if it fits, 1 if it does not, and 2 for bad
+/// input or images that do not show enough.
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("judged").required(true).args(["fundamental", "cameras", "rectified", "calibration"]))]
 pub(super) struct JudgeArguments {
@@ -52,14 +53,14 @@ pub(super) struct JudgeArguments {
     /// Matches to judge by, instead of the matches that the program finds
     #[arg(long, value_name = "FILE")]
     matches: Option<PathBuf>,
-    /// Largest median distance between lines that agree, px, by default 1; with --rectified the
-    /// largest typical difference of rows, by default 0.5
+    /// Largest median distance between the epipolar lines of a geometry that fits, px, by default 1.
+    /// With --rectified: largest typical difference of rows, by default 0.5
     #[arg(long, value_name = "PX", value_parser = pixels)]
     limit: Option<f64>,
     /// Write the judgement as JSON; - is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// With --rectified, add a line to a CSV file, to see how a pair of cameras drifts
+    /// With --rectified, add a line to a CSV file, which shows how a pair of cameras drifts
     #[arg(long, value_name = "FILE", requires = "rectified")]
     log: Option<PathBuf>,
     /// Random seed; the same seed gives the same judgement
@@ -85,11 +86,11 @@ struct JudgeFile<'a, T: Serialize> {
     version: &'static str,
 }
 
-/// The images' own geometry.
+/// Geometry that the images show.
 struct Shown {
     fundamental: FundamentalMatrix,
     matches: Vec<PointPair>,
-    /// Whether the matches may contradict a geometry. True for matches that a person gives.
+    /// Whether the matches can refute a geometry. True for matches that a person gives.
     is_trusted: bool,
     /// Whether the verdict leaves the epipole open, and with it the pose.
     is_open: bool,
@@ -105,11 +106,7 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     refuse_clashes(&outputs, &inputs)?;
     arguments.log.as_deref().map(check_log).transpose()?;
     let calibrated = arguments.calibration.read()?;
-    let needs_file = !arguments.rectified && calibrated.is_none();
-    let (mut given, own_covariance) = match needs_file.then(|| arguments.given()).transpose()? {
-        Some((given, covariance)) => (Some(given), covariance),
-        None => (None, None),
-    };
+    let (mut given, own_covariance) = arguments.given()?.unzip();
     let mut matches = arguments.matches.as_deref().map(read_matches).transpose()?;
     let (mut pictures, _) = arguments.images.load()?;
     let mut stereo = None;
@@ -150,7 +147,8 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     let Shown { fundamental, matches, is_trusted, is_open, covariance, .. } = &shown;
     let (fundamental, is_trusted) = (*fundamental, *is_trusted);
     // Both geometries may be uncertain; without a covariance, the judged one counts as exact.
-    let covariance = covariance.map(|covariance| covariance + own_covariance.unwrap_or_else(Matrix9::zeros));
+    let covariance =
+        covariance.map(|covariance| covariance + own_covariance.flatten().unwrap_or_else(Matrix9::zeros));
     let reference = Reference { fundamental, matches, frames, is_trusted, covariance };
     let found: Judgement = judge(&given, &reference, arguments.limit.unwrap_or(LIMIT)).ok_or_else(too_few)?;
     let mut words = judgement_in_words(&found);
@@ -180,25 +178,22 @@ impl JudgeArguments {
         files.map(PathBuf::as_path).chain(self.calibration.files())
     }
 
-    /// Reads the geometry, and its covariance if the file has one.
-    fn given(&self) -> Result<(GivenGeometry, Option<Matrix9>), CliError> {
-        let file = match (self.cameras.as_deref(), &self.fundamental) {
-            (Some([left, right]), _) => GeometryFile {
-                cameras: Some([read_camera(left)?, read_camera(right)?]),
-                ..GeometryFile::default()
-            },
-            (Some([one]), _) | (None, Some(one)) => GeometryFile::read_geometry(one)?.1,
-            _ => GeometryFile::default(),
+    /// Reads the geometry, and its covariance if the file has one. `None` for a calibration or
+    /// rectified images.
+    fn given(&self) -> Result<Option<(GivenGeometry, Option<Matrix9>)>, CliError> {
+        let files: Vec<&Path> =
+            self.fundamental.iter().chain(self.cameras.iter().flatten()).map(PathBuf::as_path).collect();
+        let (fundamental, file) = match files[..] {
+            [left, right] => GeometryFile::read_cameras([left, right])?,
+            [one, ..] => read_geometry(one)?,
+            [] => return Ok(None),
         };
         if self.cameras.is_some() && file.cameras.is_none() {
             return Err(CliError::Arguments(
                 "there are no two cameras in the file (P1 and P2). Use --fundamental for a matrix".into(),
             ));
         }
-        let missing =
-            || CliError::Arguments("the two cameras have the same centre, so there is no F".to_owned());
-        let fundamental = file.geometry().ok_or_else(missing)?;
-        Ok((GivenGeometry { fundamental, cameras: file.cameras }, file.covariance))
+        Ok(Some((GivenGeometry { fundamental, cameras: file.cameras }, file.covariance)))
     }
 }
 

@@ -27,7 +27,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 pub use arguments::{pixels, threads, whole};
-pub use console::{is_watched, run_program, tell, tell_in_place};
+pub use console::{run_program, tell};
 pub use error::CliError;
 pub use output::Output;
 pub use overrides::Overrides;
@@ -73,15 +73,5 @@ impl CommandLine {
             Some(CliCommand::Rectify(arguments)) => rectify::run(&arguments),
             Some(CliCommand::Suggest(arguments)) => suggest::run(&arguments),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_description_of_the_command_line_is_consistent() {
-        <CommandLine as clap::CommandFactory>::command().debug_assert();
     }
 }

@@ -40,16 +40,15 @@ impl Overrides {
 
 fn changed(parameters: &Parameters, assignment: &str) -> Result<Parameters, String> {
     let (name, text) = assignment.split_once('=').ok_or("expected NAME=VALUE")?;
-    if let Some(option) = ["preset", "method"].into_iter().find(|o| *o == name) {
-        return Err(format!("use --{option}"));
+    if matches!(name, "preset" | "method") {
+        return Err(format!("use --{name}"));
     }
     let mut data = serde_json::to_value(parameters).map_err(|e| e.to_string())?;
     let mut place = &mut data;
     for part in name.split('.') {
         let known = place.as_object().map(|o| o.keys().cloned().collect::<Vec<_>>().join(", "));
-        place = place.get_mut(part).ok_or_else(|| {
-            format!("there is no parameter {name}. Choose one of {}", known.unwrap_or_default())
-        })?;
+        let choose = known.map_or_else(String::new, |known| format!(". Choose one of {known}"));
+        place = place.get_mut(part).ok_or_else(|| format!("there is no parameter {name}{choose}"))?;
     }
     // Text that is not valid JSON is a plain string.
     *place = serde_json::from_str(text).unwrap_or_else(|_| Value::String(text.to_owned()));
@@ -84,6 +83,7 @@ mod tests {
     #[test]
     fn refuses_unknown_names_and_wrong_kinds() {
         assert!(with(&["sed=7"]).unwrap_err().contains("there is no parameter sed. Choose one of"));
+        assert!(with(&["seed.x=7"]).unwrap_err().ends_with("there is no parameter seed.x"));
         assert!(with(&["seed=many"]).unwrap_err().starts_with("--set seed=many: "));
         assert!(with(&["seed"]).unwrap_err().contains("expected NAME=VALUE"));
         assert!(with(&["preset=paper"]).unwrap_err().contains("use --preset"));

@@ -17,7 +17,7 @@ use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::image::Picture;
 use crate::io::{
     CalibratedCamera, GeometryFile, PictureFormat, RectifiedFiles, RectifiedOptions, StereoPair,
-    StereoPairFiles, StereoProgram, read_point_pairs,
+    StereoPairFiles, StereoProgram, read_matches,
 };
 use crate::rectify::{Distortion, Limits, Rectification, RectifyMethod, rectify, rectify_calibrated};
 
@@ -48,7 +48,7 @@ pub(super) struct RectifyArguments {
     /// Format of the pictures
     #[arg(long, value_enum, default_value_t = PictureFormat::default())]
     format: PictureFormat,
-    /// Rows between the guide lines of the picture of both, 0 for none
+    /// Rows between the guide lines of the side-by-side picture, 0 for none
     #[arg(long, value_name = "ROWS", default_value_t = 40)]
     guide_lines: usize,
     /// Also write the original position of each rectified pixel, as npy arrays for cv2.remap
@@ -65,28 +65,26 @@ pub(super) struct RectifyArguments {
 /// Rectifies the images, writes the folder and prints a summary.
 pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let calibrated = arguments.cameras.calibration.read()?;
-    let given = arguments.matches.as_deref().map(read_point_pairs).transpose()?;
+    let given = arguments.matches.as_deref().map(read_matches).transpose()?;
     if arguments.cameras.fits_lens() {
         let unknown = "rectify makes no estimate, so it cannot fit the distortion. Give the coefficient that \
                        `epiline estimate --division auto` prints";
         return Err(CliError::Arguments(unknown.into()));
     }
     let is_calibrated = arguments.cameras.is_given();
-    let fundamental = arguments.fundamental.as_deref().map(|path| read_result(path, is_calibrated));
+    let result = arguments.fundamental.as_deref().map(|path| read_result(path, is_calibrated)).transpose()?;
+    let (fundamental, found) = result.unzip();
     let (pictures, known) = arguments.images.load()?;
-    let mut matches = given.or(known).unwrap_or_default();
+    let given = given.map(|given| given.iter().map(|found| found.pair).collect());
+    let mut matches: Vec<PointPair> = given.or(known).unwrap_or_default();
     let calibrated = arguments.cameras.of_pictures(calibrated, &pictures, None)?;
     let views = calibrated.as_ref().map(|cameras| views(cameras, &pictures)).transpose()?;
-    let fundamental = fundamental.transpose()?;
     if let Some(views) = &views {
         matches = undistorted_pairs(&matches, views)?;
     }
-    let fundamental = fundamental.map(|(fundamental, found)| {
-        if matches.is_empty() {
-            matches = found;
-        }
-        fundamental
-    });
+    if matches.is_empty() {
+        matches = found.unwrap_or_default();
+    }
     let posed = calibrated.zip(views).map(|(c, views)| posed(&c, &views, fundamental.as_ref(), &matches));
     let limits = arguments.max_megapixels.map_or_else(Limits::default, |pixels| Limits { pixels });
     let images = pictures.iter().filter_map(|picture| picture.path.as_deref());
@@ -114,7 +112,7 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
         guide_spacing: arguments.guide_lines,
         maps: arguments.maps,
     };
-    let frames = views.as_ref().map_or([pictures[0].frame(), pictures[1].frame()], ViewPair::frames);
+    let frames = views.as_ref().map_or(pictures.each_ref().map(Picture::frame), ViewPair::frames);
     let mut rectification = rectify(&fundamental, frames, &matches, arguments.method, &limits)?;
     if let Some(views) = &views {
         rectification = rectification.through(&views.views);
@@ -147,7 +145,7 @@ fn read_result(path: &Path, is_calibrated: bool) -> Result<(FundamentalMatrix, V
             shown_path(path)
         )));
     }
-    Ok((fundamental, if file.found.is_empty() { file.pairs } else { file.found }))
+    Ok((fundamental, file.matches()))
 }
 
 /// Returns the pose of F or, without F, the pose of the calibration. The length of the baseline is
@@ -166,16 +164,15 @@ fn posed(
         let missing = "a pose needs the focal lengths. Give both (--focal-length)";
         return Err(CliError::Arguments(missing.into()));
     }
-    let calibrations = views.calibrations();
+    if matches.is_empty() {
+        let missing =
+            "without matches, F does not tell which camera is the left one. Give matches (--matches)";
+        return Err(CliError::Arguments(missing.into()));
+    }
     let fit = views.fit_pose(fundamental, matches);
     let pose = fit
         .map(|fit| fit.pose)
-        .or_else(|| RelativePose::from_fundamental(fundamental, &calibrations, matches));
-    if matches.is_empty() {
-        let missing =
-            "without matches, the left and the right camera cannot be told apart. Give matches (--matches)";
-        return Err(CliError::Arguments(missing.into()));
-    }
+        .or_else(|| RelativePose::from_fundamental(fundamental, &views.calibrations(), matches));
     Ok((pose.ok_or_else(no_pose)?, own.map(|(_, baseline)| baseline)))
 }
 

@@ -62,7 +62,6 @@ impl ResultArguments {
 }
 
 impl ResultOutput {
-    /// Writes the result.
     pub(super) fn write(
         self,
         found: &Estimate,
@@ -75,13 +74,13 @@ impl ResultOutput {
         let matches = found.matched_pairs();
         let mut pose = views.and_then(|views| views.fit_pose(found.fundamental(), &matches));
         if let Some(fit) = pose.as_mut().filter(|_| found.says_one_plane()) {
-            // The covariance knows only the epipole of this geometry, and others do as well.
+            // The covariance describes errors around this epipole, but other epipoles fit as well.
             fit.uncertainty = None;
         }
         let lacks_depth =
             found.says_one_plane() && self.export.as_ref().is_some_and(GeometryOutput::is_cloud);
         if let Some(export) = self.export.filter(|_| !lacks_depth) {
-            // Other programs take a pose at its word.
+            // Other programs would take the pose as certain.
             let pose = pose.as_ref().filter(|_| !found.says_one_plane());
             let cameras = views.zip(pose).and_then(|(views, fit)| views.posed(&fit.pose));
             let is_undistorted = views.is_some_and(ViewPair::is_undistorted);
@@ -133,7 +132,7 @@ fn given_in_words(found: &Estimate, given: &[PointPair]) -> String {
     let distances: Vec<f64> = given.iter().map(|pair| sampson_distance(found.fundamental(), pair)).collect();
     let near = distances.iter().filter(|distance| **distance < 1.0).count();
     format!(
-        "Given matches: {near} of {} are within 1 px of the result, half of all within {:.2} px\n",
+        "Given matches: {near} of {} are within 1 px of their epipolar lines (median distance {:.2} px)\n",
         given.len(),
         median(distances)
     )
@@ -148,8 +147,8 @@ fn guess_in_words(views: &ViewPair) -> String {
     };
     let [left, right] = cameras.map(|camera| camera.calibration()[(0, 0)]);
     format!(
-        "Focal lengths guessed from EXIF data: {left:.0} and {right:.0} px ± {:.0} %, which the ± of the pose \
-         includes\n",
+        "Focal lengths guessed from EXIF data: {left:.0} and {right:.0} px ± {:.0} %. The ± of the pose includes \
+         this error\n",
         100.0 * deviation
     )
 }

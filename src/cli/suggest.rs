@@ -8,10 +8,11 @@ use serde::Serialize;
 
 use super::CliError;
 use super::arguments::{ImagePair, on_threads, pixels, point, threads};
+use super::geometry_file::read_geometry;
 use super::output::Output;
 use crate::estimate::PreparedPair;
 use crate::geometry::{FundamentalMatrix, Point};
-use crate::io::{GeometryFile, refuse_clashes};
+use crate::io::refuse_clashes;
 use crate::suggest::{ClickedImage, Known, SuggestParameters, Suggestions, suggest};
 
 /// Suggest the match of a point in the other image
@@ -46,7 +47,7 @@ pub(super) fn run(arguments: &SuggestArguments) -> Result<(), CliError> {
     let output = Output::prepare(arguments.json.as_deref())?;
     let inputs: Vec<&Path> = arguments.images.files().chain(arguments.fundamental.as_deref()).collect();
     refuse_clashes(output.file().as_slice(), &inputs)?;
-    let file = arguments.fundamental.as_deref().map(GeometryFile::read_geometry).transpose()?;
+    let file = arguments.fundamental.as_deref().map(read_geometry).transpose()?;
     let (fundamental, matches) = file.map(|(fundamental, file)| (fundamental, file.found)).unzip();
     let matches = matches.unwrap_or_default();
     let ([image1, image2], _) = arguments.images.load()?;

@@ -70,13 +70,14 @@ fn best_of_samples(
     }
     let mut best = best.ok_or(FitError::NoSample)?;
     let limit = reach(best.0);
-    let near = |squares: &[f64]| squares.iter().filter(|square| **square <= limit).count();
-    let inliers: Vec<PointPair> =
-        pairs.iter().zip(&best.1).filter(|(_, square)| **square <= limit).map(|(pair, _)| *pair).collect();
-    if let Some(refitted) = eight_point(&inliers).ok().map(rated).filter(|refitted| refitted.0 < best.0) {
+    let inliers = |squares: &[f64]| -> Vec<PointPair> {
+        pairs.iter().zip(squares).filter(|(_, square)| **square <= limit).map(|(pair, _)| *pair).collect()
+    };
+    let refitted = eight_point(&inliers(&best.1)).ok().map(rated);
+    if let Some(refitted) = refitted.filter(|refitted| refitted.0 < best.0) {
         best = refitted;
     }
-    Ok(PointFit { fundamental: best.2, pairs: near(&best.1), solutions: 1 })
+    Ok(PointFit { fundamental: best.2, pairs: inliers(&best.1).len(), solutions: 1 })
 }
 
 /// Returns the squared Sampson distances. An undefined distance is infinite.

@@ -8,8 +8,6 @@ use thiserror::Error;
 use super::{FEWEST_MATCHES, Reading};
 use crate::geometry::{FundamentalMatrix, PointPair, grid_minimum, median, symmetric_epipolar_distance};
 
-/// Pixel origins in use: the centre of the upper left pixel, its corner, and counting from 1.
-const ORIGINS: [f64; 3] = [0.0, 0.5, 1.0];
 /// Common reductions of images before matching, and their inverses.
 const SCALES: [f64; 9] = [1.0, 0.5, 2.0, 0.25, 4.0, 1.0 / 3.0, 3.0, 0.125, 8.0];
 /// Range of the search for other scales, octaves to either side: 1 / 16 to 16.
@@ -110,12 +108,12 @@ pub fn check_convention(
     }
     // A stable sort: of equal readings the simpler comes first.
     readings.sort_by(|a, b| a.median.total_cmp(&b.median));
-    believe(&mut readings, limit);
+    prefer_simplest(&mut readings, limit);
     Ok(ConventionCheck { readings, limit, matches: matches.len() })
 }
 
 /// Moves the simplest of the readings that are indistinguishable from the best one to the front.
-fn believe(readings: &mut Vec<RankedReading>, limit: f64) {
+fn prefer_simplest(readings: &mut Vec<RankedReading>, limit: f64) {
     let Some(best) = readings.first().cloned() else { return };
     let credible = |r: &RankedReading| !r.is_told_from(&best, limit);
     let simplest = (0..readings.len())
@@ -132,14 +130,11 @@ fn believe(readings: &mut Vec<RankedReading>, limit: f64) {
 /// Returns all readings to test, simpler ones first.
 fn candidates(given: &FundamentalMatrix, matches: &[PointPair]) -> Vec<Reading> {
     let mut readings = Vec::new();
-    for (transposed, axes_exchanged) in [(false, false), (true, false), (false, true), (true, true)] {
-        for origin in ORIGINS {
-            let turned = Reading { transposed, axes_exchanged, origin, ..Reading::AS_READ };
-            let near = |a: f64, b: f64| (a / b).ln().abs() < SCALE_STEP;
-            let found = estimated_scale(given, turned, matches);
-            let found = Some(found).filter(|s| !SCALES.iter().any(|known| near(*s, *known)));
-            readings.extend(SCALES.into_iter().chain(found).map(|scale| Reading { scale, ..turned }));
-        }
+    for turned in Reading::of_same_size() {
+        let near = |a: f64, b: f64| (a / b).ln().abs() < SCALE_STEP;
+        let found = estimated_scale(given, turned, matches);
+        let found = Some(found).filter(|s| !SCALES.iter().any(|known| near(*s, *known)));
+        readings.extend(SCALES.into_iter().chain(found).map(|scale| Reading { scale, ..turned }));
     }
     readings.sort_by_key(Reading::changes);
     readings

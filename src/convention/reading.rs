@@ -6,6 +6,9 @@ use serde::Serialize;
 
 use crate::geometry::{FundamentalMatrix, rescaling};
 
+/// Pixel origins in use: the centre of the upper left pixel, its corner, and counting from 1.
+const ORIGINS: [f64; 3] = [0.0, 0.5, 1.0];
+
 /// Convention under which the numbers of a matrix are read. A point `x` of this program is the
 /// point `u = A((x + ½) s − ½) + o` of the file, with the scale `s`, the origin `o` and the
 /// exchange `A` of x and y.
@@ -23,8 +26,16 @@ pub struct Reading {
 
 impl Reading {
     /// Convention of the file as it was read.
-    pub(super) const AS_READ: Self =
+    pub(crate) const AS_READ: Self =
         Self { transposed: false, axes_exchanged: false, origin: 0.0, scale: 1.0 };
+
+    /// Returns the readings for images of the same size.
+    pub(crate) fn of_same_size() -> impl Iterator<Item = Self> {
+        let orders = [(false, false), (true, false), (false, true), (true, true)];
+        orders.into_iter().flat_map(|(transposed, axes_exchanged)| {
+            ORIGINS.map(|origin| Self { transposed, axes_exchanged, origin, scale: 1.0 })
+        })
+    }
 
     /// Returns the number of differences from the matrix as read.
     pub fn changes(&self) -> usize {

@@ -48,15 +48,8 @@ fn written(f: &FundamentalMatrix, reading: &Reading) -> FundamentalMatrix {
 }
 
 fn readings() -> Vec<Reading> {
-    let mut readings = Vec::new();
-    for (transposed, axes_exchanged) in [(false, false), (true, false), (false, true), (true, true)] {
-        for origin in [0.0, 0.5, 1.0] {
-            for scale in [1.0, 0.5, 4.0, 0.71] {
-                readings.push(Reading { transposed, axes_exchanged, origin, scale });
-            }
-        }
-    }
-    readings
+    let sizes = |reading| [1.0, 0.5, 4.0, 0.71].map(|scale| Reading { scale, ..reading });
+    Reading::of_same_size().flat_map(sizes).collect()
 }
 
 /// With the second camera upside down, an offset of half a pixel is measurable.

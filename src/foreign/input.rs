@@ -19,22 +19,22 @@ pub struct Input {
 /// A clause for the user. Named pipes and devices are refused, because reading them could block
 /// forever.
 pub fn open_input(path: &Path) -> Result<Input, String> {
-    let failed = |e: &std::io::Error| why_not(path, e);
-    let found = path.metadata().map_err(|e| failed(&e))?;
+    let found = path.metadata().map_err(|e| why_not(path, &e))?;
     let size = if found.is_file() {
         Some(found.len())
     } else if found.is_dir() {
-        return Err("it is a folder, a file is needed".into());
-    } else if is_piped_into_us(path, &found) {
+        return Err("it is a folder, not a file".into());
+    } else if !is_pipe(&found) {
+        return Err("it is a device, not a file or piped data".into());
+    } else if is_piped_into_us(path) {
         None
-    } else if is_named_pipe(path) {
+    } else {
+        // Another program may never open the other end.
         let sentence = "it is a named pipe, which may never end. Pipe the data into the program, with /dev/stdin as the \
                         name";
         return Err(sentence.into());
-    } else {
-        return Err("it is a device, a file or piped data is needed".into());
     };
-    let file = File::open(path).map_err(|e| failed(&e))?;
+    let file = File::open(path).map_err(|e| why_not(path, &e))?;
     Ok(Input { file, size })
 }
 
@@ -55,7 +55,7 @@ pub fn reason(error: &std::io::Error) -> String {
         ErrorKind::NotFound => "there is no such file or folder".into(),
         ErrorKind::PermissionDenied => "permission was denied".into(),
         ErrorKind::NotADirectory => "it is not a folder".into(),
-        ErrorKind::IsADirectory => "it is a folder, a file is needed".into(),
+        ErrorKind::IsADirectory => "it is a folder, not a file".into(),
         ErrorKind::StorageFull => "there is no space left".into(),
         ErrorKind::QuotaExceeded => "the disk quota of this user is used up".into(),
         ErrorKind::FileTooLarge => "the file would be larger than is allowed".into(),
@@ -74,33 +74,23 @@ pub fn reason(error: &std::io::Error) -> String {
     }
 }
 
-/// Returns whether a path leads to a named pipe. Another program may never open the other end.
-#[cfg(unix)]
-fn is_named_pipe(path: &Path) -> bool {
-    use std::os::unix::fs::FileTypeExt;
-    path.metadata().is_ok_and(|found| found.file_type().is_fifo())
-}
-
-/// Returns whether a path leads to a named pipe. Another program may never open the other end.
-#[cfg(not(unix))]
-fn is_named_pipe(_path: &Path) -> bool {
-    false
-}
-
-/// Returns whether the file is an anonymous pipe, as the shell makes them: a pipe without a path in
-/// the file system.
-#[cfg(unix)]
-fn is_piped_into_us(path: &Path, found: &Metadata) -> bool {
-    use std::os::unix::fs::FileTypeExt;
-    let nowhere = || match path.canonicalize() {
+/// Returns whether a pipe is one that the shell made for this program: it has no path in the file
+/// system.
+fn is_piped_into_us(path: &Path) -> bool {
+    match path.canonicalize() {
         Ok(real) => ["/dev/fd", "/proc"].iter().any(|folder| real.starts_with(folder)),
         Err(_) => true,
-    };
-    found.file_type().is_fifo() && nowhere()
+    }
+}
+
+#[cfg(unix)]
+fn is_pipe(found: &Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    found.file_type().is_fifo()
 }
 
 #[cfg(not(unix))]
-fn is_piped_into_us(_path: &Path, _found: &Metadata) -> bool {
+fn is_pipe(_found: &Metadata) -> bool {
     false
 }
 

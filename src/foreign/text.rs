@@ -10,22 +10,11 @@ const MOST_OF_A_PATH: usize = 300;
 
 /// Returns the beginning of a text, at most 80 characters, with control characters escaped.
 pub fn excerpt(text: &str) -> String {
-    let mut characters = text.chars();
-    let mut shown = String::new();
-    let mut count = 0;
-    for c in characters.by_ref() {
-        let start = shown.len();
-        push(&mut shown, c);
-        count += shown[start..].chars().count();
-        if count > MOST - 1 {
-            if count > MOST || characters.clone().next().is_some() {
-                shown.truncate(start);
-                shown.push('…');
-            }
-            break;
-        }
+    let shown = escaped(&text.chars().take(MOST + 1).collect::<String>());
+    if shown.chars().count() <= MOST {
+        return shown;
     }
-    shown
+    shown.chars().take(MOST - 1).chain(['…']).collect()
 }
 
 /// Returns the whole text with control characters escaped.

@@ -11,7 +11,7 @@ use std::path::Path;
 
 use zip::ZipArchive;
 
-use super::geometry_file::{GeometryFile, read_point_pairs, text_or_rows};
+use super::geometry_file::{GeometryFile, point_pairs};
 use super::npy::Array;
 use super::read::{ReadError, read_bytes};
 use crate::estimate::Match;
@@ -22,20 +22,15 @@ const MOST_BYTES: u64 = 256 << 20;
 /// Smallest prior of a match: a score of zero does not exclude it.
 const LEAST_PRIOR: f64 = 0.01;
 
-/// Reads matches. Scores become prior probabilities, covariances become scales of the noise.
+/// Reads matches, in the pictures as they are. Scores become prior probabilities, covariances become
+/// scales of the noise.
 pub fn read_matches(path: &Path) -> Result<Vec<Match>, ReadError> {
     let bytes = read_bytes(path)?;
     if bytes.starts_with(b"PK") {
         return archive(bytes).map_err(|problem| ReadError::content(path, problem));
     }
-    // A result of this program has its matches under another name than its clicks.
-    let text = text_or_rows(path, bytes)?;
-    if let Ok((file, _)) = GeometryFile::parse(&text)
-        && !file.found.is_empty()
-    {
-        return Ok(file.found.into_iter().map(Match::from).collect());
-    }
-    Ok(read_point_pairs(path)?.into_iter().map(Match::from).collect())
+    let pairs = point_pairs(path, bytes, GeometryFile::original_matches)?;
+    Ok(pairs.into_iter().map(Match::from).collect())
 }
 
 /// Reads the matches of an archive.

@@ -36,7 +36,7 @@ pub use camera_rig::CameraRig;
 pub use colmap::{ColmapError, ColmapPair};
 pub use exif::focal_length_from_exif;
 pub use geometry_file::{
-    CalibratedNote, Format, GeometryFile, ImageNote, Notation, PairLabel, PairOrigin, Problem, TrustNote,
+    CalibratedNote, Format, GeometryFile, ImageNote, Notation, PairLabel, PairOrigin, TrustNote,
     read_fundamental, read_point_pairs,
 };
 #[doc(hidden)]
@@ -54,8 +54,8 @@ pub use picture_file::{PictureError, PictureFormat};
 #[doc(hidden)]
 pub use picture_file::{described, encode_picture};
 pub use ply::cloud_as_ply;
-pub use point_pairs::{PairProblem, parse_point_pairs};
-pub use read::{IMAGE_EXTENSIONS, ReadError, has_extension, has_image_extension};
+pub use point_pairs::parse_point_pairs;
+pub use read::{IMAGE_EXTENSIONS, Problem, ReadError, has_extension, has_image_extension};
 pub use rectified::{RectifiedError, RectifiedFiles, RectifiedOptions};
 pub use result_file::{ResultFile, result_in_words};
 pub use sequence_file::{

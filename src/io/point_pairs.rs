@@ -6,30 +6,22 @@
 //! indistinguishable from a separator.
 
 use super::number::{cells, finite_numbers, rows};
+use super::read::Problem;
 use crate::geometry::PointPair;
-
-/// Error in a row of point pairs.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct PairProblem {
-    /// Line number, from 1.
-    pub line: usize,
-    /// Expected and found content.
-    pub problem: String,
-}
 
 /// Known names of the columns, by coordinate.
 const NAMES: [[&str; 3]; 4] =
     [["x1", "left_x", "u1"], ["y1", "left_y", "v1"], ["x2", "right_x", "u2"], ["y2", "right_y", "v2"]];
 
 /// Parses all pairs of a text.
-pub fn parse_point_pairs(text: &str) -> Result<Vec<PointPair>, PairProblem> {
+pub fn parse_point_pairs(text: &str) -> Result<Vec<PointPair>, Problem> {
     let (mut pairs, mut columns) = (Vec::new(), None);
     for (k, (line, row)) in rows(text).enumerate() {
         if k == 0 && is_heading(row) {
             columns = named_columns(row);
             continue;
         }
-        let failed = |problem| PairProblem { line, problem };
+        let failed = |problem| Problem::at(line, problem);
         let numbers = match columns {
             Some(columns) => {
                 let cells: Vec<&str> = cells(row).collect();
@@ -65,8 +57,8 @@ mod tests {
     use super::*;
 
     fn problem(text: &str) -> (usize, String) {
-        let PairProblem { line, problem } = parse_point_pairs(text).unwrap_err();
-        (line, problem)
+        let Problem { line, problem } = parse_point_pairs(text).unwrap_err();
+        (line.unwrap(), problem)
     }
 
     #[test]

@@ -36,6 +36,34 @@ impl ReadError {
     }
 }
 
+/// Error in the content of a file, one clause.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{problem}")]
+pub struct Problem {
+    /// Line number from 1, if known.
+    pub line: Option<usize>,
+    /// Expected and found content.
+    pub problem: String,
+}
+
+impl Problem {
+    pub(super) fn whole(problem: impl Into<String>) -> Self {
+        Self { line: None, problem: problem.into() }
+    }
+
+    pub(super) fn at(line: usize, problem: impl Into<String>) -> Self {
+        Self { line: Some(line), problem: problem.into() }
+    }
+
+    /// Adds the name of the file.
+    pub(super) fn of_file(self, path: &Path) -> ReadError {
+        match self.line {
+            Some(line) => ReadError::line(path, line, self.problem),
+            None => ReadError::content(path, self.problem),
+        }
+    }
+}
+
 /// Shortens a message that may quote a file, and escapes its control characters.
 pub(super) fn limited(sentence: &str) -> String {
     let mut characters = sentence.chars();

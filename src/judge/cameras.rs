@@ -39,13 +39,13 @@ impl DecomposedCamera {
         Some(Self { calibration: k / scale, rotation: r * sign, translation })
     }
 
-    /// Returns the camera again.
+    /// Returns the projection matrix.
     pub fn composed(&self) -> Option<Camera> {
         Camera::posed(&self.calibration, &self.rotation, &self.translation)
     }
 }
 
-/// Returns the rotation whose quaternion was read with its real part first although it is last.
+/// Corrects a rotation whose quaternion was read with its real part first, although it is last.
 pub(super) fn with_real_part_last(rotation: &Matrix3<f64>) -> Matrix3<f64> {
     let read = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation));
     let [a, b, c, d] = [read.w, read.i, read.j, read.k];

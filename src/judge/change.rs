@@ -126,8 +126,7 @@ impl CameraChange {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum Change {
-    /// Another reading of the matrix: transposed, x and y exchanged, another origin of pixels,
-    /// images of another size.
+    /// Another reading of the matrix: transposed, x and y exchanged, another origin of pixels.
     Convention {
         /// The reading.
         reading: Reading,
@@ -144,11 +143,11 @@ pub enum Change {
         /// The mirror or turn.
         mirror: Mirror,
     },
-    /// Images of another size than the geometry's.
+    /// Images of another size than the images of the geometry.
     Resized {
         /// The images.
         images: Affected,
-        /// Size of the geometry's images over the size of these.
+        /// Size of the images of the geometry over the size of the judged images.
         factor: f64,
     },
     /// Scale about the middle of the image: a wrong focal length.
@@ -158,8 +157,8 @@ pub enum Change {
         /// Factor by which the focal length of the geometry is too large.
         factor: f64,
     },
-    /// Pixels counted from another place in one image, or the other way in both: the centre of the top-left
-    /// pixel is (0, 0) or (0.5, 0.5).
+    /// Coordinates shifted by half a pixel, because the centre of the top-left pixel is (0, 0) for one
+    /// program and (0.5, 0.5) for another.
     HalfPixel {
         /// The images.
         images: Affected,
@@ -187,12 +186,11 @@ impl Change {
     /// Returns the number of fitted numbers.
     pub(super) fn parameters(&self) -> usize {
         match self {
-            Self::Convention { reading } if (reading.scale - 1.0).abs() < f64::EPSILON => 0,
-            Self::Cameras { .. } | Self::Mirrored { .. } | Self::HalfPixel { .. } => 0,
             Self::Convention { .. }
-            | Self::Resized { .. }
-            | Self::FocalLength { .. }
-            | Self::Distortion { .. } => 1,
+            | Self::Cameras { .. }
+            | Self::Mirrored { .. }
+            | Self::HalfPixel { .. } => 0,
+            Self::Resized { .. } | Self::FocalLength { .. } | Self::Distortion { .. } => 1,
             Self::Moved { .. } => 2,
         }
     }

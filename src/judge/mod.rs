@@ -1,6 +1,6 @@
 //! Judges a geometry from elsewhere by the matches of the images.
 //!
-//! The reference is the images' own geometry: an estimate without clicks and its matches, or
+//! The reference is the geometry that the images show: an estimate without clicks and its matches, or
 //! matches from elsewhere with their fit. The judgement asks how far the lines of the given
 //! geometry are from the lines of the reference, at the matches. If they are too far, the judgement
 //! looks for the simplest [`Change`] that brings them together. Most wrong geometries are right in
@@ -30,11 +30,11 @@ use crate::geometry::{Camera, Frame, FundamentalMatrix, Line, Matrix9, Point, Po
 pub struct GivenGeometry {
     /// Fundamental matrix.
     pub fundamental: FundamentalMatrix,
-    /// Cameras, if the source has any. They allow more changes to be told apart.
+    /// Cameras, if the source has any. With them, mistakes with poses and calibrations are tried, too.
     pub cameras: Option<[Camera; 2]>,
 }
 
-/// The images' own geometry.
+/// Geometry that the images show, with its matches.
 #[derive(Debug, Clone, Copy)]
 pub struct Reference<'a> {
     /// Fundamental matrix.
@@ -45,8 +45,8 @@ pub struct Reference<'a> {
     pub frames: [Frame; 2],
     /// False if the matches are too few or too doubtful to contradict a geometry.
     pub is_trusted: bool,
-    /// Covariance of the nine entries of the matrix with norm 1, row by row, if it is known. The covariance of
-    /// the judged geometry, if there is one, is added.
+    /// Covariance of the nine entries of the matrix with norm 1, row by row, if it is known. A
+    /// covariance of the judged geometry is added to it.
     pub covariance: Option<Matrix9>,
 }
 
@@ -102,13 +102,13 @@ pub struct Judgement {
     /// The simplest change after which the geometry fits; `None` if no change helps. For a geometry
     /// that fits, a shift by half a pixel that explains a significant difference.
     pub change: Option<FittingChange>,
-    /// Whether the geometry differs from the reference by more than the matches leave open. `None` without
-    /// a covariance, and if the reference is in doubt.
+    /// Whether the geometry differs from the reference by more than the errors of the matches explain.
+    /// `None` without a covariance, and if the reference is in doubt.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub significance: Option<Significance>,
 }
 
-/// Fewest matches that a judgement takes: twice the seven numbers of a fundamental matrix.
+/// Fewest matches for a judgement: twice the seven degrees of freedom of a fundamental matrix.
 pub const FEWEST_MATCHES: usize = 14;
 /// Usual limit of [`judge`], px. Sound calibrations of four sets of pairs are up to 0.8 px off; lines
 /// that are a pixel off already spoil dense matching.
@@ -158,8 +158,9 @@ pub fn judge(given: &GivenGeometry, reference: &Reference, limit: f64) -> Option
 }
 
 impl Reference<'_> {
-    /// Returns how far a geometry is from the reference, px: by the lines at the matches, or by the
-    /// matches if they contradict it more. They do where the lines of the images are curves.
+    /// Returns the distance of a geometry from the reference, px: of its lines at the matches, or of
+    /// the matches from its lines if that is larger. It is larger where a lens bends the lines of the
+    /// images.
     fn distance(&self, f: &FundamentalMatrix) -> f64 {
         let farther = residuals(f, self.matches).median - residuals(&self.fundamental, self.matches).median;
         self.lines_apart(f).median.max(farther)

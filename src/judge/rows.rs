@@ -44,25 +44,26 @@ pub struct RowJudgement {
     pub residual: f64,
     /// Rotation of the right image about its middle that removes `across`, degrees clockwise.
     pub roll_degrees: f64,
-    /// Homography of the right image, px, that removes all but the curved part: the image after it
-    /// has the rows of the left one.
+    /// Homography of the right image that aligns its rows with the rows of the left image, px. The
+    /// curved part of the offset remains.
     pub correction2: [[f64; 3]; 3],
 }
 
-/// Multiple of the limit from which a pair was never rectified: no drift of a rig is as large.
+/// Typical offset of a pair that was never rectified, in multiples of the limit. No rig drifts so far.
 const FAR_FROM_ROWS: f64 = 20.0;
 
 impl RowJudgement {
-    /// Returns whether the rows differ by more than drift explains: the pair was never rectified,
-    /// or for other cameras.
+    /// Returns whether the rows differ by more than the drift of a rig explains. The pair was then
+    /// never rectified, or it was rectified for other cameras.
     pub fn is_far_off(&self) -> bool {
         self.typical > FAR_FROM_ROWS * self.limit
     }
 }
 
-/// Measures how far matches are from common rows. Places are positions in image 2, of size `frame`.
+/// Measures how far matches are from common rows. The offset is a function of the position in image 2,
+/// which has the size `frame`.
 ///
-/// `None` for fewer than 14 matches, or if they lie on one line.
+/// `None` for fewer than [`FEWEST_MATCHES`] matches.
 pub fn judge_rows(matches: &[PointPair], frame: Frame, limit: f64) -> Option<RowJudgement> {
     if matches.len() < FEWEST_MATCHES {
         return None;
@@ -90,11 +91,11 @@ pub fn judge_rows(matches: &[PointPair], frame: Frame, limit: f64) -> Option<Row
         let normal = design.transpose() * &weighted + DMatrix::identity(TERMS, TERMS) * 1e-6;
         fit = normal.cholesky()?.solve(&(weighted.transpose() * &offsets));
     }
-    // The quadratic terms are told without their mean over the picture, which belongs to the constant.
+    // The mean of the quadratic terms over the picture belongs to the constant.
     let quadratic =
         |u: f64, v: f64| fit[3] * (u * u - 1.0 / 3.0) + fit[4] * u * v + fit[5] * (v * v - 1.0 / 3.0);
     let constant = fit[0] + (fit[3] + fit[5]) / 3.0;
-    // Only where matches are: beyond them, the curved terms know nothing.
+    // Beyond the matches, the curved terms are not determined.
     let places = |term: usize| {
         let mut sorted: Vec<f64> = design.column(term).iter().copied().collect();
         sorted.sort_by(f64::total_cmp);
@@ -159,7 +160,7 @@ mod tests {
         assert!(judge_rows(&matches(|_, _| 0.0)[..13], FRAME, ROW_LIMIT).is_none());
         // All matches in one place determine nothing but the offset there.
         let one = vec![PointPair::new(100.0, 100.0, 80.0, 100.0); 20];
-        assert!(judge_rows(&one, FRAME, ROW_LIMIT).is_none_or(|found| found.constant.abs() < 1.0));
+        assert!(judge_rows(&one, FRAME, ROW_LIMIT).unwrap().constant.abs() < 1.0);
     }
 
     #[test]

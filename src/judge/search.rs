@@ -9,25 +9,26 @@ use crate::geometry::{
     Camera, FundamentalMatrix, Matrix9, PointPair, grid_minimum, symmetric_epipolar_distance,
 };
 
-/// Each fitted number of a change must lower the distance by this share to be worth it: a wrong kind
-/// of change with one more number often fits a little better.
+/// Share by which each fitted number of a change must lower the distance. A wrong kind of change with
+/// one more number often fits a little better.
 const WORTH: f64 = 0.3;
-/// Factors that are tried, octaves to either side.
+/// Range of the factors tried, octaves to either side of 1.
 const OCTAVES: f64 = 3.0;
-/// Steps in an octave. The cost falls from 4 % beside the right factor on.
+/// Steps per octave. The cost falls towards the right factor only within 4 % of it.
 const STEPS: f64 = 16.0;
-/// Largest coefficient of distortion that is tried: at 0.6, corners move by 60 % of their distance.
+/// Largest coefficient of distortion tried. At 0.6, corners move by 60 % of their distance from the
+/// middle.
 const MOST_BENT: f64 = 0.6;
-/// Step between coefficients.
+/// Step between coefficients of distortion.
 const BENT_STEP: f64 = 0.02;
 /// Largest first step of a move, as a share of the longer side.
 const MOVE: f64 = 0.25;
-/// Longest move, as a share of the longer side: half an image cropped away. Any longer move only stands
-/// for another mistake.
+/// Longest move, as a share of the longer side: half an image cropped away. A longer move hides another
+/// mistake.
 const MOST_MOVED: f64 = 0.5;
-/// Last step of a move, px.
+/// Smallest step of a move, px.
 const LAST_MOVE: f64 = 0.02;
-/// Largest number of matches for fitting a change.
+/// Largest number of matches on which a change is fitted.
 const FEW: usize = 200;
 
 /// Returns the simplest change that makes the geometry fit within `limit` px; `None` if no change
@@ -55,15 +56,8 @@ fn discrete(given: &GivenGeometry, reference: &Reference) -> Vec<FittingChange> 
         let changed = Camera::fundamental(&a.composed()?, &b.composed()?)?;
         Some((Change::Cameras { mistake }, changed))
     });
-    let mut of_pixels = Vec::new();
-    for origin in [0.0, 0.5, 1.0] {
-        for (transposed, axes_exchanged) in [(false, false), (true, false), (false, true), (true, true)] {
-            let reading = Reading { transposed, axes_exchanged, origin, scale: 1.0 };
-            if reading.changes() > 0 {
-                of_pixels.push(Change::Convention { reading });
-            }
-        }
-    }
+    let readings = Reading::of_same_size().filter(|reading| reading.changes() > 0);
+    let mut of_pixels: Vec<Change> = readings.map(|reading| Change::Convention { reading }).collect();
     for images in Affected::ALL {
         of_pixels.extend(Mirror::ALL.map(|mirror| Change::Mirrored { images, mirror }));
     }
@@ -79,8 +73,8 @@ fn discrete(given: &GivenGeometry, reference: &Reference) -> Vec<FittingChange> 
     of_cameras.chain(of_pixels).map(measured).collect()
 }
 
-/// Returns the shifts of the pixel origin that are no reading of the matrix: of one image, or
-/// opposite in both.
+/// Returns the shifts by half a pixel that no [`Reading`] describes: of one image, or in the opposite
+/// direction in both.
 fn half_pixels() -> impl Iterator<Item = Change> {
     let one = [Affected::Image1, Affected::Image2]
         .into_iter()
@@ -88,14 +82,15 @@ fn half_pixels() -> impl Iterator<Item = Change> {
     one.chain([Change::HalfPixel { images: Affected::Both, offset: -0.5 }])
 }
 
-/// Returns half a pixel that brings a geometry within the covariance of the reference. Half a pixel moves
-/// lines by less than the usual limit, so only the covariance shows it.
+/// Returns the shift by half a pixel after which the geometry differs from the reference by no more
+/// than the covariance allows. Such a shift moves lines by less than the usual limit, so only the
+/// covariance shows it.
 pub(super) fn half_pixel(
     given: &FundamentalMatrix,
     reference: &Reference,
     covariance: &Matrix9,
 ) -> Option<FittingChange> {
-    let reading = Reading { transposed: false, axes_exchanged: false, origin: 0.5, scale: 1.0 };
+    let reading = Reading { origin: 0.5, ..Reading::AS_READ };
     let measured = |change: Change| {
         let changed = change.apply(given, reference.frames)?;
         let left = significance(&changed, &reference.fundamental, covariance, reference.frames)?;

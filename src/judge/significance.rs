@@ -2,7 +2,8 @@
 //!
 //! `F` has seven degrees of freedom. With `δ` the difference of the nine entries, both matrices with norm
 //! 1, and `C` their covariance of rank 7, `δᵀ C⁺ δ` has a χ² distribution with seven degrees of freedom
-//! if chance explains the difference (Hartley & Zisserman, §5.2.3). To first order.
+//! if chance explains the difference (Hartley & Zisserman, §5.2.3). The distribution holds to first
+//! order.
 
 use nalgebra::{Matrix3, SVector};
 use serde::Serialize;
@@ -11,20 +12,19 @@ use crate::geometry::{Frame, FundamentalMatrix, Matrix9, pixels_from_half_diagon
 
 type Vector9 = SVector<f64, 9>;
 
-/// χ² of seven degrees of freedom that chance exceeds once in a thousand.
+/// 99.9 % quantile of the χ² distribution with seven degrees of freedom.
 const BY_CHANCE: f64 = 24.3;
 /// Degrees of freedom of a fundamental matrix.
 const FREEDOM: usize = 7;
 
-/// Difference of a geometry from the reference, measured by the covariance of the reference. The
-/// geometry itself counts as exact.
+/// Difference of a geometry from the reference, measured by a covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Significance {
     /// Squared difference in standard deviations, summed over seven degrees of freedom.
     pub chi_square: f64,
     /// Value that chance exceeds once in a thousand.
     pub limit: f64,
-    /// Whether the difference is larger.
+    /// Whether `chi_square` exceeds `limit`.
     pub is_significant: bool,
 }
 
@@ -71,7 +71,7 @@ pub(super) fn significance(
 mod tests {
     use super::*;
     use crate::geometry::random_scene::RandomScene;
-    use crate::geometry::{GroupedObservation, Observation, fit_fundamental, grouped_covariance};
+    use crate::judge::tests::fitted;
 
     const FRAMES: [Frame; 2] = [Frame { width: 768, height: 576 }; 2];
 
@@ -84,18 +84,7 @@ mod tests {
             let truth = scene.fundamental();
             let exact = scene.pairs(150);
             let noisy = scene.disturbed(&exact, 0.5);
-            let observed: Vec<_> = noisy.iter().map(|p| Observation { pair: *p, sigma: 0.5 }).collect();
-            let fit = fit_fundamental(&truth, &observed, 10.0).unwrap().fundamental;
-            let grouped: Vec<_> = observed
-                .iter()
-                .enumerate()
-                .map(|(group, o)| GroupedObservation {
-                    observation: Observation { sigma: 5.0, ..*o },
-                    deviation: 0.5,
-                    group,
-                })
-                .collect();
-            let covariance = grouped_covariance(&fit, &grouped).unwrap();
+            let (fit, covariance) = fitted(&truth, &noisy, 0.5);
             let found = significance(&truth, &fit, &covariance, FRAMES).unwrap();
             sum += found.chi_square;
             significant += usize::from(found.is_significant);

@@ -324,6 +324,26 @@ fn an_untrusted_reference_confirms_but_does_not_contradict() {
     assert!(judge(&transposed, &few, LIMIT).is_none());
 }
 
+/// Returns the fit to pairs with noise of the standard deviation `sigma`, and its covariance.
+pub(super) fn fitted(
+    start: &FundamentalMatrix,
+    pairs: &[PointPair],
+    sigma: f64,
+) -> (FundamentalMatrix, Matrix9) {
+    let observed: Vec<Observation> = pairs.iter().map(|pair| Observation { pair: *pair, sigma }).collect();
+    let fit = fit_fundamental(start, &observed, 10.0).unwrap().fundamental;
+    let grouped: Vec<GroupedObservation> = observed
+        .iter()
+        .enumerate()
+        .map(|(group, o)| GroupedObservation {
+            observation: Observation { sigma: 10.0 * sigma, ..*o },
+            deviation: sigma,
+            group,
+        })
+        .collect();
+    (fit, grouped_covariance(&fit, &grouped).unwrap())
+}
+
 /// Half a pixel moves lines by less than the limit; the covariance of precise matches shows it.
 #[test]
 fn half_a_pixel_is_significant_and_named() {
@@ -333,19 +353,8 @@ fn half_a_pixel_is_significant_and_named() {
         // The noise of the matches is uniform, ±0.3 px in each coordinate.
         let sigma = 0.3 / 3f64.sqrt();
         let truth = scene.truth();
-        let observed: Vec<Observation> =
-            scene.matches.iter().map(|pair| Observation { pair: *pair, sigma }).collect();
-        let fundamental = fit_fundamental(&truth.fundamental, &observed, 10.0).unwrap().fundamental;
-        let grouped: Vec<GroupedObservation> = observed
-            .iter()
-            .enumerate()
-            .map(|(group, o)| GroupedObservation {
-                observation: Observation { sigma: 10.0 * sigma, ..*o },
-                deviation: sigma,
-                group,
-            })
-            .collect();
-        let covariance = Some(grouped_covariance(&fundamental, &grouped).unwrap());
+        let (fundamental, covariance) = fitted(&truth.fundamental, &scene.matches, sigma);
+        let covariance = Some(covariance);
         let matches = &scene.matches[..];
         let reference = Reference { fundamental, matches, frames: FRAMES, is_trusted: true, covariance };
         let judged = judge(&truth, &reference, LIMIT).unwrap();

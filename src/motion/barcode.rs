@@ -4,7 +4,7 @@
 pub(super) const WORD: usize = 64;
 /// Minimum number of zeros and of ones in a barcode. A barcode with fewer is nearly constant and
 /// resembles every other.
-pub const FEWEST_CHANGES: usize = 4;
+const FEWEST_CHANGES: usize = 4;
 
 /// Number of standard deviations from the correlation to its lower bound, for a one-sided
 /// confidence of 95 %.

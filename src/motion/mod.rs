@@ -17,7 +17,7 @@ mod sequence;
 mod silhouettes;
 
 pub use background::BackgroundParameters;
-pub use barcode::{Barcode, FEWEST_CHANGES};
+pub use barcode::Barcode;
 pub use error::MotionError;
 pub use offset::{MOST_OFFSET, OffsetAgreement, clear_offset, find_offset};
 pub use sequence::{FEWEST_FRAMES, FrameSequence, LONGEST_SIDE};

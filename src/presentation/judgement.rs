@@ -45,11 +45,13 @@ fn difference_in_words(found: &Significance, change: Option<&FittingChange>) -> 
     let cause = change.map_or_else(String::new, |found| {
         format!(" Half a pixel explains it: {}.", change_in_words(&found.change))
     });
-    format!(" But the two geometries differ by more than the errors of the matches ({figures}).{cause}")
+    format!(
+        " But the two geometries differ by more than the errors of the matches explain ({figures}).{cause}"
+    )
 }
 
 /// Describes a change as a condition that ends the sentence "It fits if".
-pub fn change_in_words(change: &Change) -> String {
+fn change_in_words(change: &Change) -> String {
     match *change {
         Change::Convention { reading } => {
             format!("it is read in another convention: {reading}")

@@ -12,7 +12,8 @@ pub fn lens_in_words(lens: &DivisionFit, frames: [Frame; 2]) -> String {
     } else {
         format!("λ {} and {}", coefficient(0), coefficient(1))
     };
-    format!("a lens explains the matches clearly better: {coefficients}; corners move by {:.0} px", {
-        lens.corner_shift(frames)
-    })
+    let shift = lens.corner_shift(frames);
+    format!(
+        "lens distortion fits the matches clearly better: {coefficients}; it moves the corners by {shift:.0} px"
+    )
 }

@@ -16,10 +16,10 @@ mod scale;
 
 pub use epipoles::{NOT_DETERMINED, epipole_in_words, interval_in_words};
 pub use errors::error_in_words;
-pub use judgement::{change_in_words, judgement_in_words, rows_in_words};
+pub use judgement::{judgement_in_words, rows_in_words};
 pub use lens::lens_in_words;
 #[doc(hidden)]
-pub use parameters::{ShownParameter, parameters_as_markdown, shown_parameters};
+pub use parameters::{ShownParameter, shown_parameters};
 pub use pose::{NO_BASELINE, pose_difference_in_words, pose_in_words};
 pub use probability::probability_in_words;
 pub use reasons::{reason_in_words, warning_in_words};

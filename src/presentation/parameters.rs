@@ -1,7 +1,6 @@
 //! Names, tooltips and units of the parameters.
 
 use std::f64::consts::PI;
-use std::fmt::Write;
 
 use crate::estimate::{PARAMETERS, ParameterEntry, ParameterValue, Parameters, Preset};
 
@@ -40,7 +39,7 @@ impl Words {
     }
 }
 
-const WORDS: [Words; PARAMETERS.len()] = [
+static WORDS: [Words; PARAMETERS.len()] = [
     number(
         "coarse_side",
         "Coarse size",
@@ -277,59 +276,38 @@ const WORDS: [Words; PARAMETERS.len()] = [
 pub struct ShownParameter {
     /// Entry in the table of the estimator.
     pub entry: &'static ParameterEntry,
-    words: &'static Words,
+    /// Name in the window.
+    pub name: &'static str,
+    /// Tooltip, in whole sentences.
+    pub tooltip: &'static str,
+    /// Number of decimals shown.
+    pub decimals: usize,
+    /// Names of the choices. Empty for numbers and switches.
+    pub choices: &'static [&'static str],
+    /// Unit shown, with the space before it.
+    pub unit: &'static str,
+    /// Value of one shown unit in the unit of files: `π/180` for degrees, otherwise 1.
+    pub of_unit: f64,
 }
 
 /// Returns all parameters in the order of the stages.
 pub fn shown_parameters() -> impl Iterator<Item = ShownParameter> {
     static ENTRIES: [ParameterEntry; PARAMETERS.len()] = PARAMETERS;
-    static ALL: [Words; PARAMETERS.len()] = WORDS;
-    let words = |key: &str| ALL.iter().find(|words| words.key == key);
-    ENTRIES.iter().filter_map(move |entry| Some(ShownParameter { entry, words: words(entry.key)? }))
+    ENTRIES.iter().filter_map(|entry| {
+        let Words { name, tooltip, decimals, converted, choices, .. } =
+            *WORDS.iter().find(|words| words.key == entry.key)?;
+        let (unit, of_unit) = converted.unwrap_or((entry.unit, 1.0));
+        Some(ShownParameter { entry, name, tooltip, decimals, choices, unit, of_unit })
+    })
 }
 
 impl ShownParameter {
-    /// Returns the name in the window.
-    pub fn name(&self) -> &'static str {
-        self.words.name
-    }
-
-    /// Returns the tooltip, in whole sentences.
-    pub fn tooltip(&self) -> &'static str {
-        self.words.tooltip
-    }
-
-    /// Returns the unit shown, with the space before it.
-    pub fn unit(&self) -> &'static str {
-        self.words.converted.map_or(self.entry.unit, |(unit, _)| unit)
-    }
-
-    /// Returns the value of one shown unit in the unit of files.
-    pub fn of_unit(&self) -> f64 {
-        self.words.converted.map_or(1.0, |(_, of_unit)| of_unit)
-    }
-
-    /// Returns whether the shown unit differs from the unit of files.
-    pub fn is_converted(&self) -> bool {
-        self.words.converted.is_some()
-    }
-
-    /// Returns the number of decimals shown.
-    pub fn decimals(&self) -> usize {
-        self.words.decimals
-    }
-
-    /// Returns the names of the choices. Empty for numbers and switches.
-    pub fn choices(&self) -> &'static [&'static str] {
-        self.words.choices
-    }
-
     /// Returns the error message for the value in `parameters`, in the shown unit. `None` if the
     /// value is valid.
     pub fn problem(&self, parameters: &Parameters) -> Option<String> {
         self.entry.check(parameters).err()?;
         let [least, most] = self.shown_range()?;
-        Some(format!("{} must be between {least} and {most}{}.", self.name(), self.unit()))
+        Some(format!("{} must be between {least} and {most}{}.", self.name, self.unit))
     }
 
     /// Returns a sentence with the range and the default.
@@ -337,7 +315,7 @@ impl ShownParameter {
         let default = self.default_text(preset);
         match self.shown_range() {
             Some([least, most]) => {
-                let unit = self.unit();
+                let unit = self.unit;
                 format!("From {least} to {most}{unit}, by default {default}.")
             }
             None => format!("By default {default}."),
@@ -349,59 +327,61 @@ impl ShownParameter {
         let defaults = Parameters::from(preset);
         match self.entry.value {
             ParameterValue::Number { get, .. } => {
-                let (decimals, value) = (self.decimals(), get(&defaults) / self.of_unit());
-                format!("{value:.decimals$}{}", self.unit())
+                let (decimals, value) = (self.decimals, get(&defaults) / self.of_unit);
+                format!("{value:.decimals$}{}", self.unit)
             }
             ParameterValue::Switch { get, .. } => if get(&defaults) { "on" } else { "off" }.to_owned(),
-            ParameterValue::Choice { get, .. } => self.choices()[get(&defaults)].to_owned(),
+            ParameterValue::Choice { get, .. } => self.choices[get(&defaults)].to_owned(),
         }
     }
 
     /// Returns the range of a number in the shown unit.
     fn shown_range(&self) -> Option<[f64; 2]> {
         match self.entry.value {
-            ParameterValue::Number { range, .. } => Some(range.map(|end| end / self.of_unit())),
+            ParameterValue::Number { range, .. } => Some(range.map(|end| end / self.of_unit)),
             _ => None,
         }
     }
 }
 
-/// Returns the table of all parameters as Markdown.
-pub fn parameters_as_markdown() -> String {
-    let mut text = String::from(
-        "| step | `--set` | in the window | paper | robust | range | what it is |\n|---|---|---|---|---|---|---|\n",
-    );
-    for shown in shown_parameters() {
-        let range = match shown.shown_range() {
-            Some([least, most]) => format!("{least} … {most}{}", shown.unit()),
-            None if shown.choices().is_empty() => "on, off".to_owned(),
-            None => shown.choices().join(", "),
-        };
-        let _ = writeln!(
-            text,
-            "| {} | `{}` | {} | {} | {} | {range} | {} |",
-            shown.entry.stage.label(),
-            shown.entry.key,
-            if shown.entry.is_expert { "–" } else { shown.name() },
-            shown.default_text(Preset::Paper),
-            shown.default_text(Preset::Robust),
-            shown.tooltip()
-        );
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
+    use std::fmt::Write;
+
     use super::*;
+
+    /// Returns the table of all parameters as Markdown.
+    fn parameters_as_markdown() -> String {
+        let mut text = String::from(
+            "| step | `--set` | in the window | paper | robust | range | what it is |\n|---|---|---|---|---|---|---|\n",
+        );
+        for shown in shown_parameters() {
+            let range = match shown.shown_range() {
+                Some([least, most]) => format!("{least} … {most}{}", shown.unit),
+                None if shown.choices.is_empty() => "on, off".to_owned(),
+                None => shown.choices.join(", "),
+            };
+            let _ = writeln!(
+                text,
+                "| {} | `{}` | {} | {} | {} | {range} | {} |",
+                shown.entry.stage.label(),
+                shown.entry.key,
+                if shown.entry.is_expert { "–" } else { shown.name },
+                shown.default_text(Preset::Paper),
+                shown.default_text(Preset::Robust),
+                shown.tooltip
+            );
+        }
+        text
+    }
 
     #[test]
     fn every_parameter_has_words() {
         assert_eq!(shown_parameters().count(), PARAMETERS.len());
         for shown in shown_parameters() {
-            assert!(shown.tooltip().ends_with('.'), "{}", shown.entry.key);
+            assert!(shown.tooltip.ends_with('.'), "{}", shown.entry.key);
             let is_choice = matches!(shown.entry.value, ParameterValue::Choice { .. });
-            assert_eq!(is_choice, !shown.choices().is_empty(), "{}", shown.entry.key);
+            assert_eq!(is_choice, !shown.choices.is_empty(), "{}", shown.entry.key);
         }
     }
 

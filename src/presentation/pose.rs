@@ -28,8 +28,8 @@ pub fn pose_in_words(fit: &PoseFit) -> String {
     );
     let _ = writeln!(
         text,
-        "  Parallax of the matches {:.2}° (median), {noise:.3} px from the lines (median), {in_front} of {matches} in \
-         front of both cameras",
+        "  Matches: parallax {:.2}° (median), {noise:.3} px from their epipolar lines (median), {in_front} of {matches} \
+         in front of both cameras",
         parallax.to_degrees()
     );
     text

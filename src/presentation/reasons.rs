@@ -113,7 +113,7 @@ fn no_relief(along: usize, across: usize, on_warp: usize) -> String {
     }
     format!(
         "{on_warp} of {all} distinctive matches follow one smooth warp, as with a flat scene or a turned camera. \
-         The epipole is not determined: {along} of the other matches confirm it, and {} it. \
+         The others are too few, or disagree too much, to determine the epipole: {along} confirm it, and {} it. \
          Use views from different places, or a scene with more depth.",
         contradicting(across).to_lowercase()
     )
@@ -138,8 +138,8 @@ fn one_plane(percent: u32, off_the_plane: &str, is_still: bool) -> String {
     }
     format!(
         "{percent} % of the matches fit one plane or a rotation of the camera, \
-         so the epipole is not determined. \
-         {off_the_plane} Use views farther apart, or a scene with more depth."
+         and the others do not determine the epipole. \
+         {off_the_plane} Use views from other places, or a scene with more depth."
     )
 }
 
@@ -276,7 +276,7 @@ mod tests {
     #[test]
     fn a_rival_with_more_support_is_called_that() {
         let rival = |margin| reason_in_words(&Reason::Ambiguous { margin });
-        assert!(rival(0.1).contains("nearly as much support (margin 10 %)"), "{}", rival(0.1));
-        assert!(rival(-0.96).contains("has more support (margin -96 %)"), "{}", rival(-0.96));
+        assert!(rival(0.1).contains("nearly as much support (lead of the result 10 %)"), "{}", rival(0.1));
+        assert!(rival(-0.96).contains("has more support (lead of the result -96 %)"), "{}", rival(-0.96));
     }
 }

@@ -82,6 +82,14 @@ impl ImageMap {
         }
     }
 
+    /// Returns the number of rows after which a polar map begins again, if it shows a whole turn.
+    pub(super) fn rows_of_a_turn(&self) -> Option<f64> {
+        match &self.kind {
+            MapKind::Planar(_) => None,
+            MapKind::Polar(map) => map.rows_of_a_turn(),
+        }
+    }
+
     /// Returns the homography of a planar map: rectified from original pixels
     /// (without distortion), last entry 1.
     pub fn homography(&self) -> Option<&Matrix3<f64>> {

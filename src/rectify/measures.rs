@@ -43,7 +43,7 @@ pub struct RowErrors {
     pub matches: usize,
     /// Number of matches outside a picture.
     pub outside: usize,
-    /// Mean of `|y1 − y2|`.
+    /// Mean of `|y1 − y2|`, where a polar map that shows a whole turn goes on from its last row to its first.
     pub mean: f64,
     /// Largest `|y1 − y2|`.
     pub max: f64,
@@ -102,7 +102,9 @@ impl RowErrors {
         if placed.is_empty() {
             return None;
         }
-        let errors = placed.iter().map(|m| (m.point1.y - m.point2.y).abs());
+        // A match at the seam of a whole turn has one point in the first rows and one in the last.
+        let turn = maps.iter().filter_map(ImageMap::rows_of_a_turn).fold(f64::INFINITY, f64::min);
+        let errors = placed.iter().map(|m| (m.point1.y - m.point2.y).abs()).map(|e| e.min((turn - e).abs()));
         let agreed = on_surfaces(&placed);
         let range = Range::of(agreed.iter().map(disparity));
         Some(Self {

@@ -127,6 +127,23 @@ fn an_epipole_inside_takes_polar_and_is_named() {
 }
 
 #[test]
+fn a_match_at_the_seam_of_a_whole_turn_is_in_neighbouring_rows() {
+    let (f, mut matches) = exact_pair(Motion::Forward, FRAME);
+    let rectified = |matches: &[PointPair]| {
+        rectify(&f, [FRAME; 2], matches, RectifyMethod::Polar, &Limits::default()).unwrap()
+    };
+    let r = rectified(&matches);
+    let last = (r.size.height - 1) as f64;
+    let at = |x: usize| {
+        let (point1, point2) = (r.maps[0].row(0.0).at(x as f64)?, r.maps[1].row(last).at(x as f64)?);
+        (FRAME.contains(point1) && FRAME.contains(point2)).then_some(PointPair { point1, point2 })
+    };
+    matches.extend((0..r.size.width).filter_map(at).nth(60));
+    let rows = rectified(&matches).measures.rows.unwrap();
+    assert!(rows.max > 0.5 && rows.max < 2.0 && rows.outside == 0, "{rows:?}");
+}
+
+#[test]
 fn half_lines_follow_the_matches() {
     let (f, matches) = exact_pair(Motion::Forward, FRAME);
     // The camera is turned upside down: the right half of image 1 is on the left of image 2.

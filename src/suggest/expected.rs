@@ -11,12 +11,13 @@ const NEIGHBOURS: usize = 5;
 /// Largest deviation of an expected place, as a share of the longer side. Beyond it, the neighbours do not
 /// lie on one surface, or the point is far from them.
 const LARGEST_DEVIATION: f64 = 0.01;
-/// Distance of a match from its expected place, in deviations: 99.7 % of Gaussian errors are below it.
+/// Maximum distance of a match from its expected place, standard deviations.
 const DEVIATIONS: f64 = 3.0;
-/// Largest ratio of the eigenvalues of the positions: neighbours in one row determine no affine map.
+/// Largest ratio of the eigenvalues of the normal matrix. Neighbours in one row determine no affine
+/// map.
 const ROW: f64 = 1e8;
 
-/// The place where the neighbours expect a match.
+/// Place of a match, predicted by its neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Expected {
     pub at: Point,

@@ -63,8 +63,8 @@ const SMALLEST_SIDE: usize = 24;
 const NOISE: f64 = 1e-3;
 /// Step between searched rotations, radians.
 const ROTATION_STEP: f64 = std::f64::consts::PI / 12.0;
-/// Least correlation of a clear suggestion at the place that its neighbours expect. Surfaces turned away
-/// look less alike, and few other places are so near.
+/// Minimum correlation of a clear suggestion at the place that its neighbours expect. It is low,
+/// because surfaces turned away look less alike and few wrong places lie there.
 const EXPECTED_CORRELATION: f64 = 0.6;
 /// Ratio between searched scales.
 const SCALE_STEP: f64 = 1.19;
@@ -237,9 +237,11 @@ fn epipolar_line(f: &FundamentalMatrix, image: ClickedImage, point: Point) -> Op
 /// Returns a grid of poses around one, `steps` to either side.
 fn poses(around: Pose, steps: i32) -> Vec<Pose> {
     let offsets = || (-steps..=steps).map(f64::from);
-    let rotations: Vec<f64> = offsets().map(|k| around.rotation + k * ROTATION_STEP).collect();
-    let scales: Vec<f64> = offsets().map(|k| around.scale * SCALE_STEP.powf(k)).collect();
-    Pose::grid(&rotations, &scales)
+    let rotated = |k: f64| {
+        let rotation = around.rotation + k * ROTATION_STEP;
+        offsets().map(move |k| Pose { rotation, scale: around.scale * SCALE_STEP.powf(k) })
+    };
+    offsets().flat_map(rotated).collect()
 }
 
 fn suggestion(view: &SearchView, point: Point, candidate: &FoundPlace) -> Suggestion {

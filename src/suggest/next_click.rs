@@ -20,27 +20,25 @@ const BORDER: usize = 10;
 const RIVALS: usize = 12;
 /// Exponent that turns the ratio of a rival's support to the best support into a weight.
 const SHARPNESS: i32 = 4;
-/// Distance between two lines, as a fraction of the longer side, beyond which the gain saturates:
-/// any click distinguishes them.
-const PLAIN: f64 = 0.05;
+/// Distance between two lines at which the gain begins to saturate, as a fraction of the longer side.
+/// Any click distinguishes lines that are farther apart.
+const SATURATION: f64 = 0.05;
 /// Minimum disagreement worth a click, as a fraction of the longer side.
 const LEAST: f64 = 0.0025;
 /// Minimum distance from a placed point, as a fraction of the longer side. Nearer clicks add
 /// nothing.
 const APART: f64 = 0.03;
-/// Number of matches beyond which they must surround a place. Fewer cannot.
-const COMPANY: usize = 3;
-/// Maximum distance from matches of the result, as a fraction of the longer side: farther away, nothing
-/// tells whether the other image shows the same part of the scene. Half of it leaves few places on
-/// sparsely matched pictures; twice of it reaches across the border of the common part.
+/// Minimum number of matches that can surround a place.
+const FEWEST_AROUND: usize = 3;
+/// Maximum distance of a place from matches of the result, as a fraction of the longer side. Farther
+/// away, the other image may not show the same part of the scene. Half of this distance leaves few
+/// places on sparsely matched pictures; twice of it reaches across the border of the common part.
 const NEAR: f64 = 0.08;
-/// Smallest number of matches near a place, as a share of their usual number near a match. Beside
-/// the common part of the images, some corners fit F by chance. On three doubtful pairs of `wide`
-/// with known matches, 49 of 1,533 places between matches lie outside the other image without this
-/// rule, and none of 1,408 with it.
-const LONELY: f64 = 0.25;
-/// Number of matches that tell the usual number.
-const SOME: usize = 200;
+/// Smallest number of matches near a place, as a share of the median number near a match. Outside the
+/// common part of the images, a few corners fit F by chance.
+const LEAST_SHARE: f64 = 0.25;
+/// Number of matches from which the median number is computed.
+const COUNTED: usize = 200;
 /// Number of samples per line for its mean distance from another line.
 const SAMPLES: usize = 9;
 
@@ -83,8 +81,9 @@ impl Rival {
 }
 
 /// Returns the textured point of image 1 whose epipolar lines under the result and its rivals are
-/// farthest apart in image 2. Points near placed pairs or the epipole, and points that near `matches` of
-/// the result do not surround, are skipped. Returns `None` when all geometries agree. Takes some milliseconds.
+/// farthest apart in image 2. Skips points near placed pairs or the epipole, and points that are not
+/// surrounded by near `matches` of the result. Returns `None` when all geometries agree. Takes some
+/// milliseconds.
 pub fn next_click(
     prepared: &PreparedPair,
     fundamental: &FundamentalMatrix,
@@ -101,14 +100,14 @@ pub fn next_click(
         let taken = placed.iter().map(|pair| pair.point1).chain(epipole);
         taken.into_iter().all(|other| (other - point).norm() > apart_by)
     };
-    let some = matches.iter().step_by(matches.len().div_ceil(SOME).max(1));
-    let usual = median(some.map(|pair| ways(matches, pair.point1, near).count() as f64));
+    let counted = matches.iter().step_by(matches.len().div_ceil(COUNTED).max(1));
+    let usual = median(counted.map(|pair| near_matches(matches, pair.point1, near).count() as f64));
     let is_common = |point: &Point| {
-        let company: Vec<Vector> = ways(matches, *point, near).collect();
-        if matches.len() < COMPANY {
-            return company.len() == matches.len();
+        let neighbours: Vec<Vector> = near_matches(matches, *point, near).collect();
+        if matches.len() < FEWEST_AROUND {
+            return neighbours.len() == matches.len();
         }
-        company.len() as f64 >= LONELY * usual && surround(&company)
+        neighbours.len() as f64 >= LEAST_SHARE * usual && surround(&neighbours)
     };
     let side = frame2.longer_side();
     let seen = |point: Point| {
@@ -120,8 +119,8 @@ pub fn next_click(
             Some((rival.weight / total, apart(&own, &line, frame2)?))
         });
         let (worth, disagreement) = distances.fold((0.0, 0.0), |(worth, mean), (weight, distance)| {
-            let plain = PLAIN * side;
-            (worth + weight * distance * plain / (distance + plain), mean + weight * distance)
+            let saturation = SATURATION * side;
+            (worth + weight * distance * saturation / (distance + saturation), mean + weight * distance)
         });
         Some((worth, NextClick { point, disagreement }))
     };
@@ -137,15 +136,15 @@ pub fn next_click(
     best.map(|(_, place)| place).filter(|place| place.disagreement >= LEAST * side)
 }
 
-/// Returns the ways to the matches near a place of image 1.
-fn ways(matches: &[PointPair], point: Point, near: f64) -> impl Iterator<Item = Vector> {
-    matches.iter().map(move |pair| pair.point1 - point).filter(move |way| way.norm() <= near)
+/// Returns the vectors from a place of image 1 to the matches near it.
+fn near_matches(matches: &[PointPair], point: Point, near: f64) -> impl Iterator<Item = Vector> {
+    matches.iter().map(move |pair| pair.point1 - point).filter(move |vector| vector.norm() <= near)
 }
 
-/// Returns whether directions leave no gap of half a turn. A place between matches is visible where they
-/// are; beside them it may lie outside the other image.
-fn surround(ways: &[Vector]) -> bool {
-    let mut angles: Vec<f64> = ways.iter().map(|way| way.y.atan2(way.x)).collect();
+/// Returns whether the directions of vectors leave no gap of half a turn. A place surrounded by matches
+/// is visible in the other image; a place beside all matches may lie outside it.
+fn surround(vectors: &[Vector]) -> bool {
+    let mut angles: Vec<f64> = vectors.iter().map(|v| v.y.atan2(v.x)).collect();
     angles.sort_unstable_by(f64::total_cmp);
     let next = angles.iter().skip(1).copied().chain(angles.first().map(|first| first + TAU));
     !angles.is_empty() && angles.iter().zip(next).all(|(angle, next)| next - angle < PI)

@@ -1,11 +1,11 @@
 //! Extent of the search, and limits for a clear suggestion.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::Clarity;
 
 /// Parameters of [`suggest`](super::suggest()).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SuggestParameters {
     /// Half width of the band searched around the epipolar line, full-size px.
     pub band: f64,

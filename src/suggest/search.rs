@@ -33,7 +33,7 @@ struct SearchStage<'a> {
 
 /// Levels of both images, in the order of the search.
 pub(super) struct SearchView<'a> {
-    stages: Vec<SearchStage<'a>>,
+    stages: [SearchStage<'a>; LEVELS],
     full: SearchStage<'a>,
     /// Pose of the view between the smallest levels.
     pub usual: Pose,
@@ -121,7 +121,7 @@ impl<'a> SearchView<'a> {
                 to_scale: level.scales[1 - from],
             }
         };
-        Self { stages: SIDES.map(stage).to_vec(), full: stage(f64::INFINITY), usual }
+        Self { stages: SIDES.map(stage), full: stage(f64::INFINITY), usual }
     }
 
     /// Returns the distance below which two candidates count as one place, full-size px.

@@ -30,14 +30,6 @@ pub(super) struct Template {
 }
 
 impl Pose {
-    /// Returns every combination of the rotations and scales.
-    pub fn grid(rotations: &[f64], scales: &[f64]) -> Vec<Self> {
-        rotations
-            .iter()
-            .flat_map(|rotation| scales.iter().map(|scale| Self { rotation: *rotation, scale: *scale }))
-            .collect()
-    }
-
     /// Returns the pose nearest to an affine map.
     pub fn of(affine: &Matrix2<f64>) -> Self {
         let (a, b) = (affine[(0, 0)] + affine[(1, 1)], affine[(1, 0)] - affine[(0, 1)]);

@@ -104,6 +104,12 @@ fn clicks_in_bent_pictures_give_the_geometry_of_straight_ones_and_a_pose() {
         distances.sort_by(f64::total_cmp);
         assert!(distances[distances.len() / 2] < 0.2);
     }
+    // The matches of the result, given as matches, are those of the pictures with distortion.
+    let output = lens.command("estimate", &["--matches", &lens.pictures.text("result.json")]);
+    let words = text(&output.stdout);
+    let given = words.split("Given matches: ").nth(1).unwrap();
+    let counts: Vec<usize> = given.split(' ').filter_map(|word| word.parse().ok()).take(2).collect();
+    assert!(counts[0] * 20 > counts[1] * 19, "{given}");
     // The covariances of F and of the pose leave together.
     let (result, archive) = (lens.pictures.text("result.json"), lens.pictures.text("result.npz"));
     assert!(run(&["convert", &result, "--output", &archive]).status.success());
@@ -251,8 +257,10 @@ fn matches_of_another_program_are_measured_and_bad_ones_are_not_used() {
     let output = run(&["estimate", "--sample", "courtyard", "--matches", &given]);
     let words = text(&output.stdout);
     assert!(output.status.success() && words.contains("Given matches: "), "{words}");
-    let json = run(&["estimate", "--sample", "courtyard", "--matches", &given, "--json", "-"]);
+    let options = ["--set", "seed=7", "--json", "-"];
+    let json = run(&[&["estimate", "--sample", "courtyard", "--matches", &given][..], &options].concat());
     let result: Value = serde_json::from_slice(&json.stdout).unwrap();
+    assert_eq!(result["seed"], 7);
     assert_eq!(result["given_matches"].as_array().unwrap().len(), sample.matches.len());
     pictures.write("few.txt", "1 2 3 4\n5 6 7 8\n");
     let output = run(&["estimate", "--sample", "courtyard", "--matches", &pictures.text("few.txt")]);
@@ -265,7 +273,7 @@ fn a_lens_without_a_calibration_is_fitted_to_the_matches() {
     let [near, far, json] = ["near.png", "far.png", "fitted.json"].map(|name| lens.pictures.text(name));
     let output = run(&["estimate", &near, &far, "--division", "auto", "--json", &json]);
     assert!(output.status.success(), "{}", text(&output.stderr));
-    assert!(text(&output.stderr).contains("a lens explains the matches clearly better"));
+    assert!(text(&output.stderr).contains("it moves the corners by"));
     let result: Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
     let view = &result["calibrated"]["views"][0];
     let lambda = view["lens"]["radial"]["division"]["lambda"].as_f64().unwrap();
@@ -281,12 +289,21 @@ fn a_lens_without_a_calibration_is_fitted_to_the_matches() {
     fails(&rectify, 2, "--division");
     fails(&[&rectify[..], &["--division", "auto"]].concat(), 2, "epiline estimate --division auto");
     let coefficient = lambda.to_string();
-    let output = run(&[&rectify[..], &["--division", &coefficient]].concat());
-    assert!(output.status.success(), "{}", text(&output.stderr));
+    for matches in [&[][..], &["--matches", &json]] {
+        let output = run(&[&rectify[..], &["--division", &coefficient], matches].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let words = text(&output.stdout);
+        let error = words.split(" matches: ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
+        assert!(error.parse::<f64>().unwrap() < 0.5, "{words}");
+    }
+    // Its lines do not fit the pictures with distortion.
+    let suggested = run(&["suggest", &near, &far, "--at", "300,250", "--fundamental", &json]);
+    let told = text(&suggested.stderr);
+    assert!(told.contains("fitted.json belongs to views without lens distortion"), "{told}");
     fails(&["estimate", &near, &far, "--division", "7"], 2, "a number from -0.9 to 0.9, or auto");
     // Without distortion there is nothing to fit.
     let straight = run(&["estimate", "--sample", "courtyard", "--division", "auto"]);
     let told = text(&straight.stderr);
-    assert!(told.contains("no lens explains the matches clearly better"), "{told}");
+    assert!(told.contains("no lens distortion fits the matches clearly better"), "{told}");
     assert!(!text(&straight.stdout).contains("without distortion"));
 }

@@ -302,6 +302,9 @@ mod what_is_no_file {
         assert!(output.status.success(), "{}", text(&output.stderr));
         let output = piped(&["convert", "/dev/stdin", "-o", "-", "--format", "json"], b"1 2 3 x\n");
         assert!(sentence(&output, 2, "no number").contains("line 1"), "{}", text(&output.stderr));
+        let judge = ["judge", "--sample", "--rectified", "--matches", "/dev/stdin"];
+        let output = piped(&judge, b"1 2 3 4\n5 6 7 8\n");
+        assert!(sentence(&output, 2, "few matches").contains("2 were given"), "{}", text(&output.stderr));
     }
 }
 

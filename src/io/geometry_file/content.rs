@@ -1,11 +1,8 @@
 //! Content of a geometry file, independent of its format.
 
-use std::path::Path;
-
 use nalgebra::{Matrix3, Matrix6, SMatrix};
 use serde::{Deserialize, Serialize};
 
-use super::super::read::ReadError;
 use super::labels::{PairLabel, TrustNote};
 use crate::camera::{PointCloud, PoseFit, RelativePose};
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
@@ -85,6 +82,22 @@ impl GeometryFile {
             Camera::fundamental(camera1, camera2)
         })
     }
+
+    /// Returns the matches of a result, or the point pairs of any other file.
+    pub fn matches(self) -> Vec<PointPair> {
+        if self.found.is_empty() { self.pairs } else { self.found }
+    }
+
+    /// Returns [`matches`](Self::matches) in the pictures as they are. The matches of a result may
+    /// belong to views without distortion.
+    pub(in crate::io) fn original_matches(self) -> Vec<PointPair> {
+        let clicks = if self.found.is_empty() { 0 } else { self.pairs.len() };
+        let calibrated = self.calibrated.as_ref().filter(|_| self.is_undistorted);
+        match calibrated.and_then(|calibrated| calibrated.originals.get(clicks..)) {
+            Some(originals) if !originals.is_empty() => originals.iter().flatten().copied().collect(),
+            _ => self.matches(),
+        }
+    }
 }
 
 /// Interpretation of numbers without names.
@@ -92,32 +105,4 @@ impl GeometryFile {
 pub(super) enum BareNumbers {
     Anything,
     Geometry,
-}
-
-/// Error in the content of a file, one clause.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{problem}")]
-pub struct Problem {
-    /// Line number from 1, if known.
-    pub line: Option<usize>,
-    /// Expected and found content.
-    pub problem: String,
-}
-
-impl Problem {
-    pub(super) fn whole(problem: impl Into<String>) -> Self {
-        Self { line: None, problem: problem.into() }
-    }
-
-    /// Adds the name of the file.
-    pub(super) fn of_file(self, path: &Path) -> ReadError {
-        match self.line {
-            Some(line) => ReadError::line(path, line, self.problem),
-            None => ReadError::content(path, self.problem),
-        }
-    }
-
-    pub(super) fn at(line: usize, problem: impl Into<String>) -> Self {
-        Self { line: Some(line), problem: problem.into() }
-    }
 }

@@ -3,7 +3,8 @@
 use nalgebra::{Matrix3, Matrix3x4, SMatrix};
 use serde_json::{Map, Value};
 
-use super::content::{BareNumbers, CalibratedNote, GeometryFile, ImageNote, Problem};
+use super::Problem;
+use super::content::{BareNumbers, CalibratedNote, GeometryFile, ImageNote};
 use super::quantity::Quantity;
 use crate::foreign::excerpt;
 use crate::geometry::{Camera, FundamentalMatrix, PointPair};

@@ -37,10 +37,11 @@ use self::fields::Fields;
 use super::npy::rows_as_text;
 use super::number::rows;
 use super::output::{OutputFile, WriteError};
-use super::read::{ReadError, read_bytes, text_of};
+use super::read::{Problem, ReadError, read_bytes, text_of};
+use super::vgg::read_camera;
 use crate::geometry::{FundamentalMatrix, PointPair};
 
-pub use self::content::{CalibratedNote, GeometryFile, ImageNote, Problem};
+pub use self::content::{CalibratedNote, GeometryFile, ImageNote};
 #[cfg(feature = "colmap")]
 pub(super) use self::coordinates::{moved_fundamental, moved_pair, shift};
 pub use self::format::Format;
@@ -83,12 +84,20 @@ impl GeometryFile {
     pub fn read_geometry(path: &Path) -> Result<(FundamentalMatrix, Self), ReadError> {
         let (file, _) = Self::read_for(path, BareNumbers::Geometry)?;
         let missing = match &file.cameras {
-            Some(_) => "the two cameras have the same centre, so there is no fundamental matrix",
+            Some(_) => SAME_CENTRE,
             None => {
                 "there is no fundamental matrix in it (\"F\" or \"fundamental\"), nor two cameras (\"P1\" and \"P2\")"
             }
         };
         let fundamental = file.geometry().ok_or_else(|| ReadError::content(path, missing))?;
+        Ok((fundamental, file))
+    }
+
+    /// Reads two files with a camera each.
+    pub fn read_cameras([left, right]: [&Path; 2]) -> Result<(FundamentalMatrix, Self), ReadError> {
+        let cameras = Some([read_camera(left)?, read_camera(right)?]);
+        let file = Self { cameras, ..Self::default() };
+        let fundamental = file.geometry().ok_or_else(|| ReadError::content(right, SAME_CENTRE))?;
         Ok((fundamental, file))
     }
 
@@ -119,6 +128,8 @@ impl GeometryFile {
     }
 }
 
+const SAME_CENTRE: &str = "the two cameras have the same centre, so there is no fundamental matrix";
+
 /// Advice for an XML file: the conversion to YAML with OpenCV.
 const XML: &str = "XML is not supported. Convert it to YAML with OpenCV in Python: s = cv2.FileStorage('F.xml', 0); cv2.FileStorage('F.yml', 1).write('F', s.getNode('F').mat())";
 
@@ -132,7 +143,7 @@ pub fn read_fundamental(path: &Path) -> Result<FundamentalMatrix, ReadError> {
 }
 
 /// Returns the text of a file, or the rows of a NumPy array as text.
-pub(super) fn text_or_rows(path: &Path, bytes: Vec<u8>) -> Result<String, ReadError> {
+fn text_or_rows(path: &Path, bytes: Vec<u8>) -> Result<String, ReadError> {
     match rows_as_text(&bytes) {
         Some(text) => text.map_err(|problem| ReadError::content(path, problem)),
         None => text_of(path, bytes),
@@ -141,13 +152,22 @@ pub(super) fn text_or_rows(path: &Path, bytes: Vec<u8>) -> Result<String, ReadEr
 
 /// Reads the point pairs of a file of any [`Format`]; at least one.
 pub fn read_point_pairs(path: &Path) -> Result<Vec<PointPair>, ReadError> {
+    point_pairs(path, read_bytes(path)?, |file| file.pairs)
+}
+
+/// Parses the bytes of a file and returns those of its point pairs that `select` takes; at least one.
+pub(super) fn point_pairs(
+    path: &Path,
+    bytes: Vec<u8>,
+    select: fn(GeometryFile) -> Vec<PointPair>,
+) -> Result<Vec<PointPair>, ReadError> {
     let none = || ReadError::content(path, "no point pairs found. Each row needs x1 y1 x2 y2");
-    // A pipe can be read only once.
-    let text = text_or_rows(path, read_bytes(path)?)?;
+    let text = text_or_rows(path, bytes)?;
     let (file, _) = match GeometryFile::parse(&text) {
         // An empty file needs no list of field names.
         Err(_) if rows(&text).next().is_none() => return Err(none()),
         other => other.map_err(|problem| problem.of_file(path))?,
     };
-    if file.pairs.is_empty() { Err(none()) } else { Ok(file.pairs) }
+    let pairs = select(file);
+    if pairs.is_empty() { Err(none()) } else { Ok(pairs) }
 }

@@ -129,7 +129,7 @@ fn bare(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
     let mut fields = Fields::default();
     let count = rows(text).map(|(_, row)| cells(row).count()).sum::<usize>();
     if wanted == BareNumbers::Anything && count != 9 {
-        let pairs = parse_point_pairs(text).map_err(|e| Problem::at(e.line, e.problem))?;
+        let pairs = parse_point_pairs(text)?;
         let numbers: Vec<f64> = pairs.iter().flat_map(PointPair::numbers).collect();
         fields.add(Quantity::Pairs, NumberTable::new(pairs.len(), 4, numbers).map_err(Problem::whole)?)?;
         return Ok(fields);

@@ -51,6 +51,15 @@ impl PolarMap {
         RowTrace { start, step: direction * self.radius_step }
     }
 
+    /// Returns the number of rows of a whole turn about the epipole, if the picture shows one. Its first
+    /// and last row are neighbours then.
+    pub(super) fn rows_of_a_turn(&self) -> Option<f64> {
+        let range = (self.angles[self.angles.len() - 1] - self.angles[0]).abs();
+        let rows = self.angles.len() as f64;
+        let missing = std::f64::consts::TAU - range;
+        (missing < 2.0 * range / (rows - 1.0)).then_some(rows)
+    }
+
     pub(super) fn rectified_from_original(&self, p: Point) -> Option<Point> {
         let from = p - self.epipole;
         let (first, last) = (self.angles[0], self.angles[self.angles.len() - 1]);

@@ -65,7 +65,7 @@ fn margins_are_in_percent_and_the_one_after_refinement_decides() {
         (margin.value.clone(), margin.tone)
     };
     let doubtful = verdict(&document, &computation);
-    assert!(doubtful.sentence.contains("(margin 5 %)"), "{}", doubtful.sentence);
+    assert!(doubtful.sentence.contains("(lead of the result 5 %)"), "{}", doubtful.sentence);
     assert_eq!(margin(&doubtful), ("5 %".to_owned(), Some(Tone::Caution)));
     let (document, computation) = computed(|e| {
         e.assessment.margin = Some(0.054);
@@ -143,8 +143,8 @@ fn far_epipoles_are_told_by_their_side_and_what_is_known() {
             EpipoleBearing { direction, direction_error: 0.02, distance: 950.0, nearest: 900.0, farthest };
         bearing_text(&HomogeneousPoint::new(direction.cos(), direction.sin(), 1e-3), frame, &bearing)
     };
-    assert_eq!(text(0.1, Some(1010.0)), "right, 950 ± 60 px away");
-    assert_eq!(text(3.1, Some(2500.0)), "left, 900 to 2500 px away");
+    assert_eq!(text(0.1, Some(1010.0)), "right, 950 ± 60 px");
+    assert_eq!(text(3.1, Some(2500.0)), "left, 900 to 2500 px");
     assert_eq!(text(-1.5, None), "above, far away, direction ± 1.1°");
     let inside = HomogeneousPoint::new(30.0, 40.0, 1.0);
     let near = EpipoleBearing {

@@ -233,7 +233,13 @@ impl Titled<'_> {
                 AxisHints::new_x()
                     .formatter(move |mark, seen| {
                         let is_cut = seen.end() - mark.value < half_label * (seen.end() - seen.start());
-                        if is_cut { String::new() } else { format!("{:.0} px", mark.value) }
+                        if is_cut {
+                            String::new()
+                        } else if mark.value.abs() < 0.5 {
+                            "0 px".to_owned()
+                        } else {
+                            format!("{:.0}", mark.value)
+                        }
                     })
                     // Labels nearer to each other than this fade away.
                     .label_spacing(Rangef::new(20.0, 36.0)),

@@ -39,10 +39,10 @@ fn of(stage: Stage) -> impl Iterator<Item = ShownParameter> {
 /// panel. In a narrow panel, both stand below the name.
 pub fn show(ui: &mut Ui, stage: Stage, parameters: &Parameters, commands: &mut Vec<Command>) {
     let name = |ui: &mut Ui, setting: &ShownParameter, width: f32| {
-        let tooltip = format!("{} {}", setting.tooltip(), setting.range_text(parameters.preset));
+        let tooltip = format!("{} {}", setting.tooltip, setting.range_text(parameters.preset));
         let label = ui.scope(|ui| {
             ui.set_width(width);
-            ui.add(Label::new(setting.name()).wrap())
+            ui.add(Label::new(setting.name).wrap())
         });
         (label.inner.on_hover_text(tooltip.as_str()).id, tooltip)
     };
@@ -92,12 +92,12 @@ fn edit(
     let mut changed = parameters.clone();
     let (response, is_changed) = match setting.entry.value {
         ParameterValue::Number { range: [least, most], get, set, .. } => {
-            let (of_unit, decimals) = (setting.of_unit(), setting.decimals());
+            let (of_unit, decimals) = (setting.of_unit, setting.decimals);
             let before = get(parameters) / of_unit;
             let mut value = before;
             let speed = (before.abs() / 100.0).max(0.1f64.powi(decimals as i32));
             let field = DragValue::new(&mut value)
-                .suffix(setting.unit())
+                .suffix(setting.unit)
                 .speed(speed)
                 .fixed_decimals(decimals)
                 .min_size(FIELD)
@@ -109,7 +109,7 @@ fn edit(
             }
             // Converting units must not round a limit to a value beyond it.
             let near = |end: f64| (value * of_unit - end).abs() < 1e-9;
-            let end = [least, most].into_iter().find(|end| setting.is_converted() && near(*end));
+            let end = [least, most].into_iter().find(|end| near(*end));
             set(&mut changed, end.unwrap_or(value * of_unit));
             (response, value.to_bits() != before.to_bits())
         }
@@ -120,11 +120,11 @@ fn edit(
             (response, on != get(parameters))
         }
         ParameterValue::Choice { get, set } => {
-            let names = setting.choices();
+            let names = setting.choices;
             let before = get(parameters);
             let mut chosen = before;
             // Truncated names can be read in the list.
-            let list = ComboBox::from_id_salt(setting.name()).width(largest).truncate();
+            let list = ComboBox::from_id_salt(setting.name).width(largest).truncate();
             let shown = ui.scope(|ui| {
                 // The list is truncated only at the end of its room.
                 ui.set_max_width(largest);
@@ -148,7 +148,7 @@ fn edit(
 }
 
 fn set_parameters(setting: &ShownParameter, to: Parameters, commands: &mut Vec<Command>) {
-    commands.push(Command::SetParameters { setting: setting.name(), to: Box::new(to) });
+    commands.push(Command::SetParameters { setting: setting.name, to: Box::new(to) });
 }
 
 /// Shows the button that resets a parameter to its default.
@@ -160,7 +160,7 @@ fn reset(ui: &mut Ui, setting: &ShownParameter, parameters: &Parameters, command
     }
     let response = ui.add(Button::new("Reset").small());
     response.widget_info(|| {
-        egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Reset {}", setting.name()))
+        egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Reset {}", setting.name))
     });
     let tooltip = format!("Reset to {}.", setting.default_text(parameters.preset));
     if response.on_hover_text(tooltip).clicked() {
