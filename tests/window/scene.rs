@@ -201,7 +201,7 @@ fn typed_focal_lengths_give_a_scene_and_leave_the_geometry() {
     window.get_by_role_and_label(Role::TextInput, "Left image").focus();
     window.step();
     window.get_by_role_and_label(Role::TextInput, "Left image").type_text("-3");
-    window.step();
+    settle(&mut window);
     window.get_by_label("not a positive number");
     window.get_by_label("that of the left image");
     let is_bad = |clipped: &egui::epaint::ClippedShape| match &clipped.shape {

@@ -52,8 +52,7 @@ impl MethodStep {
             }
             Self::Pencils => {
                 "Lines through p in the left image are matched with lines through p in the right one, and \
-                 the same for q. A bright cell is a line pair whose intensities match well. Empty cells are \
-                 not compared: a line has little texture, or the other is turned farther."
+                 the same for q. A bright cell is a line pair whose intensities match well."
             }
             Self::Candidates => {
                 "A candidate is a line pair of which each line is the best match of the other. The images \

@@ -25,7 +25,10 @@ fn legend(ui: &mut Ui) {
     ui.label(caption("unlike"));
     let (bar, _) = ui.allocate_exact_size(vec2(56.0, 9.0), egui::Sense::hover());
     heat::bar(ui.painter(), bar);
-    ui.label(caption("alike")).on_hover_text("Matching cost of the two lines, from high to low.");
+    ui.label(caption("alike")).on_hover_text(
+        "Matching cost of the two lines, from high to low. Empty cells are not compared: a line has little \
+         texture, or the other is turned farther than the parameter Rotation.",
+    );
     mark(ui, egui::Color32::WHITE);
     ui.label(caption("mutual best"))
         .on_hover_text("Each of the two lines is among the best matches of the other.");
