@@ -18,6 +18,35 @@ use epiline::suggest::{Clarity, Suggestion, Suggestions};
 const CURSOR_LINE: Color32 = Color32::from_rgb(240, 228, 66);
 const FIRST_PIN: Color32 = Color32::from_rgb(230, 110, 40);
 
+/// Returns the signs outside ASCII in the texts of a folder's code, tests left out.
+fn signs_of_texts(folder: &std::path::Path, signs: &mut std::collections::BTreeSet<char>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            signs_of_texts(&path, signs);
+        } else if !path.ends_with("tests.rs") {
+            let code = std::fs::read_to_string(&path).unwrap();
+            let code = code.split("#[cfg(test)]").next().unwrap();
+            let lines = code.lines().map(|line| line.split("//").next().unwrap());
+            signs.extend(lines.flat_map(str::chars).filter(|sign| !sign.is_ascii()));
+        }
+    }
+}
+
+#[test]
+fn every_sign_of_the_window_has_a_glyph() {
+    let window = sample();
+    let source = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut signs = std::collections::BTreeSet::new();
+    for folder in ["app", "presentation"] {
+        signs_of_texts(&source.join(folder), &mut signs);
+    }
+    assert!(signs.contains(&'°'), "{signs:?}");
+    let font = egui::FontId::proportional(12.0);
+    signs.retain(|sign| !window.ctx.fonts_mut(|fonts| fonts.has_glyph(&font, *sign)));
+    assert!(signs.is_empty(), "no glyph for {signs:?}");
+}
+
 /// Where in a fitting image a place of the screen is.
 fn image_position(window: &Window, side: Side, at: Pos2) -> Point {
     let offset = (at - pane(window, side).center()) / fitting_scale(window, side);

@@ -176,7 +176,9 @@ mod tests {
     fn folder(names: &[&str]) -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
         for name in names {
-            std::fs::write(folder.path().join(name), "").unwrap();
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, "").unwrap();
         }
         folder
     }
@@ -203,6 +205,12 @@ mod tests {
         assert!(!pairs.is_pair([1, 2]) && !pairs.is_pair([4, 5]) && pairs.neighbour([2, 3], true).is_none());
         let files = folder(&["0711A.png", "0711B.png", "0713A.png", "0714B.png"]);
         assert!(PairFolder::open(files.path()).unwrap().pairs_freely(), "not all have a partner");
+    }
+
+    #[test]
+    fn the_pictures_of_a_project_are_in_its_folder_of_images() {
+        let files = folder(&["images/b.png", "images/a.png", "database.db"]);
+        assert_eq!(PairFolder::open(files.path()).unwrap().names, ["a", "b"]);
     }
 
     #[test]
