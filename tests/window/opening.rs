@@ -27,6 +27,8 @@ fn a_missing_file_is_a_sentence_that_can_be_dismissed() {
     let mut window = open([files.image("a.png", 64, 48), files.0.path().join("missing.png")]);
     assert!(window.state().messages().any(|text| text.contains("there is no such file")));
     window.get_by_label_contains("Drop two images of the same scene");
+    let [pane, all] = [pane(&window, Side::Left).height(), window.ctx.content_rect().height()];
+    assert!(pane > 0.5 * all, "room to drop images: {pane} of {all}");
     tap(&mut window, "Dismiss");
     assert_eq!(window.state().messages().count(), 0);
 }

@@ -185,7 +185,7 @@ impl View {
             self.placement = None;
         }
         // The arrangement is kept while pictures load.
-        let frames = frames.or(self.arranged).unwrap_or([FrameSize::new(4, 3); 2]);
+        let frames = frames.or(self.arranged).unwrap_or([FrameSize::new(4000, 3000); 2]);
         self.placement = Some(placed(size(window), size(room.size()), frames, look, self.placement));
         let Some(Placement { edge, size, .. }) = self.placement.filter(|_| !model.open.alone) else {
             return (None, room);
