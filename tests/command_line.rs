@@ -271,7 +271,9 @@ mod geometry {
         let progress = text(&output.stderr);
         assert!(progress.contains("Line pencils") && progress.contains("First F"), "{progress}");
         let summary = text(&output.stdout);
-        for words in ["Fundamental matrix", "Epipole in image 2", "Score", "Round trip", "Margin", "Time"] {
+        for words in
+            ["Fundamental matrix", "Epipole in image 2", "Score", "Round trip", "Lead over the rival", "Time"]
+        {
             assert!(summary.contains(words), "{words} in {summary}");
         }
         let result: Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();

@@ -184,7 +184,7 @@ impl Inspector {
                 if may_ask && model.open.posed_views().is_none() {
                     self.apply(ctx, Command::ShowFocalLengths);
                 } else {
-                    model.messages.tell(NO_SCENE);
+                    model.open.done.tell(NO_SCENE);
                 }
             }
             Command::UseLens => self.use_lens(),
@@ -192,7 +192,7 @@ impl Inspector {
             Command::ShowFocalLengths => self.ask_for_focal_lengths(),
             Command::SetFocalLengths(lengths) => self.set_focal_lengths(lengths),
             Command::ShowStage(StageId::Rectified) if !model.can_rectify() => {
-                model.messages.tell(NO_RECTIFIED);
+                model.open.done.tell(NO_RECTIFIED);
             }
             Command::ShowStage(stage) => {
                 model.look.stage = stage;

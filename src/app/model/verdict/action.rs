@@ -73,7 +73,7 @@ impl Model {
     /// Returns what the images tell besides the verdict: sentences, each after a space.
     pub fn card_remarks(&self) -> String {
         let slid = self.slid_pair().map(pair_name);
-        let slid = slid.map(|name| format!(" The match of {name} lies elsewhere on its line."));
+        let slid = slid.map(|name| format!(" The match of {name} probably lies elsewhere on its line."));
         let lens = self
             .offered_lens()
             .map(|_| " A lens bends these images; correct it for exact lines and epipoles.".to_owned());
