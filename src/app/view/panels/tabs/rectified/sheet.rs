@@ -184,12 +184,14 @@ impl SheetCanvas<'_> {
             (RectifiedLayout::Anaglyph, _) => "Left red, right cyan",
             (RectifiedLayout::Wipe, _) => "Left image | right image",
             (RectifiedLayout::Disparity, _) if self.drawn.disparity.is_none() => "No rows match yet",
-            (RectifiedLayout::Disparity, _) => "Disparities of the left picture",
+            (RectifiedLayout::Disparity, _) => "Left disparities",
             (RectifiedLayout::SideBySide, RectifiedSheet::Left) => "Left, rectified",
             (RectifiedLayout::SideBySide, _) => "Right, rectified",
         };
         let corner = self.painter.clip_rect().left_top() + vec2(6.0, 6.0);
-        label(self.painter, corner, Align2::LEFT_TOP, text, theme::SELECTED);
+        // Copies of the view carry the word of the verdict.
+        let doubt = self.model.doubt().map_or_else(String::new, |(word, _)| format!(" · {word}"));
+        label(self.painter, corner, Align2::LEFT_TOP, &format!("{text}{doubt}"), theme::SELECTED);
     }
 
     /// Draws the colour scale of the disparities at the upper right, with the suggested search range.
