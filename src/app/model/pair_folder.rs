@@ -34,7 +34,8 @@ impl From<TruthFolder> for PairFolder {
 const PICTURES: &str = "images";
 
 impl PairFolder {
-    /// Opens a folder, or the folder `images` in it if it has no images itself. The error is text for the middle of a sentence.
+    /// Opens a folder, or the folder `images` in it if it has no images itself. The error is text for the
+    /// middle of a sentence.
     pub fn open(path: &Path) -> Result<Self, String> {
         let problem = match TruthFolder::open(path) {
             Ok(truth) => return Ok(truth.into()),
