@@ -71,7 +71,7 @@ impl FocalDialog {
         open
     }
 
-    /// Returns the text of a focal length. Without one, the right image has that of the left.
+    /// Returns the text of a focal length. Without text for the right image, the text for the left one counts.
     fn text(&self, side: Side) -> &str {
         let [left, right] = self.pixels.each_ref().map(|text| text.trim());
         if side == Side::Left || right.is_empty() { left } else { right }
