@@ -170,9 +170,10 @@ fn while_the_result_is_in_doubt_the_most_useful_next_click_is_marked() {
 }
 
 #[test]
-fn no_pair_is_asked_for_where_only_a_plane_is_certain() {
+fn no_pair_is_asked_for_where_only_a_plane_is_certain_or_all_pairs_contradict_the_images() {
     for (reason, marked) in [
         (Reason::Ambiguous { margin: 0.1 }, true),
+        (Reason::ClicksAlone, false),
         (Reason::OnePlane { percent: 98, groups: 0, agreeing: 0, is_still: false }, false),
     ] {
         let mut services = services();

@@ -13,7 +13,7 @@ use super::scene::{Scene, SceneQuestion};
 use super::shared::Shared;
 use super::suggesting::{LensQuestion, NextClickQuestion, SuggestQuestion};
 use crate::convention::FEWEST_MATCHES;
-use crate::estimate::{DivisionFit, Estimate, Search, Verdict};
+use crate::estimate::{DivisionFit, Estimate, Reason, Search, Verdict};
 use crate::geometry::PointPair;
 use crate::io::PairOrigin;
 
@@ -138,9 +138,10 @@ impl Model {
         }
         let found = self.final_result()?;
         let trust = found.assessment.trust.as_ref().filter(|trust| trust.verdict != Verdict::Reliable)?;
-        // If the verdict only names clicked pairs, these should be corrected first. More pairs on a plane, or of
-        // a turned camera, do not show the epipole.
-        if trust.doubts_clicks_alone() || trust.says_one_plane() {
+        // If the verdict only names clicked pairs, or if all of them contradict the images, these should be corrected
+        // first. More pairs on a plane, or of a turned camera, do not show the epipole.
+        let are_contradicted = trust.reasons.contains(&Reason::ClicksAlone);
+        if trust.doubts_clicks_alone() || are_contradicted || trust.says_one_plane() {
             return None;
         }
         Some(NextClickQuestion { pictures: self.open.pictures()?, found, placed: document.pairs.clone() })
