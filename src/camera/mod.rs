@@ -10,6 +10,7 @@
 //! - Pixels as everywhere: the centre of the top-left pixel is (0, 0).
 
 mod cloud;
+mod doubt;
 mod lens;
 mod model;
 mod names;
@@ -20,6 +21,7 @@ mod undistorted_view;
 mod view_pair;
 
 pub use cloud::{Baseline, CloudPoint, LengthUnit, PointCloud};
+pub use doubt::CameraDoubt;
 pub use lens::{Lens, Projection, Radial};
 pub use model::{CameraModel, FocalLength};
 #[cfg(feature = "files")]

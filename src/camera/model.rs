@@ -125,6 +125,11 @@ impl CameraModel {
         Self::new(&calibration, lens)?.with_deviation(focal.deviation)
     }
 
+    /// Returns the camera with this relative standard deviation of the focal length, `None` for an unknown one.
+    pub(super) fn with_deviation_of(self, deviation: Option<f64>) -> Self {
+        Self { focal_deviation: deviation.unwrap_or(f64::INFINITY), ..self }
+    }
+
     fn with_deviation(self, focal_deviation: f64) -> Option<Self> {
         (0.0..1.0).contains(&focal_deviation).then_some(Self { focal_deviation, ..self })
     }

@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
 use serde::ser::{SerializeStruct, Serializer};
 
+use super::doubt::CameraDoubt;
 use super::model::{CameraModel, FocalLength};
 use super::names::calibration;
 use crate::geometry::{Frame, Point};
@@ -96,6 +97,11 @@ impl UndistortedView {
     /// Returns the camera of the original pictures.
     pub fn camera(&self) -> &CameraModel {
         &self.camera
+    }
+
+    /// Returns signs that the camera does not belong to its pictures.
+    pub fn doubts(&self) -> Vec<CameraDoubt> {
+        self.camera.doubts(self.original)
     }
 
     /// Returns the size of the view.

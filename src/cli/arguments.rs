@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 
 use super::CliError;
 use crate::estimate::{Method, Preset};
-use crate::geometry::{Point, PointPair};
+use crate::geometry::{Frame, Point, PointPair};
 use crate::image::Picture;
 use crate::io::{Format, PictureFormat, StereoProgram};
 use crate::rectify::RectifyMethod;
@@ -30,6 +30,14 @@ fn numbers<const N: usize>(text: &str, expected: &str) -> Result<[f64; N], Strin
 pub(super) fn point_pair(text: &str) -> Result<PointPair, String> {
     let [x1, y1, x2, y2] = numbers(text, "four numbers X1,Y1,X2,Y2")?;
     Ok(PointPair::new(x1, y1, x2, y2))
+}
+
+/// Parses the size of an image.
+pub(super) fn size(text: &str) -> Result<Frame, String> {
+    let side = |side: &str| side.trim().parse::<usize>().ok().filter(|side| (1..=1_000_000).contains(side));
+    let sides = text.split_once(['x', 'X', '×']).and_then(|(width, height)| side(width).zip(side(height)));
+    let (width, height) = sides.ok_or("expected a size in pixels such as 1920x1080")?;
+    Ok(Frame::new(width, height))
 }
 
 pub(super) fn point(text: &str) -> Result<Point, String> {
@@ -60,6 +68,11 @@ impl ImagePair {
             return Err(CliError::Arguments("two images are needed: LEFT and RIGHT".into()));
         };
         Ok(([Picture::open(left)?, Picture::open(right)?], None))
+    }
+
+    /// Returns whether neither images nor a built-in pair are given.
+    pub(super) fn is_absent(&self) -> bool {
+        self.left.is_none() && self.sample.is_none()
     }
 
     pub(super) fn is_sample(&self) -> bool {
@@ -179,6 +192,8 @@ mod tests {
         assert_eq!(point_pair("1,2.5, -3 ,4e1"), Ok(PointPair::new(1.0, 2.5, -3.0, 40.0)));
         assert_eq!((whole("10", 10), threads("2"), pixels("0.5")), (Ok(10), Ok(2), Ok(0.5)));
         assert!(whole("0", 10).is_err() && whole("-1", 10).is_err() && threads("257").is_err());
+        assert_eq!(size("640x480"), Ok(Frame::new(640, 480)));
+        assert!(["640", "0x5", "4.5x3", "x", "1e9x4"].iter().all(|text| size(text).is_err()));
         assert!(pixels("-1").is_err() && pixels("nan").is_err() && pixels("inf").is_err());
     }
 }

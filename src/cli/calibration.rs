@@ -6,12 +6,15 @@ use std::str::FromStr;
 use clap::{ArgGroup, Args};
 
 use super::CliError;
+use super::arguments::size;
+use super::console::tell;
 use crate::camera::{CameraModel, FocalLength, LengthUnit, ViewPair};
 use crate::estimate::Match;
 use crate::foreign::shown_path;
-use crate::geometry::PointPair;
+use crate::geometry::{Frame, PointPair};
 use crate::image::Picture;
 use crate::io::{CalibratedCamera, Calibration, focal_length_from_exif};
+use crate::presentation::camera_doubts;
 
 /// Cameras of both images.
 #[derive(Debug, Args)]
@@ -23,6 +26,22 @@ pub(super) struct CalibrationArguments {
     /// Names of the two cameras in the calibration, by default the first two
     #[arg(long, num_args = 2, value_names = ["LEFT", "RIGHT"], requires = "calibration")]
     camera_names: Option<Vec<String>>,
+    /// Scale the calibration to the size of the images. Give the size of the images that it is for, if the
+    /// file does not tell it
+    #[arg(
+        long, value_name = "WIDTHxHEIGHT", requires = "calibration", value_parser = own_size, num_args = 0..=1,
+        require_equals = true, default_missing_value = ""
+    )]
+    scale_calibration: Option<OwnSize>,
+}
+
+/// Size of the images that a calibration is for; `None` if the file tells it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct OwnSize(Option<Frame>);
+
+/// Parses a size, or nothing.
+fn own_size(text: &str) -> Result<OwnSize, String> {
+    if text.is_empty() { Ok(OwnSize(None)) } else { Ok(OwnSize(Some(size(text)?))) }
 }
 
 /// Cameras of both images, from a calibration or their focal lengths alone.
@@ -105,6 +124,36 @@ impl CalibrationArguments {
     }
 }
 
+impl CalibrationArguments {
+    /// Returns the cameras for images of these sizes: checked, or scaled if that is asked for.
+    pub(super) fn for_frames(
+        &self,
+        cameras: [CalibratedCamera; 2],
+        frames: [Frame; 2],
+    ) -> Result<[CalibratedCamera; 2], CliError> {
+        let mut fitted = cameras;
+        for (camera, frame) in fitted.iter_mut().zip(frames) {
+            let is_resized = camera.is_resized_in(frame);
+            let checked = match self.scale_calibration {
+                Some(OwnSize(own)) => {
+                    camera.frame = own.or(camera.frame);
+                    camera.resized_to(frame).map(|scaled| *camera = scaled)
+                }
+                None => camera.check_frame(frame),
+            };
+            let advice = match self.scale_calibration {
+                None if is_resized => ". If the image was resized, use --scale-calibration",
+                Some(OwnSize(None)) if camera.frame.is_none() => {
+                    ". Give it: --scale-calibration=WIDTHxHEIGHT"
+                }
+                _ => "",
+            };
+            checked.map_err(|problem| CliError::Arguments(format!("{problem}{advice}")))?;
+        }
+        Ok(fitted)
+    }
+}
+
 impl CameraArguments {
     pub(super) fn is_given(&self) -> bool {
         self.calibration.calibration.is_some() || self.focal_length.is_some() || self.division.is_some()
@@ -115,6 +164,11 @@ impl CameraArguments {
         self.division.iter().flatten().any(|division| *division == TypedDivision::Auto)
     }
 
+    /// Returns whether a focal length is to be read from a photograph.
+    pub(super) fn asks_for_exif(&self) -> bool {
+        self.focal_length.iter().flatten().any(|focal| matches!(focal, TypedFocal::Exif))
+    }
+
     /// Returns the calibrated cameras, or cameras of the given focal lengths and distortion. `fitted` is the
     /// distortion of each image that was fitted to the matches.
     pub(super) fn of_pictures(
@@ -123,15 +177,30 @@ impl CameraArguments {
         pictures: &[Picture; 2],
         fitted: Option<[f64; 2]>,
     ) -> Result<Option<[CalibratedCamera; 2]>, CliError> {
+        let files = pictures.each_ref().map(|picture| picture.path.as_deref());
+        self.of_frames(calibrated, pictures.each_ref().map(Picture::frame), files, fitted)
+    }
+
+    /// Returns the cameras as [`Self::of_pictures`], of images of these sizes, of which there may be files.
+    pub(super) fn of_frames(
+        &self,
+        calibrated: Option<[CalibratedCamera; 2]>,
+        frames: [Frame; 2],
+        files: [Option<&Path>; 2],
+        fitted: Option<[f64; 2]>,
+    ) -> Result<Option<[CalibratedCamera; 2]>, CliError> {
+        if let Some(calibrated) = calibrated {
+            return self.calibration.for_frames(calibrated, frames).map(Some);
+        }
         let camera = |k: usize| -> Result<Option<CalibratedCamera>, CliError> {
-            let frame = pictures[k].frame();
+            let frame = frames[k];
             let lambda = match of_image(self.division.as_deref(), k) {
                 Some(TypedDivision::Lambda(lambda)) => Some(lambda),
                 Some(TypedDivision::Auto) => fitted.map(|lambdas| lambdas[k]),
                 None => None,
             };
             let lens = lambda.and_then(|lambda| CameraModel::of_division(lambda, frame));
-            let focal = self.focal_length(&pictures[k], k)?;
+            let focal = self.focal_length(files[k], frame, k)?;
             let model = match (lens, focal) {
                 (Some(lens), Some(focal)) => lens.with_focal_length(focal),
                 (None, Some(focal)) => CameraModel::of_focal_length(focal, frame),
@@ -141,19 +210,22 @@ impl CameraArguments {
             let (frame, unit) = (Some(frame), LengthUnit::Baseline);
             Ok(model.map(|model| CalibratedCamera { name, model, frame, pose: None, unit }))
         };
-        let of_options = camera(0)?.zip(camera(1)?).map(<[_; 2]>::from);
-        Ok(calibrated.or(of_options))
+        Ok(camera(0)?.zip(camera(1)?).map(<[_; 2]>::from))
     }
 
     /// Returns the given focal length of an image, 0 or 1.
-    fn focal_length(&self, picture: &Picture, image: usize) -> Result<Option<FocalLength>, CliError> {
+    fn focal_length(
+        &self,
+        file: Option<&Path>,
+        frame: Frame,
+        image: usize,
+    ) -> Result<Option<FocalLength>, CliError> {
         let side = SIDES[image];
         match of_image(self.focal_length.as_deref(), image) {
             None => Ok(None),
             Some(TypedFocal::Pixels(pixels)) => Ok(Some(FocalLength { pixels, deviation: 0.0 })),
             Some(TypedFocal::Exif) => {
-                let path = picture.path.as_deref();
-                let guess = path.and_then(|path| focal_length_from_exif(path, picture.frame()));
+                let guess = file.and_then(|path| focal_length_from_exif(path, frame));
                 guess.map(Some).ok_or_else(|| {
                     CliError::Arguments(format!(
                         "the EXIF data of the {side} image do not tell its focal length. Give it in pixels \
@@ -173,15 +245,15 @@ fn of_image<T: Copy>(values: Option<&[T]>, image: usize) -> Option<T> {
     values.get(image).or(values.first()).copied()
 }
 
-/// Plans the views without distortion, after checking the sizes of the pictures.
-pub(super) fn views(cameras: &[CalibratedCamera; 2], pictures: &[Picture; 2]) -> Result<ViewPair, CliError> {
-    for (camera, picture) in cameras.iter().zip(pictures) {
-        camera.check_frame(picture.frame()).map_err(CliError::Arguments)?;
-    }
-    let models = cameras.each_ref().map(|camera| &camera.model);
-    let views = ViewPair::new(models, pictures.each_ref().map(Picture::frame));
+/// Plans the views without distortion, and tells doubts about the cameras.
+pub(super) fn views(cameras: &[CalibratedCamera; 2], frames: [Frame; 2]) -> Result<ViewPair, CliError> {
+    let views = ViewPair::new(cameras.each_ref().map(|camera| &camera.model), frames);
     let problem = "the distortion of the lens cannot be undone: it folds back at the principal point";
-    views.ok_or_else(|| CliError::Arguments(problem.into()))
+    let views = views.ok_or_else(|| CliError::Arguments(problem.into()))?;
+    for (_, message) in camera_doubts(&views) {
+        tell(format_args!("warning: {message}"));
+    }
+    Ok(views)
 }
 
 /// Draws the pictures without distortion.

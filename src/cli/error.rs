@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use crate::convention::CheckError;
-use crate::estimate::EstimateError;
+use crate::estimate::{EstimateError, PointsError};
 use crate::image::LoadError;
 use crate::io::{ColmapError, ReadError, RectifiedError, SequenceError, WriteError};
 use crate::motion::MotionError;
@@ -23,6 +23,9 @@ pub enum CliError {
     /// The estimator refused the input or found nothing.
     #[error("{}", error_in_words(.0))]
     Estimate(#[from] EstimateError),
+    /// Points without pictures give no geometry.
+    #[error(transparent)]
+    Points(#[from] PointsError),
     /// A sequence of frames cannot be read.
     #[error(transparent)]
     Sequence(#[from] SequenceError),

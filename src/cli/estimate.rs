@@ -7,62 +7,76 @@ use std::time::Instant;
 use clap::Args;
 
 use super::CliError;
-use super::arguments::{ImagePair, on_threads, point_pair, threads};
+use super::arguments::{ImagePair, on_threads, point_pair, size, threads};
 use super::calibration::{CameraArguments, undistort_matches, undistorted, undistorted_pairs, views};
 use super::console::tell;
 use super::overrides::Overrides;
+use super::points;
 use super::result_output::{Beside, ResultArguments};
 use crate::estimate::{
     CancelFlag, DivisionFit, Estimate, EstimateError, Match, Method, Monitor, Parameters, PreparedPair,
     Preset, Progress, Reason, Search, estimate, estimate_prepared, find_lens,
 };
-use crate::geometry::PointPair;
+use crate::geometry::{Frame, PointPair};
 use crate::image::Picture;
 use crate::io::{CalibratedCamera, read_matches};
 use crate::presentation::lens_in_words;
 
 /// Estimate the fundamental matrix of two images from point pairs, or from none
 #[derive(Debug, Args)]
-#[command(allow_negative_numbers = true)]
+#[command(
+    allow_negative_numbers = true,
+    mut_arg("left", |left| left.required_unless_present_any(["sample", "matches"]))
+)]
 pub(super) struct EstimateArguments {
     #[command(flatten)]
-    images: ImagePair,
+    pub(super) images: ImagePair,
     /// Point pair: the same scene point in both images, pixels; repeatable. Two pairs are enough;
     /// without any, F is found from the images alone (the preset paper takes none, two or three)
     #[arg(long = "pair", value_name = "X1,Y1,X2,Y2", value_parser = point_pair, allow_hyphen_values = true)]
-    pairs: Vec<PointPair>,
+    pub(super) pairs: Vec<PointPair>,
     /// Preset of the parameters
     #[arg(long, value_enum, default_value_t)]
-    preset: Preset,
+    pub(super) preset: Preset,
     /// Method of estimation, by default chosen by the number of point pairs. The method lines
     /// compares all lines of both images and needs no pair
     #[arg(long, value_enum)]
-    method: Option<Method>,
+    pub(super) method: Option<Method>,
     /// Random seed, by default 0; the same seed gives the same F
     #[arg(long)]
-    seed: Option<u64>,
+    pub(super) seed: Option<u64>,
     /// Number of threads, by default one per core
     #[arg(long, value_parser = threads)]
-    threads: Option<usize>,
+    pub(super) threads: Option<usize>,
     #[arg(
         long,
         value_name = "FILE",
         conflicts_with = "method",
         help = "Matches of another program: text, JSON, or .npz with the names of matchers. Their geometry \
                 competes with the program's own, the images judge both, and the final fit uses these matches \
-                too. With --set given_alone=true, F is fitted to these matches alone"
+                too. With --set given_alone=true, F is fitted to these matches alone. Without images, F \
+                is fitted to the matches, and nothing but the matches judges it"
     )]
-    matches: Option<PathBuf>,
+    pub(super) matches: Option<PathBuf>,
+    /// Sizes of the images, for matches without images: one for both or one for each
+    #[arg(
+        long, value_name = "WIDTHxHEIGHT", num_args = 1..=2, value_parser = size, requires = "matches",
+        conflicts_with_all = ["left", "sample"]
+    )]
+    pub(super) sizes: Option<Vec<Frame>>,
     #[command(flatten)]
-    cameras: CameraArguments,
+    pub(super) cameras: CameraArguments,
     #[command(flatten)]
-    result: ResultArguments,
+    pub(super) result: ResultArguments,
     #[command(flatten)]
-    overrides: Overrides,
+    pub(super) overrides: Overrides,
 }
 
 /// Estimates F, writes the JSON file and prints the summary.
 pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
+    if let Some(matches) = arguments.matches.as_deref().filter(|_| arguments.images.is_absent()) {
+        return points::run(arguments, matches);
+    }
     let files = arguments
         .images
         .files()
@@ -89,7 +103,8 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     }
     let calibrated = arguments.cameras.of_pictures(calibrated, &pictures, lambdas)?;
     let baseline = calibrated.as_ref().and_then(CalibratedCamera::baseline);
-    let views = calibrated.map(|cameras| views(&cameras, &pictures)).transpose()?;
+    let views =
+        calibrated.map(|cameras| views(&cameras, pictures.each_ref().map(Picture::frame))).transpose()?;
     if let Some(views) = &views {
         pairs = undistorted_pairs(&pairs, views)?;
         undistort_matches(&mut given, views)?;

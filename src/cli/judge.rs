@@ -112,7 +112,9 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     let mut stereo = None;
     if let Some(calibrated) = calibrated {
         let (pose, _) = CalibratedCamera::relative_pose(&calibrated).ok_or_else(no_pose)?;
-        let views = views(&calibrated, &pictures)?;
+        let frames = pictures.each_ref().map(Picture::frame);
+        let calibrated = arguments.calibration.for_frames(calibrated, frames)?;
+        let views = views(&calibrated, frames)?;
         undistort_matches(&mut matches, &views)?;
         pictures = undistorted(pictures, &views);
         given = Some(of_pose(&pose, &views).ok_or_else(no_pose)?);

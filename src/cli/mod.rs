@@ -15,6 +15,7 @@ mod geometry_file;
 mod judge;
 mod output;
 mod overrides;
+mod points;
 mod rectify;
 #[cfg(test)]
 mod reference;

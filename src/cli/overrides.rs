@@ -7,7 +7,7 @@ use super::CliError;
 use crate::estimate::{Parameters, Preset};
 
 /// Options that change parameters of a preset.
-#[derive(Debug, Clone, Default, Args)]
+#[derive(Debug, Clone, Default, PartialEq, Args)]
 pub struct Overrides {
     /// Refine F at full resolution on patches matched along the epipolar lines; on in the preset
     /// robust, off in paper
@@ -21,6 +21,11 @@ pub struct Overrides {
 }
 
 impl Overrides {
+    /// Returns whether no parameter is changed.
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+
     /// Returns the parameters of a preset with the overrides applied.
     ///
     /// The overrides act on the serialised parameters. Every parameter can be changed by its name,

@@ -78,7 +78,10 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let given = given.map(|given| given.iter().map(|found| found.pair).collect());
     let mut matches: Vec<PointPair> = given.or(known).unwrap_or_default();
     let calibrated = arguments.cameras.of_pictures(calibrated, &pictures, None)?;
-    let views = calibrated.as_ref().map(|cameras| views(cameras, &pictures)).transpose()?;
+    let views = calibrated
+        .as_ref()
+        .map(|cameras| views(cameras, pictures.each_ref().map(Picture::frame)))
+        .transpose()?;
     if let Some(views) = &views {
         matches = undistorted_pairs(&matches, views)?;
     }

@@ -7,12 +7,13 @@ use clap::Args;
 use super::CliError;
 use super::geometry_file::{GeometryOutput, image_notes};
 use super::output::Output;
-use crate::camera::{Baseline, PointCloud, UndistortedView, ViewPair};
+use crate::camera::{Baseline, PointCloud, PoseFit, UndistortedView, ViewPair};
 use crate::estimate::{Estimate, Parameters, Uncertainty};
-use crate::geometry::{PointPair, median, sampson_distance};
+use crate::geometry::{Point, PointPair, median, sampson_distance};
 use crate::image::Picture;
 use crate::io::{
-    CalibratedNote, Format, GeometryFile, PairLabel, PairOrigin, ResultFile, TrustNote, result_in_words,
+    CalibratedNote, Format, GeometryFile, PairLabel, PairOrigin, PointResultFile, ResultFile, TrustNote,
+    result_in_words,
 };
 use crate::presentation::{NO_BASELINE, pose_in_words};
 
@@ -82,24 +83,14 @@ impl ResultOutput {
         if let Some(export) = self.export.filter(|_| !lacks_depth) {
             // Other programs would take the pose as certain.
             let pose = pose.as_ref().filter(|_| !found.says_one_plane());
-            let cameras = views.zip(pose).and_then(|(views, fit)| views.posed(&fit.pose));
-            let is_undistorted = views.is_some_and(ViewPair::is_undistorted);
-            let cloud = views.zip(pose).map(|(views, fit)| {
-                let color = |point| pictures[0].color_at(point);
-                let cloud = PointCloud::new(&fit.pose, views, &matches, color);
-                match baseline {
-                    Some(baseline) => cloud.with_baseline(baseline),
-                    None => cloud,
-                }
-            });
-            export.write(&GeometryFile {
-                cameras,
-                is_undistorted,
+            let mut file = GeometryFile {
                 covariance: found.uncertainty().map(Uncertainty::covariance),
-                calibrated: views.map(|_| CalibratedNote::new(pose)),
-                cloud,
                 ..geometry_file(found, pairs, pictures)
-            })?;
+            };
+            if let Some(views) = views {
+                file = with_views(file, views, pose, baseline, &matches, |point| pictures[0].color_at(point));
+            }
+            export.write(&file)?;
         }
         let images = image_notes(pictures);
         let mut result = ResultFile::new(found, pairs, &images, parameters).at_offset(offset);
@@ -124,6 +115,50 @@ impl ResultOutput {
         }
         self.output.write(&result, &words)?;
         if lacks_depth { Err(CliError::NoDepth) } else { Ok(()) }
+    }
+}
+
+impl ResultOutput {
+    /// Writes a result of points without pictures. `file` makes the content of the export, which has no scene
+    /// points if the epipole is not determined.
+    pub(super) fn write_points(
+        self,
+        result: &PointResultFile,
+        words: &str,
+        is_open: bool,
+        file: impl FnOnce() -> GeometryFile,
+    ) -> Result<(), CliError> {
+        let lacks_depth = is_open && self.export.as_ref().is_some_and(GeometryOutput::is_cloud);
+        if let Some(export) = self.export.filter(|_| !lacks_depth) {
+            export.write(&file())?;
+        }
+        self.output.write(result, words)?;
+        if lacks_depth { Err(CliError::NoDepth) } else { Ok(()) }
+    }
+}
+
+/// Adds the cameras of views without distortion, and the scene points of the matches.
+pub(super) fn with_views(
+    file: GeometryFile,
+    views: &ViewPair,
+    pose: Option<&PoseFit>,
+    baseline: Option<Baseline>,
+    matches: &[PointPair],
+    color: impl Fn(Point) -> [u8; 3],
+) -> GeometryFile {
+    let cloud = pose.map(|fit| {
+        let cloud = PointCloud::new(&fit.pose, views, matches, color);
+        match baseline {
+            Some(baseline) => cloud.with_baseline(baseline),
+            None => cloud,
+        }
+    });
+    GeometryFile {
+        cameras: pose.and_then(|fit| views.posed(&fit.pose)),
+        is_undistorted: views.is_undistorted(),
+        calibrated: Some(CalibratedNote::new(pose)),
+        cloud,
+        ..file
     }
 }
 

@@ -20,6 +20,7 @@ mod follow;
 mod lens;
 mod monitor;
 mod parameters;
+mod points;
 mod sampling;
 mod searches;
 mod stage;
@@ -48,6 +49,7 @@ pub use parameters::{
 };
 #[doc(hidden)]
 pub use parameters::{PARAMETERS, ParameterEntry, ParameterValue};
+pub use points::{PointEstimate, PointsError, check_inside, estimate_points};
 pub use stage::Stage;
 pub use verdict::assessment::{SMALLEST_SIDE, examine};
 pub use verdict::result::{

@@ -6,7 +6,7 @@ use nalgebra::SMatrix;
 use serde::Serialize;
 
 use super::geometry_file::{Format, ImageNote, PairLabel};
-use crate::camera::{Baseline, PoseFit, UndistortedView, ViewPair};
+use crate::camera::{Baseline, CameraDoubt, PoseFit, UndistortedView, ViewPair};
 use crate::estimate::{
     BarcodeFigures, Determined, EpipoleBearing, Estimate, Method, Parameters, PatchSupport, PlaneHomography,
     Preset, Reason, SearchCounts, StageTiming, Verdict, Warning,
@@ -15,7 +15,9 @@ use crate::geometry::{
     Frame, FundamentalMatrix, HomogeneousPoint, PointPair, finite_point, sampson_distance,
     symmetric_epipolar_distance,
 };
-use crate::presentation::{epipole_in_words, probability_in_words, reason_in_words, warning_in_words};
+use crate::presentation::{
+    camera_doubts, epipole_in_words, probability_in_words, reason_in_words, warning_in_words,
+};
 
 /// Content of a result file. As JSON it is also a geometry file ([`Format::Json`]).
 #[derive(Serialize)]
@@ -102,7 +104,7 @@ pub struct ResultFile<'a> {
 
 /// Cameras of a result, and their relative pose.
 #[derive(Serialize)]
-struct CalibratedFile<'a> {
+pub(super) struct CalibratedFile<'a> {
     /// View without distortion of each image, with the lens of its camera.
     views: &'a [UndistortedView; 2],
     /// Given pairs in the pictures as they are, `x1 y1 x2 y2`; null beyond the range of a lens.
@@ -157,10 +159,22 @@ struct MatchFile {
 
 /// Warning with its message.
 #[derive(Serialize)]
-struct Told<'a> {
+pub(super) struct Told<'a> {
     message: String,
     #[serde(flatten)]
-    warning: &'a Warning,
+    warning: AnyWarning<'a>,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum AnyWarning<'a> {
+    Result(&'a Warning),
+    Camera(CameraDoubt),
+}
+
+/// Returns the doubts about the cameras of views.
+pub(super) fn camera_warnings<'a>(views: &ViewPair) -> impl Iterator<Item = Told<'a>> {
+    camera_doubts(views).map(|(doubt, message)| Told { message, warning: AnyWarning::Camera(doubt) })
 }
 
 impl<'a> ResultFile<'a> {
@@ -219,7 +233,7 @@ impl<'a> ResultFile<'a> {
             warnings: assessment
                 .warnings
                 .iter()
-                .map(|w| Told { message: warning_in_words(w), warning: w })
+                .map(|w| Told { message: warning_in_words(w), warning: AnyWarning::Result(w) })
                 .collect(),
             images,
             pairs: pairs.iter().map(PointPair::numbers).collect(),
@@ -263,19 +277,11 @@ impl<'a> ResultFile<'a> {
         pose: Option<&PoseFit>,
         baseline: Option<Baseline>,
     ) -> Self {
-        let pairs: Vec<PointPair> = self.matches.iter().map(|found| from_numbers(&found.pair)).collect();
-        let original = |pair: &PointPair| views.original_from_undistorted(pair).map(|pair| pair.numbers());
-        self.calibrated = Some(CalibratedFile {
-            original_pairs: self.pairs.iter().map(|pair| original(&from_numbers(pair))).collect(),
-            original_matches: pairs.iter().map(original).collect(),
-            curve_distances: pairs
-                .iter()
-                .map(|pair| views.distance_from_curves(self.fundamental, pair))
-                .collect(),
-            views: &views.views,
-            pose: pose.map(PoseFile::new),
-            baseline,
-        });
+        let pairs: Vec<PointPair> = self.pairs.iter().map(from_numbers).collect();
+        let matches: Vec<PointPair> = self.matches.iter().map(|found| from_numbers(&found.pair)).collect();
+        self.calibrated =
+            Some(CalibratedFile::new(views, self.fundamental, [&pairs, &matches], pose, baseline));
+        self.warnings.extend(camera_warnings(views));
         self
     }
 
@@ -285,6 +291,30 @@ impl<'a> ResultFile<'a> {
         self.pair_names = labels.iter().map(|label| label.name.clone()).collect();
         self.pair_origins = labels.iter().map(|label| label.origin.name()).collect();
         self
+    }
+}
+
+impl<'a> CalibratedFile<'a> {
+    /// Creates the calibrated part of a result with these pairs and matches in the views.
+    pub(super) fn new(
+        views: &'a ViewPair,
+        fundamental: &FundamentalMatrix,
+        [pairs, matches]: [&[PointPair]; 2],
+        pose: Option<&PoseFit>,
+        baseline: Option<Baseline>,
+    ) -> Self {
+        let original = |pair: &PointPair| views.original_from_undistorted(pair).map(|pair| pair.numbers());
+        Self {
+            original_pairs: pairs.iter().map(original).collect(),
+            original_matches: matches.iter().map(original).collect(),
+            curve_distances: matches
+                .iter()
+                .map(|pair| views.distance_from_curves(fundamental, pair))
+                .collect(),
+            views: &views.views,
+            pose: pose.map(PoseFile::new),
+            baseline,
+        }
     }
 }
 
@@ -313,12 +343,12 @@ fn from_numbers([x1, y1, x2, y2]: &[f64; 4]) -> PointPair {
 }
 
 /// Returns the rows of a matrix.
-fn nested<const N: usize>(matrix: &SMatrix<f64, N, N>) -> [[f64; N]; N] {
+pub(super) fn nested<const N: usize>(matrix: &SMatrix<f64, N, N>) -> [[f64; N]; N] {
     matrix.transpose().data.0
 }
 
 /// Returns the rows of a matrix with all digits, a line each.
-fn matrix_in_words(rows: [[f64; 3]; 3]) -> String {
+pub(super) fn matrix_in_words(rows: [[f64; 3]; 3]) -> String {
     rows.map(|row| format!(" {}\n", row.map(|v| format!("{:>25}", format!("{v:e}"))).concat())).concat()
 }
 

@@ -4,6 +4,7 @@
 //! The estimator gives only codes and figures. The command line, the window and the result files
 //! take their words from here.
 
+mod cameras;
 mod epipoles;
 mod errors;
 mod judgement;
@@ -14,6 +15,7 @@ mod probability;
 mod reasons;
 mod scale;
 
+pub use cameras::camera_doubts;
 pub use epipoles::{NOT_DETERMINED, epipole_in_words, interval_in_words};
 pub use errors::error_in_words;
 pub use judgement::{judgement_in_words, rows_in_words};

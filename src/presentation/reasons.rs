@@ -28,6 +28,15 @@ pub fn reason_in_words(reason: &Reason) -> String {
              Check that each pair shows the same scene point, and that left and right are not exchanged."
                 .into()
         }
+        Reason::PointsAlone { agreeing, matches } => format!(
+            "{agreeing} of {matches} given matches agree on this geometry, more than by chance. \
+             Without pictures, nothing confirms that they show the same scene points. \
+             Give the pictures, too, to check them."
+        ),
+        Reason::PointsByChance { agreeing, matches } => format!(
+            "Only {agreeing} of {matches} given matches agree on this geometry, which chance explains: any seven fit one. \
+             Give more matches, or the pictures."
+        ),
         Reason::FewMatches { matches } => format!(
             "Only {matches} image patches match along the epipolar lines. \
              Fewer than {ENOUGH_MATCHES} can match by chance. \
@@ -186,6 +195,8 @@ mod tests {
             Reason::NotRefined,
             Reason::RefinementOff,
             Reason::ClicksAlone,
+            Reason::PointsAlone { agreeing: 11, matches: 12 },
+            Reason::PointsByChance { agreeing: 8, matches: 20 },
             Reason::FewMatches { matches: 17 },
             Reason::BarcodesByChance { correlation: 0.21, by_chance: 0.21 },
             Reason::FewBarcodes { lines: 11 },

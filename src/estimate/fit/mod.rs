@@ -1,10 +1,11 @@
 //! Fundamental matrix from matches alone: noise, consensus, covariance.
 //!
 //! [`estimate_fundamental`] is the stage by itself. The final fit at full size (`patches/guided_fit`)
-//! uses the same parts, and matches again along the lines of each geometry.
+//! uses the same parts, and matches again along the lines of each geometry. `few` fits to as few as eight matches.
 
 mod consensus;
 mod division;
+mod few;
 mod matches;
 mod neighbours;
 mod noise;
@@ -20,6 +21,7 @@ pub use uncertainty::{EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Uncertai
 
 pub(super) use consensus::{Evidence, Fitted};
 pub(super) use division::fit_division;
+pub(super) use few::{Agreement, FEWEST, fit_few, widening};
 pub(super) use scoring::{BAND, Consensus, Units, Witness, residual};
 
 /// Largest number of rounds of estimating the noise and fitting to it. They end earlier when the

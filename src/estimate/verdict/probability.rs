@@ -47,6 +47,8 @@ impl Doubt {
             Reason::NotChecked
             | Reason::RefinementOff
             | Reason::ClicksAlone
+            | Reason::PointsAlone { .. }
+            | Reason::PointsByChance { .. }
             | Reason::BarcodesByChance { .. }
             | Reason::FewBarcodes { .. }
             | Reason::LooseBarcodes { .. } => None,

@@ -9,6 +9,7 @@
 //! | Middlebury | `cam0=[…]` |
 //! | COLMAP (`cameras.txt`) | rows `ID MODEL WIDTH HEIGHT PARAMETERS` |
 
+mod size;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -126,24 +127,6 @@ impl CalibratedCamera {
         let (_, length) = Self::relative_pose(pair)?;
         let is_known = unit == pair[1].unit && unit != LengthUnit::Baseline;
         is_known.then_some(Baseline { length, unit })
-    }
-
-    /// Checks that an image has the size that the calibration is for.
-    ///
-    /// # Errors
-    /// A clause for the user.
-    pub fn check_frame(&self, frame: Frame) -> Result<(), String> {
-        match self.frame {
-            Some(own) if own != frame => Err(format!(
-                "the calibration of {} is for images of {}×{} px, and this image has {}×{} px",
-                excerpt(&self.name),
-                own.width,
-                own.height,
-                frame.width,
-                frame.height
-            )),
-            _ => Ok(()),
-        }
     }
 }
 

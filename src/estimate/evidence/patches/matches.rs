@@ -11,7 +11,7 @@ pub struct RefinedMatch {
     /// The matched points; the point of image 2 is aligned to a fraction of a pixel.
     pub pair: PointPair,
     /// Correlation of the patches, −1 to 1. For features, an equivalent on the same scale, from the
-    /// ratio of distances.
+    /// ratio of distances. 0 for points without pictures.
     pub correlation: f32,
 }
 

@@ -6,12 +6,14 @@ mod lens;
 mod margin;
 mod parallax;
 mod pattern;
+mod points;
 mod warp;
 
 pub use degeneracy::SMALLEST_SIDE;
 pub use examination::examine;
 
 pub(in crate::estimate) use degeneracy::{check_images, check_points, little_texture};
+pub(in crate::estimate) use points::PointEvidence;
 
 use std::sync::Arc;
 

@@ -21,7 +21,7 @@ pub(in crate::estimate) const HALF_PLANE: f64 = 0.4;
 const BENT: f64 = 0.5;
 /// Largest expected number of epipoles that do as well by chance: one in a thousand results without
 /// parallax passes.
-pub(super) const BY_CHANCE: f64 = 1e-3;
+pub(in crate::estimate) const BY_CHANCE: f64 = 1e-3;
 /// Largest expected number of epipoles that do as well by chance if each motion counts once. It is
 /// looser, as static surfaces at different places can have equal parallax.
 pub(super) const MOTIONS_BY_CHANCE: f64 = 1.0;
@@ -313,6 +313,17 @@ pub(in crate::estimate) enum RefinedOn {
     /// Matches of another program alone. This number of matches of the images lies along the lines
     /// of the result.
     Given(usize),
+    /// Given matches without pictures.
+    Points(GivenPoints),
+}
+
+/// Given matches without pictures that agree with a geometry.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::estimate) struct GivenPoints {
+    pub agreeing: usize,
+    pub matches: usize,
+    /// Whether chance explains the agreement.
+    pub is_chance: bool,
 }
 
 /// Figures that a verdict rests on.

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 
 pub use evidence::BarcodeFigures;
 pub(in crate::estimate) use evidence::{
-    ALONG, ANY_EPIPOLE, Evidence, HALF_PLANE, Mirror, OffPlane, PlaneEvidence, RefinedOn, Relief,
-    ResidualPattern, Together, USUAL_SIDE, WRONG_TOGETHER, Witnesses,
+    ALONG, ANY_EPIPOLE, BY_CHANCE, Evidence, GivenPoints, HALF_PLANE, Mirror, OffPlane, PlaneEvidence,
+    RefinedOn, Relief, ResidualPattern, Together, USUAL_SIDE, WRONG_TOGETHER, Witnesses,
 };
 pub(in crate::estimate) use rules::CHANCE_DEVIATIONS;
 pub use rules::{
@@ -44,6 +44,10 @@ pub enum Reason {
     RefinementOff,
     /// The geometry follows from the clicks alone, which contradict the matches of the images.
     ClicksAlone,
+    /// There are no pictures: only the given matches agree with the geometry, this number of all.
+    PointsAlone { agreeing: usize, matches: usize },
+    /// There are no pictures, and chance explains that this number of all given matches agrees.
+    PointsByChance { agreeing: usize, matches: usize },
     /// The result rests on few matches.
     FewMatches { matches: usize },
     /// The barcodes of corresponding lines agree no better than by chance: agreement, 1 for equal barcodes,

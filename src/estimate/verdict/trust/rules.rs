@@ -12,7 +12,9 @@
 //! numbers from results of known truth, with right and wrong clicks (`lab/notes.md` has the
 //! figures).
 
-use super::evidence::{BarcodeFigures, Evidence, OffPlane, PlaneEvidence, RefinedOn, Relief, Witnesses};
+use super::evidence::{
+    BarcodeFigures, Evidence, GivenPoints, OffPlane, PlaneEvidence, RefinedOn, Relief, Witnesses,
+};
 use super::{Reason, Suspect, Trust, Verdict};
 
 /// Fewest matches of a reliable result. A round number from results of known truth
@@ -54,6 +56,12 @@ impl Trust {
             if lines < ENOUGH_LINES {
                 reasons.push(Reason::FewBarcodes { lines: figures.whole_lines() });
             }
+        } else if let RefinedOn::Points(GivenPoints { agreeing, matches, is_chance }) = evidence.refined_on {
+            unreliable |= is_chance;
+            reasons.push(match is_chance {
+                true => Reason::PointsByChance { agreeing, matches },
+                false => Reason::PointsAlone { agreeing, matches },
+            });
         } else if !evidence.patches {
             reasons.push(Reason::NotChecked);
         }
@@ -191,6 +199,18 @@ mod tests {
             verdict(&Evidence { clicks: &[40.0, 0.1], refined_on: RefinedOn::TooFewMatches, ..GOOD }),
             Verdict::Unreliable
         );
+    }
+
+    #[test]
+    fn points_without_pictures_are_never_reliable_and_unreliable_by_chance() {
+        let of = |is_chance| {
+            let points = GivenPoints { agreeing: 290, matches: 300, is_chance };
+            Trust::judge(&Evidence { patches: false, refined_on: RefinedOn::Points(points), ..GOOD })
+        };
+        let alone = Reason::PointsAlone { agreeing: 290, matches: 300 };
+        assert_eq!(of(false), Trust { verdict: Verdict::Doubtful, reasons: vec![alone] });
+        let by_chance = Reason::PointsByChance { agreeing: 290, matches: 300 };
+        assert_eq!(of(true), Trust { verdict: Verdict::Unreliable, reasons: vec![by_chance] });
     }
 
     #[test]

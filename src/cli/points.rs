@@ -1,0 +1,139 @@
+//! `epiline estimate --matches FILE` without images.
+
+use std::path::Path;
+
+use super::CliError;
+use super::arguments::on_threads;
+use super::calibration::{undistort_matches, views};
+use super::console::tell;
+use super::estimate::EstimateArguments;
+use super::result_output::with_views;
+use crate::estimate::{Match, PointEstimate, Preset, Uncertainty, check_inside, estimate_points};
+use crate::geometry::{Frame, PointPair};
+use crate::io::{
+    CalibratedCamera, GeometryFile, ImageNote, PairLabel, PairOrigin, PointResultFile, TrustNote,
+    points_in_words, read_matches,
+};
+use crate::presentation::{NO_BASELINE, pose_in_words};
+
+/// Colour of a scene point without a picture.
+const GREY: [u8; 3] = [128; 3];
+
+/// Fits F to matches alone, writes the files and prints the summary.
+pub(super) fn run(arguments: &EstimateArguments, path: &Path) -> Result<(), CliError> {
+    refuse_pictures(arguments)?;
+    let cameras = &arguments.cameras;
+    let inputs: Vec<&Path> = cameras.calibration.files().chain([path]).collect();
+    let output = arguments.result.prepare(&inputs)?;
+    let calibrated = cameras.calibration.read()?;
+    let mut given = Some(read_matches(path)?);
+    let sizes = match arguments.sizes.as_deref() {
+        Some([both]) => Some([*both; 2]),
+        Some([left, right]) => Some([*left, *right]),
+        _ => None,
+    };
+    let known = sizes.or_else(|| sizes_of(calibrated.as_ref()?));
+    if let Some(known) = known {
+        check_inside(given.as_deref().unwrap_or_default(), known)?;
+    }
+    let (mut of_cameras, mut frames) = (None, known);
+    if cameras.is_given() {
+        let unknown = "the sizes of the images are needed for the cameras. Give them (--sizes WIDTHxHEIGHT)";
+        let known = known.ok_or_else(|| CliError::Arguments(unknown.into()))?;
+        of_cameras = cameras.of_frames(calibrated, known, [None; 2], None)?;
+    }
+    let baseline = of_cameras.as_ref().and_then(CalibratedCamera::baseline);
+    let views = of_cameras.zip(known).map(|(cameras, known)| views(&cameras, known)).transpose()?;
+    if let Some(views) = &views {
+        let all = given.as_ref().map_or(0, Vec::len);
+        undistort_matches(&mut given, views)?;
+        let left_out = all - given.as_ref().map_or(0, Vec::len);
+        if left_out > 0 {
+            tell(format_args!(
+                "warning: {left_out} of {all} matches lie beyond the range of a lens and are left out"
+            ));
+        }
+        frames = Some(views.frames());
+    }
+    let given: Vec<Match> = given.unwrap_or_default();
+    let seed = arguments.seed.unwrap_or_default();
+    let found = on_threads(arguments.threads, || estimate_points(&given, frames, seed))??;
+    let pairs: Vec<PointPair> = given.iter().map(|m| m.pair).collect();
+    let mut result = PointResultFile::new(&found, &pairs, frames.is_some(), seed);
+    let mut words = points_in_words(&found, &pairs, frames.is_some());
+    let matched = found.estimate.matched_pairs();
+    let mut pose = views.as_ref().and_then(|views| views.fit_pose(found.estimate.fundamental(), &matched));
+    let is_open = found.estimate.says_one_plane();
+    if let Some(fit) = pose.as_mut().filter(|_| is_open) {
+        // The covariance describes errors around this epipole, but other epipoles fit as well.
+        fit.uncertainty = None;
+    }
+    if let Some(views) = &views {
+        result = result.calibrated(views, pose.as_ref(), baseline);
+        words += &match &pose {
+            Some(_) if is_open => format!("Relative pose: {NO_BASELINE}\n"),
+            Some(pose) => pose_in_words(pose),
+            None if views.has_focal_lengths() => "Relative pose: too few matches for one\n".to_owned(),
+            None => String::new(),
+        };
+        if views.is_undistorted() {
+            words += "All coordinates belong to the views without distortion\n";
+        }
+    }
+    let pose = pose.filter(|_| !is_open);
+    output.write_points(&result, &words, is_open, || {
+        let file = exported(&found, &pairs, frames);
+        let Some(views) = &views else { return file };
+        with_views(file, views, pose.as_ref(), baseline, &matched, |_| GREY)
+    })
+}
+
+/// Refuses options that need images.
+fn refuse_pictures(arguments: &EstimateArguments) -> Result<(), CliError> {
+    let needs = [
+        (
+            !arguments.pairs.is_empty(),
+            "--pair adds a click to the images. Add the pair to the file of the matches",
+        ),
+        (
+            !arguments.overrides.is_default()
+                || arguments.method.is_some()
+                || arguments.preset != Preset::default(),
+            "--preset, --method, --refine and --set change the search in the images. Leave them out",
+        ),
+        (arguments.cameras.fits_lens(), "--division auto fits the lens to the images. Give a coefficient"),
+        (
+            arguments.cameras.asks_for_exif(),
+            "--focal-length exif reads a photograph. Give a number of pixels",
+        ),
+    ];
+    match needs.into_iter().find(|(is_given, _)| *is_given) {
+        Some((_, advice)) => {
+            Err(CliError::Arguments(format!("there are no images: {advice}, or give both images")))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Returns the sizes that a calibration tells.
+fn sizes_of(cameras: &[CalibratedCamera; 2]) -> Option<[Frame; 2]> {
+    Some([cameras[0].frame?, cameras[1].frame?])
+}
+
+/// Returns the content of the export.
+fn exported(found: &PointEstimate, pairs: &[PointPair], sizes: Option<[Frame; 2]>) -> GeometryFile {
+    let estimate = &found.estimate;
+    let label = || PairLabel { origin: PairOrigin::Imported, ..PairLabel::default() };
+    let note =
+        |frames: [Frame; 2]| [0, 1].map(|k| ImageNote { name: format!("image {}", k + 1), frame: frames[k] });
+    GeometryFile {
+        fundamental: Some(*estimate.fundamental()),
+        pairs: pairs.to_vec(),
+        labels: pairs.iter().map(|_| label()).collect(),
+        trust: estimate.assessment.trust.as_ref().map(TrustNote::from),
+        images: sizes.map(note),
+        homography21: estimate.assessment.plane.map(|plane| plane.homography21),
+        covariance: estimate.uncertainty().map(Uncertainty::covariance),
+        ..GeometryFile::default()
+    }
+}

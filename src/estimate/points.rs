@@ -1,0 +1,430 @@
+//! Geometry of point pairs alone, without pictures.
+//!
+//! [`estimate_points`] fits `F` to matches, many of which may be wrong, and judges it by the matches. With 14
+//! agreeing matches or more, the noise is estimated too ([`estimate_fundamental`]); with fewer, or where no 14
+//! agree, the geometry that chance explains least is taken (`fit/few`).
+//!
+//! Coordinates are pixels. Without the sizes of the images, the extent of the points takes their place: it
+//! conditions the equations, and says what is near and what is far. `F` itself does not depend on it.
+
+use nalgebra::Matrix3;
+use thiserror::Error;
+
+use super::evidence::patches::{RefinedMatch, Refinement};
+use super::fit::{
+    Agreement, EpipoleBearing, FEWEST, Match, MatchFit, Uncertainty, estimate_fundamental, fit_few, widening,
+};
+use super::verdict::assessment::PointEvidence;
+use super::verdict::result::{Assessment, Determined, Estimate};
+use super::verdict::trust::BY_CHANCE;
+use crate::geometry::{Frame, FundamentalMatrix, Matrix9, Point, PointPair, Vector};
+
+/// Geometry of point pairs, without pictures.
+#[derive(Debug, Clone)]
+pub struct PointEstimate {
+    /// The geometry with its assessment, in the coordinates of the points. Its matches are those that are
+    /// likelier right than wrong.
+    pub estimate: Estimate,
+    /// Probability that each match is right, 0 to 1, in the order of the matches.
+    pub inlier_probabilities: Vec<f64>,
+    /// Sizes of the images, as given or as the extent of the points.
+    pub frames: [Frame; 2],
+    /// Part of the geometry that the matches determine. `None` without a covariance.
+    pub determined: Option<Determined>,
+    /// Positions of the epipoles, seen from the middle of each image or of the extent of its points.
+    pub bearings: Option<[EpipoleBearing; 2]>,
+}
+
+/// Reason why points gave no geometry. Matches and images are numbered from 1.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum PointsError {
+    /// Too few different matches.
+    #[error(
+        "at least {FEWEST} different matches are needed, and there are {0}. Seven fit up to three geometries, and nothing tells which is right. Add matches"
+    )]
+    TooFew(usize),
+    /// A match has a coordinate that is NaN or infinite.
+    #[error("match {0} has a coordinate that is not a finite number. Leave it out")]
+    NotFinite(usize),
+    /// The points of an image lie within a few pixels.
+    #[error(
+        "all points of image {image} lie within {extent:.3} px, so F is not determined. If the coordinates are divided by the focal length or the image size, give pixels"
+    )]
+    Tiny { image: usize, extent: f64 },
+    /// The points of an image lie on one line.
+    #[error(
+        "the points of image {0} lie on one line, to within the error of a match, so F is not determined. Add matches beside the line"
+    )]
+    OneLine(usize),
+    /// A point lies outside an image of a given size.
+    #[error(
+        "match {number} lies outside image {image}, which is {width}×{height} px: ({x}, {y}). Check the sizes, and the order of the columns"
+    )]
+    Outside { number: usize, image: usize, x: f64, y: f64, width: usize, height: usize },
+    /// No geometry fits eight matches.
+    #[error(
+        "no epipolar geometry fits {FEWEST} of the matches. Check that each line has x1 y1 x2 y2 of one scene point"
+    )]
+    NoGeometry,
+}
+
+/// Smallest extent of points in pixels: the smallest image that is accepted. Normalised coordinates lie
+/// within 1 or a few.
+const LEAST_EXTENT: f64 = 32.0;
+/// Distance of points from a line within which they do not show that they are off it, px: the usual error
+/// of a match.
+const LINE: f64 = 1.0;
+/// Distance of a point beyond its image that differences between conventions of pixels explain, px.
+const BEYOND: f64 = 1.0;
+/// Least probability of an agreeing match: likelier right than wrong.
+const LIKELY: f64 = 0.5;
+/// Median of the absolute values of a Gaussian distribution, in standard deviations.
+const MEDIAN: f64 = 0.6745;
+/// Smallest standard deviation of a match that a test of planes assumes, px, as for aligned patches.
+const LEAST_SIGMA: f64 = 0.15;
+/// Degrees of freedom of F.
+const FREEDOM: usize = 7;
+
+/// Fits a fundamental matrix to matches and judges it, without pictures.
+///
+/// `frames` are the sizes of the images, if they are known. The same matches and seed give the same result
+/// on any number of threads. The verdict is never reliable, since nothing confirms that the points of a match
+/// show the same scene point.
+///
+/// # Errors
+/// [`PointsError`] for points that cannot determine a geometry.
+pub fn estimate_points(
+    matches: &[Match],
+    frames: Option<[Frame; 2]>,
+    seed: u64,
+) -> Result<PointEstimate, PointsError> {
+    if let Some(wrong) = matches.iter().position(|m| !m.pair.is_finite()) {
+        return Err(PointsError::NotFinite(wrong + 1));
+    }
+    let (distinct, places) = distinct(matches);
+    if distinct.len() < FEWEST {
+        return Err(PointsError::TooFew(distinct.len()));
+    }
+    let extent = Extent::of(matches, frames)?;
+    let local: Vec<Match> = distinct.iter().map(|m| extent.local(m)).collect();
+    let (fit, agreement) = fitted(&local, extent.frames, seed).ok_or(PointsError::NoGeometry)?;
+    let [agreeing, others] = [true, false].map(|wanted| -> Vec<Match> {
+        let is_likely = |p: &f64| (*p > LIKELY) == wanted;
+        local.iter().zip(&fit.inlier_probabilities).filter(|(_, p)| is_likely(p)).map(|(m, _)| *m).collect()
+    });
+    let agreeing: Vec<PointPair> = agreeing.iter().map(|m| m.pair).collect();
+    for image in 0..2 {
+        let points: Vec<Point> = agreeing.iter().map(|pair| of_image(pair, image)).collect();
+        if points.len() >= FREEDOM && off_line(&points) < LINE {
+            return Err(PointsError::OneLine(image + 1));
+        }
+    }
+    let rival = fitted(&others, extent.frames, seed).map(|(_, rival)| rival);
+    let rival = rival.filter(|rival| rival.log_by_chance <= BY_CHANCE.ln()).map(|rival| rival.matches);
+    let (trust, margin, plane) = PointEvidence {
+        matches: &local,
+        agreeing: &agreeing,
+        agreement,
+        rival,
+        fundamental: &fit.fundamental,
+        uncertainty: fit.uncertainty.as_ref(),
+        sigma: (std::f64::consts::SQRT_2 * fit.noise.scale / MEDIAN).max(LEAST_SIGMA),
+        frames: extent.frames,
+        seed,
+    }
+    .judge();
+    let refinement = Refinement {
+        matches: agreeing.iter().map(|pair| RefinedMatch { pair: *pair, correlation: 0.0 }).collect(),
+        uncertainty: fit.uncertainty,
+        noise: Some(fit.noise.scale),
+    };
+    let assessment = Assessment {
+        refinement: Some(refinement),
+        margin,
+        trust: Some(trust),
+        plane,
+        of_given: true,
+        ..Assessment::default()
+    };
+    let estimate = Estimate { fundamental: fit.fundamental, assessment, trace: None };
+    Ok(PointEstimate {
+        determined: estimate.determined(extent.frames),
+        bearings: estimate.epipole_bearings(extent.frames),
+        inlier_probabilities: places.iter().map(|k| fit.inlier_probabilities[*k]).collect(),
+        frames: extent.frames,
+        estimate: extent.back(estimate).ok_or(PointsError::NoGeometry)?,
+    })
+}
+
+/// Checks that matches lie in images of these sizes.
+///
+/// # Errors
+/// [`PointsError::Outside`] for the first match that does not, beyond differences between conventions of pixels.
+pub fn check_inside(matches: &[Match], frames: [Frame; 2]) -> Result<(), PointsError> {
+    for (image, frame) in frames.into_iter().enumerate() {
+        let is_beyond = |v: f64, last: f64| v < -0.5 - BEYOND || v > last + 0.5 + BEYOND;
+        for (k, m) in matches.iter().enumerate() {
+            let point = of_image(&m.pair, image);
+            if is_beyond(point.x, frame.right()) || is_beyond(point.y, frame.bottom()) {
+                let (Point { coords: at, .. }, Frame { width, height }) = (point, frame);
+                let (number, image, x, y) = (k + 1, image + 1, at.x, at.y);
+                return Err(PointsError::Outside { number, image, x, y, width, height });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Returns the fit that chance explains least, and its agreement. `None` for fewer than eight matches.
+fn fitted(matches: &[Match], frames: [Frame; 2], seed: u64) -> Option<(MatchFit, Agreement)> {
+    if matches.len() < FEWEST {
+        return None;
+    }
+    let many = estimate_fundamental(matches, frames, seed).ok().and_then(|fit| {
+        let agreement = Agreement::of(&fit.fundamental, matches, frames)?;
+        (agreement.log_by_chance <= BY_CHANCE.ln()).then(|| (widened(fit), agreement))
+    });
+    many.or_else(|| fit_few(matches, frames, seed))
+}
+
+/// Widens the covariance of a fit to matches whose noise follows from their own residuals: a fit to `k`
+/// matches leaves `k − 7` degrees of freedom.
+fn widened(fit: MatchFit) -> MatchFit {
+    let agreeing = fit.inlier_probabilities.iter().filter(|p| **p > LIKELY).count();
+    let freedom = agreeing.saturating_sub(FREEDOM).max(1);
+    let by = agreeing as f64 / freedom as f64 * widening(freedom).powi(2);
+    let uncertainty = fit.uncertainty.as_ref();
+    let uncertainty =
+        uncertainty.map(|u| Uncertainty::new(&fit.fundamental, &(u.covariance() * by), [1.0; 2]));
+    MatchFit { uncertainty, ..fit }
+}
+
+/// Returns the different matches, and the number of each match among them. A repeated match shows no more
+/// than one.
+fn distinct(matches: &[Match]) -> (Vec<Match>, Vec<usize>) {
+    let mut known = std::collections::HashMap::new();
+    let mut distinct = Vec::new();
+    let place = |m: &Match| {
+        *known.entry(m.pair.numbers().map(f64::to_bits)).or_insert_with(|| {
+            distinct.push(*m);
+            distinct.len() - 1
+        })
+    };
+    let places = matches.iter().map(place).collect();
+    (distinct, places)
+}
+
+/// Rectangles of both images in which the points lie.
+struct Extent {
+    /// Upper left corners in the coordinates of the points; zero for given sizes.
+    corners: [Vector; 2],
+    frames: [Frame; 2],
+}
+
+impl Extent {
+    /// Returns the given sizes, or the extent of the points. Fails if the points determine no geometry.
+    fn of(matches: &[Match], frames: Option<[Frame; 2]>) -> Result<Self, PointsError> {
+        let mut extent = Self { corners: [Vector::zeros(); 2], frames: [Frame::new(1, 1); 2] };
+        for image in 0..2 {
+            let points: Vec<Point> = matches.iter().map(|m| of_image(&m.pair, image)).collect();
+            let range = |of: fn(&Point) -> f64| {
+                let values = points.iter().map(of);
+                values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)])
+            };
+            let [x, y] = [range(|p| p.x), range(|p| p.y)];
+            let longer = (x[1] - x[0]).max(y[1] - y[0]);
+            if longer < LEAST_EXTENT {
+                return Err(PointsError::Tiny { image: image + 1, extent: longer });
+            }
+            if off_line(&points) < LINE {
+                return Err(PointsError::OneLine(image + 1));
+            }
+            if let Some(frames) = frames {
+                extent.frames[image] = frames[image];
+            } else {
+                extent.corners[image] = Vector::new(x[0].floor(), y[0].floor());
+                let side = |[low, high]: [f64; 2]| (high - low.floor()).ceil().max(LEAST_EXTENT) as usize + 1;
+                extent.frames[image] = Frame::new(side(x), side(y));
+            }
+        }
+        Ok(extent)
+    }
+
+    fn local(&self, m: &Match) -> Match {
+        let PointPair { point1, point2 } = m.pair;
+        let pair = PointPair { point1: point1 - self.corners[0], point2: point2 - self.corners[1] };
+        Match { pair, ..*m }
+    }
+
+    /// Returns a geometry of the rectangles in the coordinates of the points.
+    fn back(&self, mut local: Estimate) -> Option<Estimate> {
+        let shift = |image: usize, sign: f64| {
+            let corner = self.corners[image] * sign;
+            Matrix3::new(1.0, 0.0, corner.x, 0.0, 1.0, corner.y, 0.0, 0.0, 1.0)
+        };
+        let [to1, to2] = [shift(0, -1.0), shift(1, -1.0)];
+        let moved = to2.transpose() * local.fundamental.matrix() * to1;
+        let fundamental = FundamentalMatrix::from_rank_two(moved)?;
+        if let Some(refinement) = &mut local.assessment.refinement {
+            let by_entries =
+                Matrix9::from_fn(|to, from| to2[(from / 3, to / 3)] * to1[(from % 3, to % 3)] / moved.norm());
+            let moved = |u: &Uncertainty| by_entries * u.covariance() * by_entries.transpose();
+            refinement.uncertainty =
+                refinement.uncertainty.as_ref().map(|u| Uncertainty::new(&fundamental, &moved(u), [1.0; 2]));
+            for found in &mut refinement.matches {
+                let PointPair { point1, point2 } = found.pair;
+                found.pair = PointPair { point1: point1 + self.corners[0], point2: point2 + self.corners[1] };
+            }
+        }
+        if let Some(plane) = &mut local.assessment.plane {
+            let h = shift(1, 1.0) * plane.homography21 * to1;
+            let divisor = if h[(2, 2)].abs() > 1e-9 * h.norm() { h[(2, 2)] } else { h.norm() };
+            plane.homography21 = h / divisor;
+        }
+        Some(Estimate { fundamental, ..local })
+    }
+}
+
+/// Returns the point of a pair in image 0 or 1.
+fn of_image(pair: &PointPair, image: usize) -> Point {
+    if image == 0 { pair.point1 } else { pair.point2 }
+}
+
+/// Returns the root mean square distance of points from their best line, px.
+fn off_line(points: &[Point]) -> f64 {
+    let count = points.len().max(1) as f64;
+    let middle = points.iter().map(|p| p.coords).sum::<Vector>() / count;
+    let spread: nalgebra::Matrix2<f64> =
+        points.iter().map(|p| (p.coords - middle) * (p.coords - middle).transpose()).sum();
+    (spread.symmetric_eigenvalues().min().max(0.0) / count).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::exact::{ExactScene, FRAME};
+    use crate::estimate::{Reason, Verdict};
+    use crate::geometry::random_scene::RandomScene;
+    use crate::geometry::sampson_distance;
+
+    fn noisy(pairs: &[PointPair], sigma: f64, seed: u64) -> Vec<Match> {
+        RandomScene::new(seed).disturbed(pairs, sigma).into_iter().map(Match::from).collect()
+    }
+
+    fn reasons(found: &PointEstimate) -> &[Reason] {
+        &found.estimate.assessment.trust.as_ref().unwrap().reasons
+    }
+
+    #[test]
+    fn many_points_give_the_geometry_and_the_limits_of_the_claim() {
+        let scene = ExactScene::aside();
+        let matches = noisy(&scene.pairs(200), 0.2, 3);
+        for frames in [None, Some([FRAME; 2])] {
+            let found = estimate_points(&matches, frames, 0).unwrap();
+            assert!(scene.error(&found.estimate.fundamental) < 0.5);
+            assert!(matches!(reasons(&found)[0], Reason::PointsAlone { matches: 200, .. }), "{found:?}");
+            assert_eq!(found.estimate.assessment.trust.as_ref().unwrap().verdict, Verdict::Doubtful);
+            assert_eq!(found.inlier_probabilities.len(), 200);
+            assert!(found.determined.is_some());
+        }
+    }
+
+    #[test]
+    fn the_origin_of_the_points_changes_nothing() {
+        let scene = ExactScene::aside();
+        let matches = noisy(&scene.pairs(60), 0.1, 3);
+        let far = |m: &Match| Match {
+            pair: PointPair {
+                point1: m.pair.point1 + Vector::new(3000.0, -200.0),
+                point2: m.pair.point2 + Vector::new(-40.0, 900.0),
+            },
+            ..*m
+        };
+        let there: Vec<Match> = matches.iter().map(far).collect();
+        let [here, there_found] = [&matches, &there].map(|all| estimate_points(all, None, 0).unwrap());
+        for (a, b) in matches.iter().zip(&there) {
+            let [near, shifted] = [(&here, a), (&there_found, b)].map(|(found, m)| {
+                let u = found.estimate.uncertainty().unwrap();
+                let deviation = u.line2_deviation(m.pair.point1, m.pair.point2).unwrap();
+                (sampson_distance(&found.estimate.fundamental, &m.pair), deviation)
+            });
+            assert!(
+                (near.0 - shifted.0).abs() < 1e-5 && (near.1 / shifted.1 - 1.0).abs() < 1e-3,
+                "{near:?} {shifted:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn points_that_determine_no_geometry_are_told() {
+        let scene = ExactScene::aside();
+        let all: Vec<Match> = scene.pairs(20).into_iter().map(Match::from).collect();
+        let error = |matches: &[Match]| estimate_points(matches, None, 0).unwrap_err();
+        assert_eq!(error(&all[..7]), PointsError::TooFew(7));
+        assert_eq!(error(&[all[0]; 30]), PointsError::TooFew(1));
+        let mut broken = all.clone();
+        broken[4].pair.point2.y = f64::NAN;
+        assert_eq!(error(&broken), PointsError::NotFinite(5));
+        let on_line: Vec<Match> = (0..20)
+            .map(|k| {
+                let x = 20.0 * f64::from(k);
+                PointPair { point2: all[k as usize].pair.point2, ..PointPair::new(x, 0.5 * x, 0.0, 0.0) }
+                    .into()
+            })
+            .collect();
+        assert_eq!(error(&on_line), PointsError::OneLine(1));
+        let small = |m: &Match| {
+            let PointPair { point1, point2 } = m.pair;
+            Match { pair: PointPair { point1: point1 / 500.0, point2: point2 / 500.0 }, ..*m }
+        };
+        assert!(matches!(
+            error(&all.iter().map(small).collect::<Vec<_>>()),
+            PointsError::Tiny { image: 1, .. }
+        ));
+        assert_eq!(check_inside(&all, [FRAME; 2]), Ok(()));
+        let outside = check_inside(&all, [Frame::new(100, 100), FRAME]).unwrap_err();
+        assert!(matches!(outside, PointsError::Outside { image: 1, .. }), "{outside}");
+    }
+
+    #[test]
+    fn points_on_a_plane_leave_the_epipole_open() {
+        let plane = RandomScene::new(4).planar_pairs(40);
+        for (count, sigma) in [(11, 0.1), (40, 0.1), (40, 0.0)] {
+            let found = estimate_points(&noisy(&plane[..count], sigma, 2), None, 0).unwrap();
+            assert!(found.estimate.says_one_plane(), "{count} {sigma}: {:?}", reasons(&found));
+            let plane = found.estimate.assessment.plane.unwrap();
+            assert!(plane.residual < 0.5, "{plane:?}");
+        }
+    }
+
+    #[test]
+    fn wrong_matches_are_unreliable() {
+        let mut random = RandomScene::new(9);
+        let points = random.pairs(120);
+        let wrong =
+            points.chunks_exact(2).map(|two| PointPair { point1: two[0].point1, point2: two[1].point2 });
+        for count in [9, 11, 20, 60] {
+            let some: Vec<Match> = wrong.clone().take(count).map(Match::from).collect();
+            let found = estimate_points(&some, None, 0).unwrap();
+            assert_eq!(
+                found.estimate.assessment.trust.as_ref().unwrap().verdict,
+                Verdict::Unreliable,
+                "{count}"
+            );
+            assert!(matches!(reasons(&found)[0], Reason::PointsByChance { .. }));
+        }
+    }
+
+    #[test]
+    fn two_motions_are_ambiguous() {
+        let [one, other] = [ExactScene::aside(), ExactScene::moved([0.3, 0.02, 0.3])];
+        let mut all = noisy(&one.pairs(60), 0.1, 1);
+        all.extend(noisy(&other.pairs(55), 0.1, 2));
+        let found = estimate_points(&all, None, 0).unwrap();
+        assert!(
+            reasons(&found).iter().any(|r| matches!(r, Reason::Ambiguous { .. })),
+            "{:?}",
+            reasons(&found)
+        );
+    }
+}

@@ -1,0 +1,91 @@
+//! Verdict on a geometry of given matches, without pictures.
+//!
+//! The tests of the matches are those of any result. Nothing tests whether the matches are scene points, so
+//! the verdict is never reliable.
+
+use nalgebra::Matrix3;
+
+use super::{PLANE_TOLERANCE, leaves_in_place, lens, pattern, plane_homography, warp};
+use crate::estimate::evidence::patches::{UnguidedMatch, largest_plane};
+use crate::estimate::fit::Agreement;
+use crate::estimate::verdict::trust::{
+    BY_CHANCE, Evidence, GivenPoints, OffPlane, PlaneEvidence, RefinedOn, USUAL_SIDE,
+};
+use crate::estimate::{Match, PlaneHomography, Trust, Uncertainty};
+use crate::geometry::{Frame, FundamentalMatrix, PointPair};
+
+/// Number of matches that any homography fits.
+const OF_HOMOGRAPHY: usize = 4;
+/// Fewest agreeing matches that are compared with a smooth warp: twice its some fifty coefficients, so that
+/// it does not follow all of them.
+const LEAST_FOR_WARP: usize = 100;
+/// Tolerance of a plane, in standard deviations of a coordinate: 99.7 % of Gaussian errors are below it.
+const DEVIATIONS: f64 = 3.0;
+
+/// A geometry of given matches, and what agrees with it.
+pub(in crate::estimate) struct PointEvidence<'a> {
+    /// All matches. They were found without the geometry.
+    pub matches: &'a [Match],
+    /// Matches that are likelier right than wrong.
+    pub agreeing: &'a [PointPair],
+    pub agreement: Agreement,
+    /// Number of the other matches that agree on another geometry beyond chance.
+    pub rival: Option<usize>,
+    pub fundamental: &'a FundamentalMatrix,
+    pub uncertainty: Option<&'a Uncertainty>,
+    /// Standard deviation of the distance of a right match from its line in image 2, px.
+    pub sigma: f64,
+    pub frames: [Frame; 2],
+    pub seed: u64,
+}
+
+impl PointEvidence<'_> {
+    /// Returns the verdict, the margin over the rival, and the homography if only a plane is certain.
+    pub fn judge(&self) -> (Trust, Option<f64>, Option<PlaneHomography>) {
+        let Self { matches, agreeing, fundamental: f, frames, sigma, .. } = *self;
+        let side = frames[0].longer_side();
+        let deviation = self.uncertainty.and_then(|uncertainty| uncertainty.median_line2_deviation(agreeing));
+        let tolerance = (PLANE_TOLERANCE * (side / USUAL_SIDE).max(1.0)).max(DEVIATIONS * sigma);
+        let plane = largest_plane(agreeing, tolerance, self.seed);
+        let margin = self.rival.map(|rival| super::margin::relative(agreeing.len() as f64, rival as f64));
+        let points = GivenPoints {
+            agreeing: agreeing.len(),
+            matches: matches.len(),
+            is_chance: self.agreement.log_by_chance > BY_CHANCE.ln(),
+        };
+        let trust = Trust::judge(&Evidence {
+            refined_on: RefinedOn::Points(points),
+            margin,
+            deviation,
+            plane: plane.map(|(h, most)| self.plane_evidence(&h, most, tolerance)),
+            relief: plane.and_then(|(h, _)| {
+                let found: Vec<UnguidedMatch> =
+                    matches.iter().map(|m| UnguidedMatch { pair: m.pair, prior: m.prior as f32 }).collect();
+                let relief = || warp::relief(&found, agreeing, &h, f, frames[0], tolerance, self.seed);
+                (agreeing.len() >= LEAST_FOR_WARP).then(relief).flatten()
+            }),
+            pattern: pattern::residual_pattern(agreeing, f, side),
+            side,
+            ..Evidence::default()
+        });
+        let plane = plane.filter(|_| trust.says_one_plane());
+        (trust, margin, plane.map(|(h, _)| plane_homography(&h, agreeing, tolerance)))
+    }
+
+    /// Returns the evidence beside a homography that `most` of the agreeing matches follow.
+    fn plane_evidence(&self, h: &Matrix3<f64>, most: usize, tolerance: f64) -> PlaneEvidence {
+        let side = self.frames[0].longer_side();
+        let share = |most: f64| {
+            let free = self.agreeing.len().saturating_sub(OF_HOMOGRAPHY).max(1) as f64;
+            ((most - OF_HOMOGRAPHY as f64) / free).max(0.0)
+        };
+        let all: Vec<PointPair> = self.matches.iter().map(|m| m.pair).collect();
+        let through_a_lens = lens::share_through_a_lens(self.agreeing, h, self.frames, tolerance);
+        PlaneEvidence {
+            share: share(most as f64),
+            bent_share: share(through_a_lens * self.agreeing.len() as f64),
+            off: OffPlane::new(&all, self.fundamental, h, side, self.sigma),
+            is_still: leaves_in_place(h, self.agreeing, tolerance),
+        }
+    }
+}
