@@ -18,6 +18,8 @@ mod files;
 mod hostile;
 #[path = "command_line/judge.rs"]
 mod judge;
+#[path = "command_line/points.rs"]
+mod points;
 #[path = "command_line/rectify.rs"]
 mod rectify;
 mod skipping;

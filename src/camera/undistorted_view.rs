@@ -4,7 +4,6 @@ use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
 use serde::ser::{SerializeStruct, Serializer};
 
-use super::doubt::CameraDoubt;
 use super::model::{CameraModel, FocalLength};
 use super::names::calibration;
 use crate::geometry::{Frame, Point};
@@ -99,9 +98,9 @@ impl UndistortedView {
         &self.camera
     }
 
-    /// Returns signs that the camera does not belong to its pictures.
-    pub fn doubts(&self) -> Vec<CameraDoubt> {
-        self.camera.doubts(self.original)
+    /// Returns the size of the original pictures.
+    pub fn original(&self) -> Frame {
+        self.original
     }
 
     /// Returns the size of the view.

@@ -103,6 +103,12 @@ impl FromStr for TypedFocal {
 }
 
 impl CalibrationArguments {
+    /// Returns the arguments for two files.
+    pub(super) fn of_files(files: [&Path; 2]) -> Self {
+        let calibration = Some(files.map(Path::to_owned).to_vec());
+        Self { calibration, camera_names: None, scale_calibration: None }
+    }
+
     pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
         self.calibration.iter().flatten().map(PathBuf::as_path)
     }
@@ -129,8 +135,14 @@ impl CalibrationArguments {
     pub(super) fn for_frames(
         &self,
         cameras: [CalibratedCamera; 2],
-        frames: [Frame; 2],
+        frames: Option<[Frame; 2]>,
     ) -> Result<[CalibratedCamera; 2], CliError> {
+        let Some(frames) = frames else {
+            let unknown =
+                "the sizes of the images are needed to scale the calibration. Give the images (--images)";
+            let is_scaled = self.scale_calibration.is_some();
+            return if is_scaled { Err(CliError::Arguments(unknown.into())) } else { Ok(cameras) };
+        };
         let mut fitted = cameras;
         for (camera, frame) in fitted.iter_mut().zip(frames) {
             let is_resized = camera.is_resized_in(frame);
@@ -190,7 +202,7 @@ impl CameraArguments {
         fitted: Option<[f64; 2]>,
     ) -> Result<Option<[CalibratedCamera; 2]>, CliError> {
         if let Some(calibrated) = calibrated {
-            return self.calibration.for_frames(calibrated, frames).map(Some);
+            return self.calibration.for_frames(calibrated, Some(frames)).map(Some);
         }
         let camera = |k: usize| -> Result<Option<CalibratedCamera>, CliError> {
             let frame = frames[k];
@@ -250,7 +262,7 @@ pub(super) fn views(cameras: &[CalibratedCamera; 2], frames: [Frame; 2]) -> Resu
     let views = ViewPair::new(cameras.each_ref().map(|camera| &camera.model), frames);
     let problem = "the distortion of the lens cannot be undone: it folds back at the principal point";
     let views = views.ok_or_else(|| CliError::Arguments(problem.into()))?;
-    for (_, message) in camera_doubts(&views) {
+    for (_, message) in camera_doubts([0, 1].map(|k| (&cameras[k].model, frames[k]))) {
         tell(format_args!("warning: {message}"));
     }
     Ok(views)

@@ -5,26 +5,30 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::CliError;
+use super::calibration::CalibrationArguments;
 use super::console::{print, tell};
 use super::output::Output;
 use crate::foreign::shown_path;
 use crate::geometry::FundamentalMatrix;
 use crate::image::Picture;
 use crate::io::{
-    Format, GeometryFile, ImageNote, OutputFile, cloud_as_ply, matrix_as_npy, read_point_pairs,
+    Format, GeometryFile, GeometryNote, ImageNote, OutputFile, cloud_as_ply, matrix_as_npy, read_point_pairs,
     refuse_clashes,
 };
 
 /// Source of a geometry.
 #[derive(Debug, Args)]
 pub(super) struct GeometryInput {
-    /// File with F or two cameras, in any format; or the camera (.P) of image 1
+    /// File with F, two cameras or a stereo calibration, in any format; or the camera (.P) or the calibration
+    /// of image 1
     file: PathBuf,
-    /// Camera (.P) of image 2
+    /// Camera (.P) or calibration of image 2
     camera2: Option<PathBuf>,
     /// File with point pairs: rows of x1 y1 x2 y2, or any of the formats
     #[arg(long, value_name = "FILE")]
     matches: Option<PathBuf>,
+    #[command(flatten)]
+    calibration: CalibrationArguments,
     /// Both images, for their names and sizes
     #[arg(long, num_args = 2, value_names = ["LEFT", "RIGHT"])]
     images: Option<Vec<PathBuf>>,
@@ -35,14 +39,35 @@ impl GeometryInput {
     /// those in the file.
     pub(super) fn read(&self) -> Result<(GeometryFile, Format), CliError> {
         let (mut file, format) = match &self.camera2 {
-            Some(camera2) => (GeometryFile::read_cameras([&self.file, camera2])?.1, Format::Text),
+            Some(camera2) => match GeometryFile::read_cameras([&self.file, camera2]) {
+                Ok((_, file)) => (file, Format::Text),
+                Err(error) => {
+                    let files = CalibrationArguments::of_files([&self.file, camera2]);
+                    let pair = files.read().ok().flatten();
+                    let file = pair.and_then(|pair| GeometryFile::of_calibration(&pair)).ok_or(error)?;
+                    (file, Format::OpencvYaml)
+                }
+            },
             None => GeometryFile::read(&self.file)?,
         };
-        if let Some(matches) = &self.matches {
-            file.pairs = read_point_pairs(matches)?;
-        }
+        tell_notes(&self.file, &file);
         if let Some([left, right]) = self.images.as_deref() {
             file.images = Some(image_notes(&[Picture::open(left)?, Picture::open(right)?]));
+        }
+        if let Some(cameras) = self.calibration.read()? {
+            let missing = || {
+                CliError::Arguments(format!(
+                    "a calibration makes F of an essential matrix, and {} has none",
+                    shown_path(&self.file)
+                ))
+            };
+            let frames = file.images.as_ref().map(|images| images.each_ref().map(|image| image.frame));
+            let cameras = self.calibration.for_frames(cameras, frames)?;
+            file = file.calibrated_essential(&cameras).ok_or_else(missing)?;
+            tell_notes(&self.file, &file);
+        }
+        if let Some(matches) = &self.matches {
+            file.pairs = read_point_pairs(matches)?;
         }
         Ok((file, format))
     }
@@ -50,7 +75,7 @@ impl GeometryInput {
     pub(super) fn inputs(&self) -> Vec<&Path> {
         let images = self.images.iter().flatten();
         let files = [&self.file].into_iter().chain(&self.camera2).chain(&self.matches).chain(images);
-        files.map(PathBuf::as_path).collect()
+        files.map(PathBuf::as_path).chain(self.calibration.files()).collect()
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -62,13 +87,25 @@ impl GeometryInput {
 /// gets a note.
 pub(super) fn read_geometry(path: &Path) -> Result<(FundamentalMatrix, GeometryFile), CliError> {
     let (fundamental, file) = GeometryFile::read_geometry(path)?;
-    if file.is_undistorted {
+    tell_notes(path, &file);
+    if file.is_undistorted && !file.notes.contains(&GeometryNote::OfCalibration { lens: true }) {
         tell(format_args!(
             "note: {} belongs to views without lens distortion. It fits only images without distortion",
             shown_path(path)
         ));
     }
     Ok((fundamental, file))
+}
+
+/// Tells what a reader must know about a geometry.
+pub(super) fn tell_notes(path: &Path, file: &GeometryFile) {
+    for note in &file.notes {
+        let advice = match note {
+            GeometryNote::Essential => " Make F with: epiline convert FILE --calibration CALIBRATION",
+            _ => "",
+        };
+        tell(format_args!("note: {}: {note}{advice}", shown_path(path)));
+    }
 }
 
 pub(super) fn image_notes(pictures: &[Picture; 2]) -> [ImageNote; 2] {

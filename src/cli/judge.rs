@@ -12,7 +12,7 @@ use super::CliError;
 use super::arguments::{ImagePair, on_threads, pixels, threads};
 use super::calibration::{CalibrationArguments, undistort_matches, undistorted, views};
 use super::estimate::watched;
-use super::geometry_file::read_geometry;
+use super::geometry_file::{read_geometry, tell_notes};
 use super::output::Output;
 use crate::camera::{PoseDifference, RelativePose, ViewPair};
 use crate::estimate::{Match, Monitor, Parameters, Uncertainty, Verdict, estimate, estimate_fundamental};
@@ -113,7 +113,7 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     if let Some(calibrated) = calibrated {
         let (pose, _) = CalibratedCamera::relative_pose(&calibrated).ok_or_else(no_pose)?;
         let frames = pictures.each_ref().map(Picture::frame);
-        let calibrated = arguments.calibration.for_frames(calibrated, frames)?;
+        let calibrated = arguments.calibration.for_frames(calibrated, Some(frames))?;
         let views = views(&calibrated, frames)?;
         undistort_matches(&mut matches, &views)?;
         pictures = undistorted(pictures, &views);
@@ -186,7 +186,11 @@ impl JudgeArguments {
         let files: Vec<&Path> =
             self.fundamental.iter().chain(self.cameras.iter().flatten()).map(PathBuf::as_path).collect();
         let (fundamental, file) = match files[..] {
-            [left, right] => GeometryFile::read_cameras([left, right])?,
+            [left, right] => {
+                let read = GeometryFile::read_cameras([left, right])?;
+                tell_notes(left, &read.1);
+                read
+            }
             [one, ..] => read_geometry(one)?,
             [] => return Ok(None),
         };

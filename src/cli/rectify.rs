@@ -10,6 +10,7 @@ use super::CliError;
 use super::arguments::{ImagePair, megapixels, on_threads, threads};
 use super::calibration::{CameraArguments, undistorted_pairs, views};
 use super::console::print;
+use super::geometry_file::tell_notes;
 use crate::camera::{RelativePose, ViewPair};
 use crate::cancel::CancelFlag;
 use crate::foreign::shown_path;
@@ -73,7 +74,6 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     }
     let is_calibrated = arguments.cameras.is_given();
     let result = arguments.fundamental.as_deref().map(|path| read_result(path, is_calibrated)).transpose()?;
-    let (fundamental, found) = result.unzip();
     let (pictures, known) = arguments.images.load()?;
     let given = given.map(|given| given.iter().map(|found| found.pair).collect());
     let mut matches: Vec<PointPair> = given.or(known).unwrap_or_default();
@@ -85,8 +85,12 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     if let Some(views) = &views {
         matches = undistorted_pairs(&matches, views)?;
     }
+    let fundamental = result.as_ref().and_then(|file| match &views {
+        Some(views) => file.geometry_in(views),
+        None => file.geometry(),
+    });
     if matches.is_empty() {
-        matches = found.unwrap_or_default();
+        matches = result.map(GeometryFile::matches).unwrap_or_default();
     }
     let posed = calibrated.zip(views).map(|(c, views)| posed(&c, &views, fundamental.as_ref(), &matches));
     let limits = arguments.max_megapixels.map_or_else(Limits::default, |pixels| Limits { pixels });
@@ -139,8 +143,9 @@ fn drawn(
 }
 
 /// Reads F and the matches of a result. A result for views without distortion needs a calibration.
-fn read_result(path: &Path, is_calibrated: bool) -> Result<(FundamentalMatrix, Vec<PointPair>), CliError> {
-    let (fundamental, file) = GeometryFile::read_geometry(path)?;
+fn read_result(path: &Path, is_calibrated: bool) -> Result<GeometryFile, CliError> {
+    let (_, file) = GeometryFile::read_geometry(path)?;
+    tell_notes(path, &file);
     if file.is_undistorted && !is_calibrated {
         return Err(CliError::Arguments(format!(
             "{} belongs to views without distortion. Give the calibration or \
@@ -148,7 +153,7 @@ fn read_result(path: &Path, is_calibrated: bool) -> Result<(FundamentalMatrix, V
             shown_path(path)
         )));
     }
-    Ok((fundamental, file.matches()))
+    Ok(file)
 }
 
 /// Returns the pose of F or, without F, the pose of the calibration. The length of the baseline is

@@ -69,6 +69,16 @@ impl Camera {
         Vector4::new(minor(0), -minor(1), minor(2), -minor(3))
     }
 
+    /// Returns the calibration matrix `K` of `P = K [R | t]`, upper triangular with a positive diagonal that
+    /// ends in 1. `None` if the left 3×3 part of `P` is singular.
+    pub fn calibration(&self) -> Option<Matrix3<f64>> {
+        let m = self.0.fixed_columns::<3>(0);
+        // K Kᵀ = M Mᵀ. With rows and columns in reverse order, Cholesky's lower triangle becomes an upper one.
+        let reversed = |m: Matrix3<f64>| Matrix3::from_fn(|row, column| m[(2 - row, 2 - column)]);
+        let upper = reversed(reversed(m * m.transpose()).cholesky()?.l());
+        Some(upper / upper[(2, 2)])
+    }
+
     /// Projects a scene point into the image, px. Returns `None` for points in the camera's focal
     /// plane.
     pub fn project(&self, point: &Point3<f64>) -> Option<Point> {

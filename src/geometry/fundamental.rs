@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::conditioning::pixels_from_conditioned;
+use super::essential::is_rounded_essential;
 use super::point::rescaling;
 use super::{Frame, HomogeneousPoint, Line, Point};
 
@@ -29,6 +30,11 @@ pub enum NotFundamental {
         100.0 * .0
     )]
     RankThree(f64),
+    /// The matrix has rank 3 and looks like an essential matrix that was rounded.
+    #[error(
+        "the matrix looks like an essential matrix rounded to few digits (two equal singular values, entries of like size), which is not for pixels. Give more digits, and the calibration"
+    )]
+    Essential,
 }
 
 /// Largest accepted ratio of the third to the second singular value, in conditioned coordinates.
@@ -37,10 +43,13 @@ const MOST_THIRD: f64 = 0.05;
 /// Ratio of the third to the second singular value in pixels above which a matrix may be a
 /// homography. Homographies have about a thousandth.
 const CLEAR_IN_PIXELS: f64 = 1e-4;
-/// Assumed size of images of unknown size, px.
-const TYPICAL: Frame = Frame { width: 1000, height: 1000 };
+/// Largest entry, in conditioned coordinates of norm 1, that rows do not have and rounding explains.
+const ROUNDING: f64 = 1e-9;
 
 impl FundamentalMatrix {
+    /// Assumed size of images of unknown size, px.
+    pub(crate) const TYPICAL: Frame = Frame { width: 1000, height: 1000 };
+
     /// Normalises a matrix that has rank 2 by construction. Returns `None` when the matrix is not
     /// finite or has lower rank.
     pub fn from_rank_two(matrix: Matrix3<f64>) -> Option<Self> {
@@ -106,7 +115,7 @@ impl FundamentalMatrix {
             let as_written = [matrix, -matrix].into_iter().find(|m| (f.0 - m).norm() <= 1e-15);
             return Ok(as_written.map_or(f, Self));
         }
-        let [t1, t2] = frames.unwrap_or([TYPICAL; 2]).map(pixels_from_conditioned);
+        let [t1, t2] = frames.unwrap_or([Self::TYPICAL; 2]).map(pixels_from_conditioned);
         let conditioned = t2.transpose() * matrix * t1;
         let (in_pixels, ratio) = (third_to_second(&matrix), third_to_second(&conditioned));
         // A homography in conditioned coordinates looks like rank 2, because products of
@@ -114,6 +123,9 @@ impl FundamentalMatrix {
         // pixels than in conditioned coordinates.
         let is_map_of_points = in_pixels > CLEAR_IN_PIXELS && ratio < 1e-2 * in_pixels;
         if ratio > MOST_THIRD || is_map_of_points {
+            if is_rounded_essential(&matrix) {
+                return Err(NotFundamental::Essential);
+            }
             return Err(NotFundamental::RankThree(ratio.max(in_pixels)));
         }
         let back = |t: Matrix3<f64>| t.try_inverse().ok_or(NotFundamental::NotFinite);
@@ -126,6 +138,14 @@ impl FundamentalMatrix {
     /// unknown size.
     pub fn from_rows(rows: [[f64; 3]; 3]) -> Result<Self, NotFundamental> {
         Self::from_numbers(Matrix3::from_fn(|r, c| rows[r][c]), None)
+    }
+
+    /// Returns whether all epipolar lines are rows of both images, as in rectified pictures.
+    pub fn has_rows(&self) -> bool {
+        let [t1, t2] = [pixels_from_conditioned(Self::TYPICAL); 2];
+        let conditioned = t2.transpose() * self.0 * t1;
+        let others = [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (2, 0)].map(|place| conditioned[place].abs());
+        others.into_iter().fold(0.0, f64::max) <= ROUNDING * conditioned.norm()
     }
 
     /// Returns the epipolar line in image 2 of a point of image 1; `None` at the epipole.

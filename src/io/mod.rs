@@ -37,8 +37,8 @@ pub use camera_rig::CameraRig;
 pub use colmap::{ColmapError, ColmapPair};
 pub use exif::focal_length_from_exif;
 pub use geometry_file::{
-    CalibratedNote, Format, GeometryFile, ImageNote, Notation, PairLabel, PairOrigin, TrustNote,
-    read_fundamental, read_point_pairs,
+    CalibratedNote, Format, GeometryFile, GeometryNote, ImageNote, Notation, PairLabel, PairOrigin,
+    TrustNote, read_fundamental, read_point_pairs,
 };
 #[doc(hidden)]
 pub use ground_truth::{GroundTruth, TruthError, TruthOrigin};

@@ -174,7 +174,8 @@ enum AnyWarning<'a> {
 
 /// Returns the doubts about the cameras of views.
 pub(super) fn camera_warnings<'a>(views: &ViewPair) -> impl Iterator<Item = Told<'a>> {
-    camera_doubts(views).map(|(doubt, message)| Told { message, warning: AnyWarning::Camera(doubt) })
+    let doubts = camera_doubts(views.views.each_ref().map(|view| (view.camera(), view.original())));
+    doubts.into_iter().map(|(doubt, message)| Told { message, warning: AnyWarning::Camera(doubt) })
 }
 
 impl<'a> ResultFile<'a> {

@@ -1,13 +1,15 @@
 //! Words for signs that a calibration belongs to other pictures.
 
-use crate::camera::{CameraDoubt, UndistortedView, ViewPair};
+use crate::camera::{CameraDoubt, CameraModel};
+use crate::geometry::Frame;
 
-/// Returns the doubts about the cameras of both images, each with its sentences.
-pub fn camera_doubts(views: &ViewPair) -> impl Iterator<Item = (CameraDoubt, String)> {
-    let of_side = |(view, side): (&UndistortedView, &'static str)| {
-        view.doubts().into_iter().map(move |doubt| (doubt, camera_doubt_in_words(&doubt, side)))
+/// Returns the doubts about the cameras of both images of these sizes, each with its sentences.
+pub fn camera_doubts(cameras: [(&CameraModel, Frame); 2]) -> Vec<(CameraDoubt, String)> {
+    let of_side = |((camera, frame), side): ((&CameraModel, Frame), &'static str)| {
+        let told = move |doubt| (doubt, camera_doubt_in_words(&doubt, side));
+        camera.doubts(frame).into_iter().map(told)
     };
-    views.views.iter().zip(["left", "right"]).flat_map(of_side).collect::<Vec<_>>().into_iter()
+    cameras.into_iter().zip(["left", "right"]).flat_map(of_side).collect()
 }
 
 /// Describes a doubt about the camera of an image, `left` or `right`.

@@ -17,6 +17,7 @@ use crate::app::model::picture::Opened;
 use crate::app::model::session::OpenSession;
 use crate::camera::CameraModel;
 use crate::cancel::CancelFlag;
+use crate::presentation::camera_doubts;
 
 /// Pictures to open.
 #[derive(Clone)]
@@ -45,6 +46,11 @@ impl Wanted {
             Self::Session(session) => open_session(session, &mut reading),
             Self::Calibrated(both) => {
                 let (pictures, calibration) = *both;
+                if let Some(cameras) = &calibration.cameras {
+                    let frames = pictures.each_ref().map(|opened| opened.shown().frame());
+                    let doubts = camera_doubts([0, 1].map(|k| (&cameras[k], frames[k])));
+                    reading.notes.extend(doubts.into_iter().map(|(_, message)| message));
+                }
                 let pictures = calibrated(pictures, calibration.cameras.as_ref());
                 pictures
                     .map(|pictures| LoadedPair { calibration: Some(calibration), ..LoadedPair::of(pictures) })

@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Matrix6, SMatrix};
 use serde::{Deserialize, Serialize};
 
 use super::labels::{PairLabel, TrustNote};
+use super::notes::GeometryNote;
 use crate::camera::{PointCloud, PoseFit, RelativePose};
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
 
@@ -40,6 +41,10 @@ pub struct GeometryFile {
     /// Whether the numbers belong to views without distortion of calibrated cameras. JSON and OpenCV files keep
     /// the mark; the others say so in words.
     pub is_undistorted: bool,
+    /// Matrix that was read as F and is probably an essential one. Read only.
+    pub essential: Option<Matrix3<f64>>,
+    /// What a reader must know about the geometry. Read only.
+    pub notes: Vec<GeometryNote>,
     /// Verdict on the geometry. Written only.
     pub trust: Option<TrustNote>,
     /// Covariance of the nine entries of `F` with norm 1, row by row. Read from results only.

@@ -7,7 +7,7 @@ use super::Problem;
 use super::content::{BareNumbers, CalibratedNote, GeometryFile, ImageNote};
 use super::quantity::Quantity;
 use crate::foreign::excerpt;
-use crate::geometry::{Camera, FundamentalMatrix, PointPair};
+use crate::geometry::{Camera, FundamentalMatrix, PointPair, looks_essential};
 use crate::io::number::finite_number;
 
 /// Rectangular table of finite numbers.
@@ -172,6 +172,7 @@ impl Fields {
             covariance: self.covariance,
             calibrated: self.calibrated.clone(),
             fundamental,
+            essential: self.get(Quantity::Fundamental, NumberTable::matrix3)?.filter(looks_essential),
             cameras: self.both([Quantity::Camera1, Quantity::Camera2], camera)?,
             homographies: self.both([Quantity::Homography1, Quantity::Homography2], NumberTable::matrix3)?,
             homography21: self.get(Quantity::PlaneHomography, NumberTable::matrix3)?,

@@ -22,6 +22,8 @@ mod json;
 mod labels;
 mod matlab;
 mod notation;
+mod notes;
+mod of_calibration;
 mod opencv_yaml;
 mod quantity;
 #[cfg(test)]
@@ -47,6 +49,7 @@ pub(super) use self::coordinates::{moved_fundamental, moved_pair, shift};
 pub use self::format::Format;
 pub use self::labels::{PairLabel, PairOrigin, TrustNote};
 pub use self::notation::Notation;
+pub use self::notes::GeometryNote;
 pub(super) use self::yaml::yaml_value;
 
 /// Largest structured text that is read, bytes. Parsing takes about 15 times its length in memory.
@@ -93,17 +96,29 @@ impl GeometryFile {
         Ok((fundamental, file))
     }
 
-    /// Reads two files with a camera each.
+    /// Reads two files with a camera each. Their notes tell whether they are rectified.
     pub fn read_cameras([left, right]: [&Path; 2]) -> Result<(FundamentalMatrix, Self), ReadError> {
         let cameras = Some([read_camera(left)?, read_camera(right)?]);
-        let file = Self { cameras, ..Self::default() };
+        let file = Self { cameras, ..Self::default() }.noted();
         let fundamental = file.geometry().ok_or_else(|| ReadError::content(right, SAME_CENTRE))?;
         Ok((fundamental, file))
     }
 
     fn read_for(path: &Path, wanted: BareNumbers) -> Result<(Self, Format), ReadError> {
-        Self::parse_for(&text_or_rows(path, read_bytes(path)?)?, wanted)
-            .map_err(|problem| problem.of_file(path))
+        let text = text_or_rows(path, read_bytes(path)?)?;
+        let read = Self::parse_for(&text, wanted).map_err(|problem| problem.of_file(path));
+        Ok(of_calibration::completed(path, read).map(|(file, format)| (file.noted(), format))?)
+    }
+
+    /// Adds the notes that follow from the geometry itself.
+    fn noted(mut self) -> Self {
+        if self.essential.is_some() {
+            self.notes.push(GeometryNote::Essential);
+        }
+        if self.cameras.is_some() && self.geometry().is_some_and(|f| f.has_rows()) {
+            self.notes.push(GeometryNote::Rectified);
+        }
+        self
     }
 
     fn parse_for(text: &str, wanted: BareNumbers) -> Result<(Self, Format), Problem> {

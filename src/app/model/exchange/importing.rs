@@ -128,7 +128,7 @@ impl ImportQuestion {
                 "there are no point pairs and no fundamental matrix in it".to_owned()
             });
         }
-        let mut notes = Vec::new();
+        let mut notes: Vec<String> = file.notes.iter().map(ToString::to_string).collect();
         if file.is_undistorted && self.frames == self.shown {
             notes.push(format!(
                 "{name} belongs to views without lens distortion. Import the calibration of the pictures first."
