@@ -29,7 +29,8 @@ pub struct PointEstimate {
     pub inlier_probabilities: Vec<f64>,
     /// Sizes of the images, as given or as the extent of the points.
     pub frames: [Frame; 2],
-    /// Part of the geometry that the matches determine. `None` without a covariance.
+    /// Part of the geometry that the matches determine. `None` without a covariance, and if chance explains the
+    /// agreement.
     pub determined: Option<Determined>,
     /// Positions of the epipoles, seen from the middle of each image or of the extent of its points.
     pub bearings: Option<[EpipoleBearing; 2]>,
@@ -80,8 +81,11 @@ const BEYOND: f64 = 1.0;
 const LIKELY: f64 = 0.5;
 /// Median of the absolute values of a Gaussian distribution, in standard deviations.
 const MEDIAN: f64 = 0.6745;
-/// Smallest standard deviation of a match that a test of planes assumes, px, as for aligned patches.
-const LEAST_SIGMA: f64 = 0.15;
+/// Smallest standard deviation of a match that a test of planes assumes, as a share of the longer side: what
+/// the correction of a lens leaves.
+const LEAST_SIGMA: f64 = 5e-5;
+/// Largest number of matches of which a handful may be right. Among more, a consensus has 14.
+const MOST_FEW: usize = 500;
 /// Degrees of freedom of F.
 const FREEDOM: usize = 7;
 
@@ -128,11 +132,13 @@ pub fn estimate_points(
         rival,
         fundamental: &fit.fundamental,
         uncertainty: fit.uncertainty.as_ref(),
-        sigma: (std::f64::consts::SQRT_2 * fit.noise.scale / MEDIAN).max(LEAST_SIGMA),
+        sigma: (std::f64::consts::SQRT_2 * fit.noise.scale / MEDIAN)
+            .max(LEAST_SIGMA * extent.frames[0].longer_side()),
         frames: extent.frames,
         seed,
     }
     .judge();
+    let is_chance = agreement.log_by_chance > BY_CHANCE.ln();
     let refinement = Refinement {
         matches: agreeing.iter().map(|pair| RefinedMatch { pair: *pair, correlation: 0.0 }).collect(),
         uncertainty: fit.uncertainty,
@@ -148,8 +154,8 @@ pub fn estimate_points(
     };
     let estimate = Estimate { fundamental: fit.fundamental, assessment, trace: None };
     Ok(PointEstimate {
-        determined: estimate.determined(extent.frames),
-        bearings: estimate.epipole_bearings(extent.frames),
+        determined: estimate.determined(extent.frames).filter(|_| !is_chance),
+        bearings: estimate.epipole_bearings(extent.frames).filter(|_| !is_chance),
         inlier_probabilities: places.iter().map(|k| fit.inlier_probabilities[*k]).collect(),
         frames: extent.frames,
         estimate: extent.back(estimate).ok_or(PointsError::NoGeometry)?,
@@ -182,9 +188,14 @@ fn fitted(matches: &[Match], frames: [Frame; 2], seed: u64) -> Option<(MatchFit,
     }
     let many = estimate_fundamental(matches, frames, seed).ok().and_then(|fit| {
         let agreement = Agreement::of(&fit.fundamental, matches, frames)?;
-        (agreement.log_by_chance <= BY_CHANCE.ln()).then(|| (widened(fit), agreement))
+        Some((widened(fit), agreement))
     });
-    many.or_else(|| fit_few(matches, frames, seed))
+    let is_chance = |(_, agreement): &(MatchFit, Agreement)| agreement.log_by_chance > BY_CHANCE.ln();
+    if matches.len() > MOST_FEW || many.as_ref().is_some_and(|fit| !is_chance(fit)) {
+        return many;
+    }
+    let both = many.into_iter().chain(fit_few(matches, frames, seed));
+    both.min_by(|(_, a), (_, b)| a.log_by_chance.total_cmp(&b.log_by_chance))
 }
 
 /// Widens the covariance of a fit to matches whose noise follows from their own residuals: a fit to `k`

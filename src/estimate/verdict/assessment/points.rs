@@ -22,6 +22,17 @@ const LEAST_FOR_WARP: usize = 100;
 /// Tolerance of a plane, in standard deviations of a coordinate: 99.7 % of Gaussian errors are below it.
 const DEVIATIONS: f64 = 3.0;
 
+/// Fewest degrees of freedom from which the noise is estimated: below, it may be many times as large.
+const LEAST_FREEDOM: usize = 5;
+
+/// Returns the ratio of the noise to its estimate that is exceeded once in 200 times, for so many degrees of
+/// freedom: the quantile of χ² after Wilson & Hilferty (1931).
+fn largest_underestimate(freedom: f64) -> f64 {
+    const Z: f64 = -2.576;
+    let part = 2.0 / (9.0 * freedom);
+    (1.0 - part + Z * part.sqrt()).powf(-1.5)
+}
+
 /// A geometry of given matches, and what agrees with it.
 pub(in crate::estimate) struct PointEvidence<'a> {
     /// All matches. They were found without the geometry.
@@ -42,10 +53,10 @@ pub(in crate::estimate) struct PointEvidence<'a> {
 impl PointEvidence<'_> {
     /// Returns the verdict, the margin over the rival, and the homography if only a plane is certain.
     pub fn judge(&self) -> (Trust, Option<f64>, Option<PlaneHomography>) {
-        let Self { matches, agreeing, fundamental: f, frames, sigma, .. } = *self;
+        let Self { matches, agreeing, fundamental: f, frames, .. } = *self;
         let side = frames[0].longer_side();
         let deviation = self.uncertainty.and_then(|uncertainty| uncertainty.median_line2_deviation(agreeing));
-        let tolerance = (PLANE_TOLERANCE * (side / USUAL_SIDE).max(1.0)).max(DEVIATIONS * sigma);
+        let tolerance = self.tolerance();
         let plane = largest_plane(agreeing, tolerance, self.seed);
         let margin = self.rival.map(|rival| super::margin::relative(agreeing.len() as f64, rival as f64));
         let points = GivenPoints {
@@ -70,6 +81,19 @@ impl PointEvidence<'_> {
         });
         let plane = plane.filter(|_| trust.says_one_plane());
         (trust, margin, plane.map(|(h, _)| plane_homography(&h, agreeing, tolerance)))
+    }
+
+    /// Returns the largest distance of a match from a homography that explains it, px: the usual one, or a smaller
+    /// one if the matches show that they are more precise.
+    fn tolerance(&self) -> f64 {
+        let usual = PLANE_TOLERANCE * (self.frames[0].longer_side() / USUAL_SIDE).max(1.0);
+        // On a plane, F absorbs as much noise as nine numbers do.
+        let freedom = self.agreeing.len().saturating_sub(9);
+        let estimated = DEVIATIONS * self.sigma;
+        if freedom < LEAST_FREEDOM {
+            return usual.max(estimated);
+        }
+        (estimated * largest_underestimate(freedom as f64)).min(usual).max(estimated)
     }
 
     /// Returns the evidence beside a homography that `most` of the agreeing matches follow.
