@@ -235,14 +235,14 @@ mod tests {
     }
 
     #[test]
-    fn eleven_matches_with_two_wrong_ones_give_the_geometry_of_the_others() {
+    fn thirteen_matches_with_two_wrong_ones_give_the_geometry_of_the_others() {
         let scene = ExactScene::aside();
         for seed in 0..5 {
-            let mut all = noisy(&scene, 11, 0.2, seed);
+            let mut all = noisy(&scene, 13, 0.1, seed);
             all[3].pair.point2.y += 60.0;
             all[8].pair.point2.y -= 45.0;
             let (fit, agreement) = fit_few(&all, [FRAME; 2], 0).unwrap();
-            assert!(agreement.matches >= 8 && agreement.log_by_chance < 0.0, "{agreement:?}");
+            assert!(agreement.matches >= 9 && agreement.log_by_chance < 1e-3f64.ln(), "{agreement:?}");
             let [wrong1, wrong2] = [3, 8].map(|k| fit.inlier_probabilities[k]);
             assert!(wrong1 < 0.1 && wrong2 < 0.1, "{:?}", fit.inlier_probabilities);
             assert!(scene.error(&fit.fundamental) < 6.0, "{}", scene.error(&fit.fundamental));

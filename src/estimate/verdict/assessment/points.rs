@@ -40,7 +40,8 @@ pub(in crate::estimate) struct PointEvidence<'a> {
     /// Matches that are likelier right than wrong.
     pub agreeing: &'a [PointPair],
     pub agreement: Agreement,
-    /// Number of the other matches that agree on another geometry beyond chance.
+    /// Number of matches that agree on another geometry, if the matches that do not agree on this one do so
+    /// beyond chance.
     pub rival: Option<usize>,
     pub fundamental: &'a FundamentalMatrix,
     pub uncertainty: Option<&'a Uncertainty>,
