@@ -46,7 +46,7 @@ fn example() -> GeometryFile {
         ]),
         pairs: (0..40).map(|k| pair(f64::from(k))).collect(),
         images: Some([("l", 768, 576), ("it's <r> & \"co\" \\ é.png", 1024, 3)].map(
-            |(name, width, height)| ImageNote { name: name.to_owned(), frame: Frame::new(width, height) },
+            |(name, width, height)| ImageNote::new(name.to_owned(), Frame::new(width, height)),
         )),
         ..GeometryFile::default()
     }

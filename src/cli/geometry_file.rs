@@ -72,7 +72,10 @@ pub(super) fn read_geometry(path: &Path) -> Result<(FundamentalMatrix, GeometryF
 }
 
 pub(super) fn image_notes(pictures: &[Picture; 2]) -> [ImageNote; 2] {
-    [0, 1].map(|k| ImageNote { name: pictures[k].name.clone(), frame: pictures[k].frame() })
+    pictures.each_ref().map(|picture| ImageNote {
+        interpretation: picture.interpretation,
+        ..ImageNote::new(picture.name.clone(), picture.frame())
+    })
 }
 
 /// Destination of a geometry: a file, checked before the work, or standard output.

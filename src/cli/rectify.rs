@@ -97,7 +97,9 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
         let drawn = drawn(&made, &pictures, arguments.threads)?;
         let disparities = made.measures.rows.map(|rows| rows.disparity);
         let pair = StereoPair { rig: &rig, views, baseline, disparities };
-        files.write(&pair, [&drawn[0], &drawn[1]])?;
+        // These programs read 8 bits.
+        let shown = [0, 1].map(|k| pictures[k].displayed(&drawn[k]));
+        files.write(&pair, [&shown[0], &shown[1]])?;
         return print(&stereo_summary(&made, &pair, &files));
     }
     let fundamental = match (fundamental, posed, &views) {

@@ -15,7 +15,7 @@ use crate::geometry::{
     Frame, FundamentalMatrix, HomogeneousPoint, PointPair, finite_point, sampson_distance,
     symmetric_epipolar_distance,
 };
-use crate::presentation::{epipole_in_words, probability_in_words, reason_in_words, warning_in_words};
+use crate::presentation::{epipole_in_words, interpretation_in_words, probability_in_words, reason_in_words, warning_in_words};
 
 /// Content of a result file. As JSON it is also a geometry file ([`Format::Json`]).
 #[derive(Serialize)]
@@ -434,6 +434,11 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
             "Left out: {} corners at the same position in both images, such as captions or a logo",
             counts.left_out
         );
+    }
+    for (k, image) in images.iter().enumerate() {
+        if let Some(words) = interpretation_in_words(&image.interpretation) {
+            let _ = writeln!(text, "Image {}: {words}", k + 1);
+        }
     }
     let stages: Vec<_> = trace
         .timings

@@ -6,6 +6,7 @@
 
 mod epipoles;
 mod errors;
+mod interpretation;
 mod judgement;
 mod lens;
 mod parameters;
@@ -16,6 +17,7 @@ mod scale;
 
 pub use epipoles::{NOT_DETERMINED, epipole_in_words, interval_in_words};
 pub use errors::error_in_words;
+pub use interpretation::interpretation_in_words;
 pub use judgement::{judgement_in_words, rows_in_words};
 pub use lens::lens_in_words;
 #[doc(hidden)]

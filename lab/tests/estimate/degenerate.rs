@@ -168,7 +168,7 @@ fn a_turned_camera_is_not_trusted() {
         // everywhere.
         assert!(off < 1.0, "{off} px at {p}");
     }
-    let images = ["left.png", "right.png"].map(|name| ImageNote { name: name.into(), frame: image.frame() });
+    let images = ["left.png", "right.png"].map(|name| ImageNote::new(name.into(), image.frame()));
     let parameters = Parameters::default();
     let file = ResultFile::new(&found, &clicks, &images, &parameters);
     let text = serde_json::to_string(&file).unwrap();

@@ -43,7 +43,7 @@ fn example() -> GeometryFile {
         fundamental: Some(example_fundamental()),
         pairs: vec![at(0.0), at(1.0), PointPair::new(100.0, 100.0, 100.0, 400.0)],
         found: (0..20).map(|k| at(f64::from(k))).collect(),
-        images: Some(["left.jpg", "right.jpg"].map(|name| ImageNote { name: name.into(), frame: FRAME })),
+        images: Some(["left.jpg", "right.jpg"].map(|name| ImageNote::new(name.into(), FRAME))),
         ..GeometryFile::default()
     }
 }

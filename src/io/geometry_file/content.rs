@@ -5,16 +5,27 @@ use serde::{Deserialize, Serialize};
 
 use super::labels::{PairLabel, TrustNote};
 use crate::camera::{PointCloud, PoseFit, RelativePose};
+use crate::image::Interpretation;
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
 
 /// Name and size of an image.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ImageNote {
     /// File name without folders.
     pub name: String,
     /// Width and height, px.
     #[serde(flatten)]
     pub frame: Frame,
+    /// Meaning of the numbers of its pixels. Written only.
+    #[serde(flatten)]
+    pub interpretation: Interpretation,
+}
+
+impl ImageNote {
+    /// Creates a note of a picture without a statement about its numbers.
+    pub fn new(name: String, frame: Frame) -> Self {
+        Self { name, frame, interpretation: Interpretation::default() }
+    }
 }
 
 /// Content of a geometry file in the convention of this program: `x2ᵀ F x1 = 0`, the centre of the

@@ -359,5 +359,5 @@ fn distorts(calibrated: &Value) -> bool {
 fn image(value: &Value) -> Option<ImageNote> {
     let name = value.get("name")?.as_str()?.to_owned();
     let side = |name: &str| value.get(name).and_then(whole);
-    Some(ImageNote { name, frame: crate::geometry::Frame::new(side("width")?, side("height")?) })
+    Some(ImageNote::new(name, crate::geometry::Frame::new(side("width")?, side("height")?)))
 }

@@ -24,7 +24,7 @@ fn example() -> GeometryFile {
         pairs: (0..30).map(|k| pair(f64::from(k))).collect(),
         images: Some(
             ["left view.png", "it's F = [<a> \"test\"] & more.png"]
-                .map(|name| ImageNote { name: name.to_owned(), frame: Frame::new(768, 576) }),
+                .map(|name| ImageNote::new(name.to_owned(), Frame::new(768, 576))),
         ),
         ..GeometryFile::default()
     }
@@ -356,7 +356,7 @@ proptest! {
         let matrix = Matrix3::from_fn(|r, c| rows[r][c]);
         let nearest = FundamentalMatrix::nearest_rank_two(matrix).and_then(|f| FundamentalMatrix::from_rows(f.rows()).ok());
         let Some(fundamental) = nearest else { return Ok(()) };
-        let image = || ImageNote { name: name.trim().to_owned(), frame: Frame::new(7, 5) };
+        let image = || ImageNote::new(name.trim().to_owned(), Frame::new(7, 5));
         let file = GeometryFile {
             fundamental: Some(fundamental),
             pairs: points.iter().map(|p| PointPair::new(p[0], p[1], p[2], p[3])).collect(),

@@ -118,7 +118,7 @@ fn image(row: &str) -> Result<ImageNote, String> {
     match (side(), side()) {
         (Some(width), Some(height)) => {
             let name = words.next().unwrap_or("").trim().to_owned();
-            Ok(ImageNote { name, frame: Frame::new(width, height) })
+            Ok(ImageNote::new(name, Frame::new(width, height)))
         }
         _ => Err("expected the width, the height and the name of an image".into()),
     }

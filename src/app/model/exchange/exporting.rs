@@ -136,7 +136,11 @@ fn plane(model: &Model) -> Option<PlaneHomography> {
 
 fn notes(model: &Model) -> Option<[ImageNote; 2]> {
     let pictures = model.document.pictures.as_ref()?;
-    Some(pictures.each_ref().map(|picture| ImageNote { name: picture.name.clone(), frame: picture.frame }))
+    let open = model.open.pictures();
+    Some([0, 1].map(|k| ImageNote {
+        interpretation: open.as_ref().map(|open| open[k].interpretation).unwrap_or_default(),
+        ..ImageNote::new(pictures[k].name.clone(), pictures[k].frame)
+    }))
 }
 
 /// Returns the pairs that are not excluded, followed by the matches of the result if wanted.

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::{Clicks, EstimateError, PreparedPair, SearchPlan, Warning};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair, apart_across_lines};
-use crate::image::GrayPlane;
 
 /// Smallest image side in which lines are compared, px: the smallest side that `coarse_side`
 /// permits.
@@ -95,15 +94,11 @@ pub(in crate::estimate) fn check_images(prepared: &PreparedPair) -> Result<(), E
         }
     }
     let [a, b] = level.planes;
-    if a.frame() == b.frame() && mean_difference(a, b) < IDENTICAL {
+    let difference = || a.mean_with(b, |x, y| f64::from((x - y).abs()));
+    if a.frame() == b.frame() && difference().is_some_and(|mean| mean < IDENTICAL) {
         return Err(EstimateError::NoParallax);
     }
     Ok(())
-}
-
-fn mean_difference(a: &GrayPlane, b: &GrayPlane) -> f64 {
-    let sum: f64 = a.values().iter().zip(b.values()).map(|(x, y)| f64::from((x - y).abs())).sum();
-    sum / a.values().len() as f64
 }
 
 /// Returns warnings about clicks whose pencils have few textured lines. Stand-ins for clicks get no
@@ -147,6 +142,7 @@ pub(in crate::estimate) fn click_warnings(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::GrayPlane;
     use crate::estimate::exact::rows;
     use nalgebra::Matrix3;
 
