@@ -45,9 +45,10 @@ fn example() -> GeometryFile {
             Matrix3::new(0.97, 0.0, 1e6, 0.03, 1.02, -4.0, 3e-7, 1e-6, 1.0),
         ]),
         pairs: (0..40).map(|k| pair(f64::from(k))).collect(),
-        images: Some([("l", 768, 576), ("it's <r> & \"co\" \\ é.png", 1024, 3)].map(
-            |(name, width, height)| ImageNote::new(name.to_owned(), Frame::new(width, height)),
-        )),
+        images: Some(
+            [("l", 768, 576), ("it's <r> & \"co\" \\ é.png", 1024, 3)]
+                .map(|(name, width, height)| ImageNote::new(name.to_owned(), Frame::new(width, height))),
+        ),
         ..GeometryFile::default()
     }
 }

@@ -44,9 +44,8 @@ pub(super) fn understood(decoded: Decoded) -> Option<Understood> {
         // 8 bits are used as they are, but for missing data.
         _ if depth == 1 => {
             let bytes = pixels.as_bytes();
-            let valid = no_data.and_then(|value| {
-                Numbers { values: bytes, frame, channels, has_alpha }.flags(Some(value))
-            });
+            let valid = no_data
+                .and_then(|value| Numbers { values: bytes, frame, channels, has_alpha }.flags(Some(value)));
             Meaning { range: [0.0, 255.0], valid }
         }
         DynamicImage::ImageLuma16(p) => meaning(p, frame, [1, 0], no_data),
@@ -70,7 +69,12 @@ pub(super) fn understood(decoded: Decoded) -> Option<Understood> {
     Some(Understood { pixels, levels, interpretation: of(range) })
 }
 
-fn meaning<T: Number>(values: &[T], frame: Frame, [channels, alphas]: [usize; 2], no_data: Option<f64>) -> Meaning {
+fn meaning<T: Number>(
+    values: &[T],
+    frame: Frame,
+    [channels, alphas]: [usize; 2],
+    no_data: Option<f64>,
+) -> Meaning {
     Numbers { values, frame, channels, has_alpha: alphas > 0 }.meaning(no_data)
 }
 
@@ -128,7 +132,10 @@ pub(super) fn displayed(pixels: &DynamicImage, [black, white]: [f32; 2]) -> Dyna
         DynamicImage::ImageRgb16(p) => p.iter_mut().for_each(level),
         DynamicImage::ImageLumaA16(p) => p.as_chunks_mut::<2>().0.iter_mut().for_each(|[v, _]| level(v)),
         DynamicImage::ImageRgba16(p) => {
-            p.as_chunks_mut::<4>().0.iter_mut().for_each(|[colours @ .., _]| colours.iter_mut().for_each(level));
+            p.as_chunks_mut::<4>()
+                .0
+                .iter_mut()
+                .for_each(|[colours @ .., _]| colours.iter_mut().for_each(level));
         }
         _ => {}
     }

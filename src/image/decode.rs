@@ -15,10 +15,10 @@ use image::{
 
 use super::brightness::Decoded;
 use super::foreign_format::{CONVERT, ForeignFormat, START};
+use super::limit::WIDE_PIXEL;
 use super::tiff_file::{self, TiffFault};
 use super::tiff_header::TiffHeader;
 use super::tiff_tags::TiffTags;
-use super::limit::WIDE_PIXEL;
 use super::webp::WebpClaims;
 use super::whole::what_is_missing;
 use super::{LoadError, LoadOptions};
@@ -50,7 +50,10 @@ pub(super) fn decode(
     }
     // The content alone decides: a file with a misleading name is not damaged.
     let guessed = ImageReader::new(&mut reader).with_guessed_format().map_err(|e| job.io(&e))?;
-    let Some(format) = guessed.format() else {
+    let guessed = guessed.format();
+    let tiff = TiffHeader::read(&mut reader).map_err(|e| job.io(&e))?;
+    // The guess does not know BigTIFF.
+    let Some(format) = guessed.or(tiff.is_some().then_some(ImageFormat::Tiff)) else {
         return Err(LoadError::Format(job.path()));
     };
     if !KNOWN.contains(&format) {
@@ -66,9 +69,7 @@ pub(super) fn decode(
         job.check_png(&mut reader)?;
     }
     let mut no_data = None;
-    if format == ImageFormat::Tiff
-        && let Some(header) = TiffHeader::read(&mut reader).map_err(|e| job.io(&e))?
-    {
+    if let Some(header) = tiff.filter(|_| format == ImageFormat::Tiff) {
         let tags = job.tiff_tags(&header, &mut reader)?;
         if !tags.is_ordinary() {
             return job.special_tiff(&header, &tags, reader);

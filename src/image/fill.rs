@@ -11,7 +11,8 @@ pub(super) fn fill(frame: Frame, values: &mut [f32], valid: &[bool]) {
         return;
     }
     let half = Frame::new(width.div_ceil(2), height.div_ceil(2));
-    let (mut means, mut known) = (vec![0f32; half.width * half.height], vec![false; half.width * half.height]);
+    let (mut means, mut known) =
+        (vec![0f32; half.width * half.height], vec![false; half.width * half.height]);
     for (k, mean) in means.iter_mut().enumerate() {
         let (x, y) = (2 * (k % half.width), 2 * (k / half.width));
         let (mut sum, mut count) = (0f32, 0f32);

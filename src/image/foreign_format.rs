@@ -56,7 +56,12 @@ const SIGNATURES: [(usize, &[u8], &str, &str); 31] = [
     (0, b"%PDF", "PDF", "Convert it to PNG, for example: pdftoppm -png IN.pdf OUT"),
     (0, b"SIMPLE  =", "FITS", GDAL),
     (128, b"DICM", "DICOM", CONVERT),
-    (0, b"\x93NUMPY", "NumPy array", "Save it as TIFF, in Python: tifffile.imwrite('OUT.tif', numpy.load('IN.npy'))"),
+    (
+        0,
+        b"\x93NUMPY",
+        "NumPy array",
+        "Save it as TIFF, in Python: tifffile.imwrite('OUT.tif', numpy.load('IN.npy'))",
+    ),
     (0, b"\x89HDF\r\n\x1a\n", "HDF5", GDAL),
     (0, b"CDF\x01", "netCDF", GDAL),
     (0, b"MATLAB 5.0 MAT-file", "MATLAB", "Save it as TIFF, in MATLAB: imwrite(IMAGE, 'OUT.tif')"),

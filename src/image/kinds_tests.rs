@@ -44,9 +44,14 @@ impl Tiff {
     fn bytes(&self) -> Vec<u8> {
         let width = if self.big { 8 } else { 4 };
         let mut entries = self.entries.clone();
-        entries.extend([(256, 3, vec![WIDTH as u64]), (257, 3, vec![HEIGHT as u64]), (278, 3, vec![HEIGHT as u64])]);
+        entries.extend([
+            (256, 3, vec![WIDTH as u64]),
+            (257, 3, vec![HEIGHT as u64]),
+            (278, 3, vec![HEIGHT as u64]),
+        ]);
         let header = if self.big { 16 } else { 8 };
-        let mut file = if self.big { b"II+\0\x08\0\0\0\0\0\0\0\0\0\0\0".to_vec() } else { b"II*\0\0\0\0\0".to_vec() };
+        let mut file =
+            if self.big { b"II+\0\x08\0\0\0\0\0\0\0\0\0\0\0".to_vec() } else { b"II*\0\0\0\0\0".to_vec() };
         let (mut places, mut lengths) = (Vec::new(), Vec::new());
         for strip in &self.strips {
             places.push(file.len() as u64);
@@ -65,8 +70,7 @@ impl Tiff {
                 16 => 8,
                 _ => 1,
             };
-            let mut content: Vec<u8> =
-                values.iter().flat_map(|v| v.to_le_bytes()[..size].to_vec()).collect();
+            let mut content: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()[..size].to_vec()).collect();
             if content.len() > width {
                 let place = file.len() as u64;
                 file.extend(&content);
@@ -108,7 +112,8 @@ fn off(picture: &Picture) -> f32 {
 fn every_kind_of_numbers_gives_the_same_plane() {
     let deep = |number: fn(usize) -> u16| {
         let values = values().map(number).collect();
-        let pixels: ImageBuffer<Luma<u16>, _> = ImageBuffer::from_raw(WIDTH as u32, HEIGHT as u32, values).unwrap();
+        let pixels: ImageBuffer<Luma<u16>, _> =
+            ImageBuffer::from_raw(WIDTH as u32, HEIGHT as u32, values).unwrap();
         Picture::from_pixels("deep".into(), None, DynamicImage::ImageLuma16(pixels)).unwrap()
     };
     for picture in [deep(|v| v as u16), deep(|v| 29_000 + 5 * v as u16), deep(|v| 300 * v as u16)] {
@@ -122,7 +127,11 @@ fn every_kind_of_numbers_gives_the_same_plane() {
         float_tiff(floats(|v| v as f32 / 199.0)),
         float_tiff(floats(|v| 1e12 * v as f32)),
         Tiff::new(32, 1, values().flat_map(|v| (v as u32 + 70_000).to_le_bytes()).collect()),
-        Tiff::new(16, 1, values().flat_map(|v| (7 * v as i16 - 500).to_le_bytes()).collect()).with(339, 3, [2]),
+        Tiff::new(16, 1, values().flat_map(|v| (7 * v as i16 - 500).to_le_bytes()).collect()).with(
+            339,
+            3,
+            [2],
+        ),
         Tiff::new(64, 1, values().flat_map(|v| (v as f64 * 1e-6).to_le_bytes()).collect()).with(339, 3, [3]),
     ];
     for file in files {
@@ -175,7 +184,8 @@ fn kinds_of_tiff_files_are_the_same_picture() {
     let plain = Tiff::new(8, 1, gray.clone()).read().unwrap().gray;
     let same = |file: &Tiff| {
         let picture = file.read().unwrap();
-        let off = picture.gray.values().iter().zip(plain.values()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        let off =
+            picture.gray.values().iter().zip(plain.values()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         assert!(off < 0.01, "{off} {:?}", picture.pixels.color());
         picture
     };
@@ -190,7 +200,9 @@ fn kinds_of_tiff_files_are_the_same_picture() {
     file.big = true;
     same(&file);
     // Bands, next to each other and one after another.
-    let bands = |samples: usize| gray.iter().flat_map(move |v| (0..samples).map(move |k| v.wrapping_add(k as u8 * 60))).collect();
+    let bands = |samples: usize| {
+        gray.iter().flat_map(move |v| (0..samples).map(move |k| v.wrapping_add(k as u8 * 60))).collect()
+    };
     let many = same(&Tiff::new(8, 1, bands(6)).with(277, 3, [6]));
     assert_eq!(many.interpretation.bands, Some(6));
     let mut planar = Tiff::new(8, 1, gray.clone()).with(277, 3, [2]).with(284, 3, [2]).with(338, 3, [0]);
@@ -205,11 +217,18 @@ fn kinds_of_tiff_files_are_the_same_picture() {
     // Sixteen levels of four bits.
     let packed = gray.as_chunks::<2>().0.iter().map(|[a, b]| a / 16 << 4 | b / 16).collect();
     let four = Tiff::new(4, 1, packed).read().unwrap();
-    assert!(four.gray.values().iter().zip(&gray).all(|(v, expected)| (v - f32::from(expected / 16 * 17)).abs() < 0.01));
+    assert!(
+        four.gray
+            .values()
+            .iter()
+            .zip(&gray)
+            .all(|(v, expected)| (v - f32::from(expected / 16 * 17)).abs() < 0.01)
+    );
     // Two strips with Zstandard compression; one block without any.
     let frame = |bytes: &[u8]| {
         let block = ((bytes.len() as u32) << 3 | 1).to_le_bytes();
-        [&b"\x28\xb5\x2f\xfd\x60"[..], &((bytes.len() - 256) as u16).to_le_bytes(), &block[..3], bytes].concat()
+        [&b"\x28\xb5\x2f\xfd\x60"[..], &((bytes.len() - 256) as u16).to_le_bytes(), &block[..3], bytes]
+            .concat()
     };
     let half = HEIGHT / 2 * WIDTH;
     for big in [false, true] {
@@ -218,7 +237,8 @@ fn kinds_of_tiff_files_are_the_same_picture() {
         zstd.big = big;
         let mut bytes = zstd.bytes();
         // Half as many rows in a strip.
-        let rows = bytes.windows(4).rposition(|part| part == [0x16, 0x01, 3, 0]).unwrap() + if big { 12 } else { 8 };
+        let rows =
+            bytes.windows(4).rposition(|part| part == [0x16, 0x01, 3, 0]).unwrap() + if big { 12 } else { 8 };
         bytes[rows] = (HEIGHT / 2) as u8;
         let picture = Picture::from_bytes("zstd.tif", &bytes).unwrap();
         assert_eq!(picture.gray, plain);

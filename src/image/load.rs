@@ -96,7 +96,8 @@ impl Picture {
         let understood = understood(decoded).ok_or_else(|| LoadError::NotFinite(name.clone()))?;
         let gray = gray_plane(&understood.pixels, understood.levels);
         let masked = gray.masked();
-        let interpretation = Interpretation { masked: (masked > 0.0).then_some(masked), ..understood.interpretation };
+        let interpretation =
+            Interpretation { masked: (masked > 0.0).then_some(masked), ..understood.interpretation };
         Ok(Self { name, path, pixels: understood.pixels, gray, interpretation, levels: understood.levels })
     }
 

@@ -72,8 +72,7 @@ mod tests {
         let rgb = DynamicImage::from(rgb);
         let expected = gray_plane(&rgb, ALL);
         assert!((expected.at(4, 2) - (0.2126 * 200.0 + 0.7152 * 160.0 + 0.0722 * 7.0)).abs() < 1e-3);
-        let kinds: [DynamicImage; 3] =
-            [rgb.to_rgba8().into(), rgb.to_rgb16().into(), rgb.to_rgba16().into()];
+        let kinds: [DynamicImage; 3] = [rgb.to_rgba8().into(), rgb.to_rgb16().into(), rgb.to_rgba16().into()];
         let off = |a: &GrayPlane, b: &GrayPlane| {
             a.values().iter().zip(b.values()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
         };

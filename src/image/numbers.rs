@@ -115,8 +115,10 @@ impl<T: Number> Numbers<'_, T> {
         let mut valid = self.flags(declared);
         let mut sorted = self.sample(valid.as_deref());
         for _ in 0..MOST_FILLS {
-            let fills: Vec<f64> =
-                [1.0, -1.0].into_iter().filter_map(|sign| self.fill(sign, valid.as_deref(), &sorted)).collect();
+            let fills: Vec<f64> = [1.0, -1.0]
+                .into_iter()
+                .filter_map(|sign| self.fill(sign, valid.as_deref(), &sorted))
+                .collect();
             if fills.is_empty() {
                 break;
             }
@@ -183,9 +185,8 @@ impl<T: Number> Numbers<'_, T> {
     fn fill(&self, sign: f64, valid: Option<&[bool]>, sorted: &[f64]) -> Option<f64> {
         // The colour nearest to the other end: all colours of a pixel have the value of the end only if
         // it has.
-        let inner = |pixel: &[T]| {
-            pixel.iter().map(|value| sign * value.number()).fold(f64::NEG_INFINITY, f64::max)
-        };
+        let inner =
+            |pixel: &[T]| pixel.iter().map(|value| sign * value.number()).fold(f64::NEG_INFINITY, f64::max);
         let [end, next] = self.ends(valid, inner);
         let fill = sign * end;
         let rest: Vec<f64> = sorted.iter().copied().filter(|v| v.to_bits() != fill.to_bits()).collect();
@@ -233,8 +234,7 @@ impl<T: Number> Numbers<'_, T> {
 
     fn range(&self, valid: Option<&[bool]>, sorted: &[f64]) -> [f64; 2] {
         let extreme = |sign: f64| {
-            let outer =
-                |pixel: &[T]| pixel.iter().map(|v| sign * v.number()).fold(f64::INFINITY, f64::min);
+            let outer = |pixel: &[T]| pixel.iter().map(|v| sign * v.number()).fold(f64::INFINITY, f64::min);
             sign * self.ends(valid, outer)[0]
         };
         let [smallest, largest] = [extreme(1.0), extreme(-1.0)];
@@ -295,7 +295,9 @@ mod tests {
         let base = texture();
         let expected = gray(&base).stretched(&gray(&base).meaning(None));
         assert!(expected.contains(&0) && expected.contains(&65535));
-        for [factor, offset] in [[1.0, 0.0], [64.0, 0.0], [1.0, 29000.0], [0.01, 15.0], [3e5, -1e8], [1e-9, 0.0]] {
+        for [factor, offset] in
+            [[1.0, 0.0], [64.0, 0.0], [1.0, 29000.0], [0.01, 15.0], [3e5, -1e8], [1e-9, 0.0]]
+        {
             let other: Vec<f64> = base.iter().map(|v| factor * v + offset).collect();
             let meaning = gray(&other).meaning(None);
             assert_eq!(masked(&meaning), 0);

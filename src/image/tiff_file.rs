@@ -73,7 +73,9 @@ pub(super) fn read(
             Ok(rgb_from_ycbcr(&picture.chosen(&values)))
         }
         DecodingResult::U8(values) => Ok(picture.chosen(&values)),
-        DecodingResult::U16(values) => return picture.decoded(tags, picture.dynamic16(picture.chosen(&values))),
+        DecodingResult::U16(values) => {
+            return picture.decoded(tags, picture.dynamic16(picture.chosen(&values)));
+        }
         DecodingResult::F16(values) => {
             return picture.stretched(tags, &values.iter().map(|v| v.to_f32()).collect::<Vec<_>>());
         }
@@ -108,7 +110,8 @@ impl Layout {
         let [width, height] = tags.size.map(|v| v as usize);
         let all = tags.samples as usize;
         let colours = if matches!(tags.colours, Colours::Rgb | Colours::YCbCr) { 3 } else { 1 };
-        let has_alpha = tags.has_alpha && all > colours && matches!(tags.colours, Colours::Gray | Colours::Rgb);
+        let has_alpha =
+            tags.has_alpha && all > colours && matches!(tags.colours, Colours::Gray | Colours::Rgb);
         // The decoder leaves out samples beside the colours, but not those of grey pictures.
         let is_reduced = colours == 3 && tags.extra > 0;
         let samples = if is_reduced { colours + usize::from(has_alpha) } else { all };
@@ -134,8 +137,12 @@ impl Layout {
 
     fn stretched<T: Number>(&self, tags: &TiffTags, values: &[T]) -> Result<Decoded, TiffFault> {
         let values = self.chosen(values);
-        let numbers =
-            Numbers { values: &values, frame: self.frame, channels: self.channels(), has_alpha: self.has_alpha };
+        let numbers = Numbers {
+            values: &values,
+            frame: self.frame,
+            channels: self.channels(),
+            has_alpha: self.has_alpha,
+        };
         let meaning = numbers.meaning(tags.no_data);
         if meaning.is_empty() {
             return Err(TiffFault::NotFinite);
@@ -149,7 +156,11 @@ impl Layout {
     }
 
     /// Returns the colours of a palette, or grey levels without one.
-    fn with_palette<T: Copy + Into<usize>>(&self, tags: &TiffTags, values: Vec<T>) -> Result<Vec<u8>, TiffFault> {
+    fn with_palette<T: Copy + Into<usize>>(
+        &self,
+        tags: &TiffTags,
+        values: Vec<T>,
+    ) -> Result<Vec<u8>, TiffFault> {
         let indices = self.chosen(&values);
         if tags.colours != Colours::Palette {
             let most = (1usize << tags.bits) - 1;

@@ -100,11 +100,7 @@ impl TiffHeader {
     }
 
     /// Goes to the values of an entry: in the entry itself if they fit there.
-    fn seek_to_values(
-        &self,
-        reader: &mut (impl BufRead + Seek),
-        entry: &TiffEntry,
-    ) -> std::io::Result<()> {
+    fn seek_to_values(&self, reader: &mut (impl BufRead + Seek), entry: &TiffEntry) -> std::io::Result<()> {
         let width = self.width();
         let inline = entry.at + 4 + width as u64;
         reader.seek(SeekFrom::Start(inline))?;

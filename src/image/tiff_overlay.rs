@@ -51,7 +51,8 @@ impl<R: BufRead + Seek> Overlay<R> {
     fn replace(&mut self, header: &TiffHeader, tag: u16, kind: u64, count: u64, mut value: Vec<u8>) {
         let Some(entry) = header.entry(tag) else { return };
         value.resize(header.width(), 0);
-        let bytes = [header.bytes(tag.into(), 2), header.bytes(kind, 2), header.bytes(count, header.width()), value];
+        let bytes =
+            [header.bytes(tag.into(), 2), header.bytes(kind, 2), header.bytes(count, header.width()), value];
         self.replaced.push((entry.at, bytes.concat()));
     }
 
@@ -69,7 +70,9 @@ impl<R: BufRead + Seek> Overlay<R> {
         for (place, length) in places.iter().zip(&lengths) {
             found_places.push(self.length + self.added.len() as u64);
             self.inner.seek(SeekFrom::Start(*place))?;
-            let Ok(mut content) = StreamingDecoder::new_with_max_window_size((&mut self.inner).take(*length), WINDOW) else {
+            let Ok(mut content) =
+                StreamingDecoder::new_with_max_window_size((&mut self.inner).take(*length), WINDOW)
+            else {
                 return Ok(Some(BROKEN));
             };
             let before = self.added.len();

@@ -71,7 +71,8 @@ impl TiffTags {
         let photometric = first(PHOTOMETRIC)?.unwrap_or(0);
         let tile = first(322)?.zip(first(323)?).map(|(width, height)| [width, height]);
         // Bit 0 marks a reduced version of another picture.
-        let is_preview = first(254)?.is_some_and(|kind| kind & 1 == 1) && header.entry(SUB_PICTURES).is_some();
+        let is_preview =
+            first(254)?.is_some_and(|kind| kind & 1 == 1) && header.entry(SUB_PICTURES).is_some();
         Ok(Self {
             size: [side(first(256)?), side(first(257)?)],
             bits: first(258)?.unwrap_or(1),

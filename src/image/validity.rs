@@ -76,7 +76,8 @@ impl Validity {
 fn spread(frame: Frame, distances: &mut [u8]) {
     let Frame { width, height } = frame;
     let mut visit = |x: usize, y: usize, back: bool| {
-        let neighbours = if back { [(1, 0), (1, 1), (0, 1), (-1, 1)] } else { [(-1, 0), (-1, -1), (0, -1), (1, -1)] };
+        let neighbours =
+            if back { [(1, 0), (1, 1), (0, 1), (-1, 1)] } else { [(-1, 0), (-1, -1), (0, -1), (1, -1)] };
         let k = y * width + x;
         for (dx, dy) in neighbours {
             let (u, v) = (x.wrapping_add_signed(dx), y.wrapping_add_signed(dy));

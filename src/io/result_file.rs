@@ -15,7 +15,9 @@ use crate::geometry::{
     Frame, FundamentalMatrix, HomogeneousPoint, PointPair, finite_point, sampson_distance,
     symmetric_epipolar_distance,
 };
-use crate::presentation::{epipole_in_words, interpretation_in_words, probability_in_words, reason_in_words, warning_in_words};
+use crate::presentation::{
+    epipole_in_words, interpretation_in_words, probability_in_words, reason_in_words, warning_in_words,
+};
 
 /// Content of a result file. As JSON it is also a geometry file ([`Format::Json`]).
 #[derive(Serialize)]

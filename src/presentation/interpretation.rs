@@ -40,8 +40,14 @@ mod tests {
         assert_eq!(told(None, None, None), None);
         assert_eq!(told(Some([0.0, 65535.0]), None, None), None);
         assert_eq!(told(Some([29000.0, 30020.0]), None, None).unwrap(), "range 29000 to 30020");
-        assert_eq!(told(Some([15.25, 24.75]), Some(0.123), None).unwrap(), "range 15.25 to 24.75, 12 % masked");
+        assert_eq!(
+            told(Some([15.25, 24.75]), Some(0.123), None).unwrap(),
+            "range 15.25 to 24.75, 12 % masked"
+        );
         assert_eq!(told(Some([0.0, 3e12]), None, None).unwrap(), "range 0.000e0 to 3.000e12");
-        assert_eq!(told(Some([5.0, 5.0]), Some(1e-5), Some(8)).unwrap(), "range 5.000e0 to 5.000e0, under 1 % masked, band 1 of 8");
+        assert_eq!(
+            told(Some([5.0, 5.0]), Some(1e-5), Some(8)).unwrap(),
+            "range 5.000e0 to 5.000e0, under 1 % masked, band 1 of 8"
+        );
     }
 }

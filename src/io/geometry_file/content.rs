@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::labels::{PairLabel, TrustNote};
 use crate::camera::{PointCloud, PoseFit, RelativePose};
-use crate::image::Interpretation;
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
+use crate::image::Interpretation;
 
 /// Name and size of an image.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

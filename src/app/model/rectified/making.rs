@@ -107,7 +107,8 @@ impl RectifyQuestion {
         } else {
             let both = pictures.each_ref().map(|opened| opened.picture.displayed(&opened.picture.pixels));
             let known = full.measures.rows.map(|rows| rows.disparity);
-            let map = DisparityMap::new(both.each_ref().map(|shown| &**shown), full.size.width, known, cancel);
+            let map =
+                DisparityMap::new(both.each_ref().map(|shown| &**shown), full.size.width, known, cancel);
             if cancel.is_cancelled() {
                 return Ok(None);
             }

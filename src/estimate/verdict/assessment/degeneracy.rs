@@ -142,8 +142,8 @@ pub(in crate::estimate) fn click_warnings(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::GrayPlane;
     use crate::estimate::exact::rows;
+    use crate::image::GrayPlane;
     use nalgebra::Matrix3;
 
     fn check(pairs: &[[f64; 4]]) -> Result<(), EstimateError> {
