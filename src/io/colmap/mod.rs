@@ -181,10 +181,14 @@ impl GeometryFile {
 
     /// Returns the geometry in the convention of COLMAP, for the images in the order of the result.
     fn colmap_geometry(&self) -> Result<Geometry, String> {
-        let pose = self.calibrated.as_ref().and_then(|calibrated| calibrated.pose);
+        // A pose without a covariance belongs to an epipole that is not determined.
+        let certain = self.calibrated.as_ref().filter(|calibrated| calibrated.pose_covariance.is_some());
+        let pose = certain.and_then(|calibrated| calibrated.pose);
         if self.pictures.is_undistorted() && pose.is_none() {
             return Err(
-                "the result has too few matches for a pose, which pictures with distortion need".into()
+                "the result has no certain pose, which pictures with distortion need: too few matches, or an epipole that \
+                 is not determined"
+                    .into(),
             );
         }
         let fundamental = self.geometry().filter(|_| !self.pictures.is_undistorted());

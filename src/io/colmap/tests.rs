@@ -1,4 +1,4 @@
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Matrix6, Rotation3, Vector3};
 use rusqlite::Connection;
 
 use super::super::geometry_file::{CalibratedNote, ImageNote};
@@ -123,7 +123,9 @@ fn a_pair_is_added_in_pixels_of_colmap_and_nothing_else_changes() {
 fn a_pose_is_written_as_a_quaternion_and_turned_with_the_images() {
     let rotation = Rotation3::from_euler_angles(0.1, -0.2, 0.3);
     let pose = RelativePose { rotation, translation: Vector3::new(0.6, 0.0, 0.8) };
-    let calibrated = CalibratedNote { pose: Some(pose), ..CalibratedNote::default() };
+    let covariance = Some(Matrix6::identity());
+    let calibrated =
+        CalibratedNote { pose: Some(pose), pose_covariance: covariance, ..CalibratedNote::default() };
     let file = GeometryFile { calibrated: Some(calibrated), ..example() };
     for is_turned in [false, true] {
         let folder = tempfile::tempdir().unwrap();

@@ -39,11 +39,6 @@ impl NumberTable {
         }
     }
 
-    /// Returns the entries, row by row.
-    pub(super) fn numbers(&self) -> &[f64] {
-        &self.numbers
-    }
-
     fn shape(&self) -> String {
         format!("{}×{}", self.rows, self.columns)
     }
@@ -169,7 +164,7 @@ impl Fields {
             Camera::from_matrix(Matrix3x4::from_row_slice(table.matrix(3, 4)?))
                 .ok_or_else(|| "this matrix is not a camera (its rank is below 3)".to_owned())
         };
-        let pictures = self.pictures.clone().known().map_err(Problem::whole)?;
+        let pictures = self.pictures.known(&numbers_of).map_err(Problem::whole)?;
         let file = GeometryFile {
             found: self.found.clone(),
             covariance: self.covariance,
@@ -285,6 +280,14 @@ pub(super) fn table(value: &Value) -> Result<NumberTable, String> {
             NumberTable::new(1, numbers.len(), numbers)
         }
         _ => Err("this is not a list of rows".into()),
+    }
+}
+
+/// Reads a number, or the entries of a table row by row.
+fn numbers_of(value: &Value) -> Option<Vec<f64>> {
+    match value {
+        Value::Number(_) => Some(vec![cell(value).ok()?]),
+        other => Some(table(other).ok()?.numbers),
     }
 }
 

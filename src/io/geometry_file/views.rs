@@ -10,7 +10,6 @@ use nalgebra::Matrix3;
 use serde_json::{Map, Value, json};
 
 use super::coordinates::numbers;
-use super::fields::table;
 use super::mapping::{Language, mapping};
 use crate::camera::{CameraModel, Lens, PicturesOf, UndistortedView, ViewPair};
 use crate::foreign::excerpt;
@@ -116,6 +115,9 @@ pub(super) fn is_named(row: &str) -> bool {
     matches!(row.split_whitespace().next(), Some("pictures" | "view1" | "view2"))
 }
 
+/// Reads the numbers of a value, row by row.
+type Numbers<'a> = &'a dyn Fn(&Value) -> Option<Vec<f64>>;
+
 /// What a file tells of its pictures.
 #[derive(Debug, Clone, Default)]
 pub(super) struct PicturesRead {
@@ -186,7 +188,7 @@ impl PicturesRead {
     ///
     /// # Errors
     /// A clause for the user: an unknown name, or a view that is not complete.
-    pub(super) fn known(self) -> Result<PicturesOf, String> {
+    pub(super) fn known(&self, numbers: Numbers) -> Result<PicturesOf, String> {
         let is_undistorted = match self.name.as_deref() {
             Some(PicturesOf::UNDISTORTED) => true,
             Some(PicturesOf::ORIGINAL) if !self.is_marked => return Ok(PicturesOf::Original),
@@ -205,27 +207,27 @@ impl PicturesRead {
         }
         let [Some(first), Some(second)] = &self.views else { return Ok(PicturesOf::Undistorted(None)) };
         Ok(PicturesOf::Undistorted(
-            view(first)
-                .zip(view(second))
+            view(first, numbers)
+                .zip(view(second, numbers))
                 .map(|(first, second)| Box::new(ViewPair { views: [first, second] })),
         ))
     }
 }
 
 /// Reads a view. `None` for an unknown lens and for missing or impossible numbers.
-fn view(value: &Value) -> Option<UndistortedView> {
-    let matrix = |name: &str| Some(Matrix3::from_row_slice(table(value.get(name)?).ok()?.matrix(3, 3).ok()?));
+fn view(value: &Value, numbers: Numbers) -> Option<UndistortedView> {
+    let matrix = |name: &str| {
+        let entries = numbers(value.get(name)?)?;
+        (entries.len() == 9).then(|| Matrix3::from_row_slice(&entries))
+    };
     let side = |name: &str| {
-        let number = match value.get(name)? {
-            Value::Array(one) => one.first()?.as_f64()?,
-            other => other.as_f64()?,
-        };
+        let [number] = numbers(value.get(name)?)?[..] else { return None };
         (number >= 1.0 && number.fract() == 0.0 && number <= f64::from(u32::MAX)).then_some(number as usize)
     };
     let coefficients = match value.get("coefficients")? {
         Value::Array(none) if none.is_empty() => Vec::new(),
         Value::Object(empty) if empty.get("data") == Some(&json!([])) => Vec::new(),
-        other => table(other).ok()?.numbers().to_vec(),
+        other => numbers(other)?,
     };
     let lens = Lens::of_model(value.get("model")?.as_str()?, &coefficients)?;
     let camera = CameraModel::new(&matrix("original_matrix")?, lens)?;
