@@ -17,7 +17,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use epiline::camera::UndistortedView;
+use epiline::camera::{PicturesOf, UndistortedView};
 use epiline::geometry::{Frame, FundamentalMatrix, Point, PointPair};
 use epiline::image::{LoadOptions, Picture};
 use epiline::io::{
@@ -119,7 +119,7 @@ fn geometry() -> GeometryFile {
         fundamental: FundamentalMatrix::nearest_rank_two(nalgebra::Matrix3::from_fn(|r, c| rows[r][c])),
         pairs: (0..6).map(|k| pair(f64::from(k) * 17.25)).collect(),
         images: Some([note("left.png"), note("right é.png")]),
-        ..GeometryFile::default()
+        ..GeometryFile::of(PicturesOf::Untold)
     }
 }
 

@@ -55,6 +55,10 @@ pub(super) struct EstimateArguments {
     matches: Option<PathBuf>,
     #[command(flatten)]
     cameras: CameraArguments,
+    /// Draw both pictures without the distortion of their lens into a folder, with the geometry that belongs
+    /// to them: left.png, right.png and geometry.json. It needs --calibration or --division
+    #[arg(long, value_name = "DIR")]
+    undistorted: Option<PathBuf>,
     #[command(flatten)]
     result: ResultArguments,
     #[command(flatten)]
@@ -68,7 +72,12 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
         .files()
         .chain(arguments.cameras.calibration.files())
         .chain(arguments.matches.as_deref());
-    let output = arguments.result.prepare(&files.collect::<Vec<_>>())?;
+    let files = files.collect::<Vec<_>>();
+    let output = arguments.result.prepare(&files)?.with_undistorted(
+        arguments.undistorted.as_deref(),
+        arguments.cameras.is_given(),
+        &files,
+    )?;
     let mut parameters = arguments.overrides.parameters(arguments.preset)?;
     parameters.seed = arguments.seed.unwrap_or(parameters.seed);
     let fallback = match (arguments.pairs.len(), parameters.search) {

@@ -7,13 +7,15 @@ use clap::Args;
 use super::CliError;
 use super::console::{print, tell};
 use super::output::Output;
+use crate::camera::PicturesOf;
 use crate::foreign::shown_path;
-use crate::geometry::FundamentalMatrix;
+use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::image::Picture;
 use crate::io::{
-    Format, GeometryFile, ImageNote, OutputFile, cloud_as_ply, matrix_as_npy, read_point_pairs,
+    Format, GeometryFile, ImageNote, OutputFile, cloud_as_ply, fundamental_as_npy, read_point_pairs,
     refuse_clashes,
 };
+use crate::presentation::lenses_in_words;
 
 /// Source of a geometry.
 #[derive(Debug, Args)]
@@ -39,7 +41,12 @@ impl GeometryInput {
             None => GeometryFile::read(&self.file)?,
         };
         if let Some(matches) = &self.matches {
-            file.pairs = read_point_pairs(matches)?;
+            file.pairs = in_pictures_of(&file.pictures, read_point_pairs(matches)?)
+                .ok_or_else(|| CliError::Arguments(format!(
+                    "{} belongs to pictures without distortion, which it does not describe, so the matches of the \
+                     pictures have no place in it. Export it again",
+                    shown_path(&self.file)
+                )))?;
         }
         if let Some([left, right]) = self.images.as_deref() {
             file.images = Some(image_notes(&[Picture::open(left)?, Picture::open(right)?]));
@@ -58,15 +65,27 @@ impl GeometryInput {
     }
 }
 
+/// Returns point pairs of the pictures as they are in the pictures of a file. Pairs beyond the range of a lens
+/// are left out. `None` for unknown views.
+fn in_pictures_of(pictures: &PicturesOf, pairs: Vec<PointPair>) -> Option<Vec<PointPair>> {
+    if !pictures.is_undistorted() {
+        return Some(pairs);
+    }
+    let views = pictures.views()?;
+    Some(pairs.iter().filter_map(|pair| views.undistorted_from_original(pair)).collect())
+}
+
 /// Reads a geometry for pictures that keep their distortion. A geometry of views without distortion
-/// gets a note.
+/// is refused.
 pub(super) fn read_geometry(path: &Path) -> Result<(FundamentalMatrix, GeometryFile), CliError> {
     let (fundamental, file) = GeometryFile::read_geometry(path)?;
-    if file.is_undistorted {
-        tell(format_args!(
-            "note: {} belongs to views without lens distortion. It fits only images without distortion",
-            shown_path(path)
-        ));
+    if file.pictures.is_undistorted() {
+        return Err(CliError::Arguments(format!(
+            "{} belongs to pictures without distortion ({}), not to these. Draw such pictures with epiline estimate \
+             --undistorted DIR, and use them with the geometry beside them",
+            shown_path(path),
+            lenses_in_words(&file.pictures)
+        )));
     }
     Ok((fundamental, file))
 }
@@ -180,7 +199,7 @@ impl GeometryOutput {
             Content::Array => {
                 let missing = "there is no F, and a NumPy array holds nothing else";
                 let geometry = file.geometry().ok_or_else(|| CliError::Arguments(missing.into()))?;
-                matrix_as_npy(geometry.matrix())
+                fundamental_as_npy(&geometry, &file.pictures).map_err(CliError::Arguments)?
             }
             Content::Cloud => {
                 let missing = "there are no scene points. Make them with epiline estimate --calibration … --export cloud.ply";

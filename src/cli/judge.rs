@@ -14,7 +14,7 @@ use super::calibration::{CalibrationArguments, undistort_matches, undistorted, v
 use super::estimate::watched;
 use super::geometry_file::read_geometry;
 use super::output::Output;
-use crate::camera::{PoseDifference, RelativePose, ViewPair};
+use crate::camera::{PicturesOf, PoseDifference, RelativePose, ViewPair};
 use crate::estimate::{Match, Monitor, Parameters, Uncertainty, Verdict, estimate, estimate_fundamental};
 use crate::foreign::{reason, shown_path};
 use crate::geometry::{Frame, FundamentalMatrix, Matrix9, PointPair};
@@ -81,6 +81,9 @@ struct JudgeFile<'a, T: Serialize> {
     #[serde(skip_serializing_if = "Option::is_none")]
     pose_difference: Option<PoseDifference>,
     reference: FundamentalMatrix,
+    /// Pictures that the reference belongs to.
+    #[serde(flatten)]
+    pictures: &'a PicturesOf,
     /// Verdict on the reference; null for given matches.
     reference_verdict: Option<Verdict>,
     version: &'static str,
@@ -118,6 +121,7 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
         given = Some(of_pose(&pose, &views).ok_or_else(no_pose)?);
         stereo = Some((pose, views));
     }
+    let pictures_of = PicturesOf::from(stereo.as_ref().map(|(_, views)| views));
     let frames = pictures.each_ref().map(Picture::frame);
     let shown = match matches {
         Some(matches) => of_matches(&matches, frames, arguments.seed)?,
@@ -138,7 +142,7 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
         let limit = arguments.limit.unwrap_or(ROW_LIMIT);
         let found = judge_rows(&shown.matches, frames[1], limit).ok_or_else(too_few)?;
         let words = rows_in_words(&found);
-        write(&output, &found, &words, None, &shown)?;
+        write(&output, &found, &words, None, (&shown, &pictures_of))?;
         if let Some(log) = &arguments.log {
             append(log, &pictures, &found)?;
         }
@@ -163,7 +167,7 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     } else if is_calibrated && *is_open {
         words = format!("{words}\nThe pose cannot be judged. {NO_BASELINE}");
     }
-    write(&output, &found, &words, difference, &shown)?;
+    write(&output, &found, &words, difference, (&shown, &pictures_of))?;
     match found.finding {
         Finding::Fits => Ok(()),
         Finding::DoesNotFit => Err(CliError::DoesNotFit),
@@ -242,13 +246,14 @@ fn write(
     judgement: &impl Serialize,
     words: &str,
     pose_difference: Option<PoseDifference>,
-    shown: &Shown,
+    (shown, pictures): (&Shown, &PicturesOf),
 ) -> Result<(), CliError> {
     let file = JudgeFile {
         message: words,
         judgement,
         pose_difference,
         reference: shown.fundamental,
+        pictures,
         reference_verdict: shown.verdict,
         version: env!("CARGO_PKG_VERSION"),
     };

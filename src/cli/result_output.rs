@@ -5,14 +5,17 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::CliError;
+use super::console::tell;
 use super::geometry_file::{GeometryOutput, image_notes};
 use super::output::Output;
-use crate::camera::{Baseline, PointCloud, UndistortedView, ViewPair};
+use crate::camera::{Baseline, PicturesOf, PointCloud, UndistortedView, ViewPair};
 use crate::estimate::{Estimate, Parameters, Uncertainty};
+use crate::foreign::shown_path;
 use crate::geometry::{PointPair, median, sampson_distance};
 use crate::image::Picture;
 use crate::io::{
-    CalibratedNote, Format, GeometryFile, PairLabel, PairOrigin, ResultFile, TrustNote, result_in_words,
+    CalibratedNote, Format, GeometryFile, PairLabel, PairOrigin, ResultFile, TrustNote, UndistortedFiles,
+    result_in_words,
 };
 use crate::presentation::{NO_BASELINE, pose_in_words};
 
@@ -36,6 +39,7 @@ pub(super) struct ResultArguments {
 pub(super) struct ResultOutput {
     output: Output,
     export: Option<GeometryOutput>,
+    undistorted: Option<UndistortedFiles>,
 }
 
 /// Input of an estimate beside images and pairs.
@@ -57,11 +61,25 @@ impl ResultArguments {
     pub(super) fn prepare(&self, inputs: &[&Path]) -> Result<ResultOutput, CliError> {
         let export = ("--export", self.export.as_deref(), self.format);
         let (output, export) = GeometryOutput::prepare_beside(self.json.as_deref(), export, inputs)?;
-        Ok(ResultOutput { output, export })
+        Ok(ResultOutput { output, export, undistorted: None })
     }
 }
 
 impl ResultOutput {
+    /// Adds a folder for the pictures without distortion. `has_lens` tells whether a lens is given.
+    pub(super) fn with_undistorted(
+        self,
+        folder: Option<&Path>,
+        has_lens: bool,
+        inputs: &[&Path],
+    ) -> Result<Self, CliError> {
+        let Some(folder) = folder else { return Ok(self) };
+        if !has_lens {
+            return Err(no_distortion());
+        }
+        Ok(Self { undistorted: Some(UndistortedFiles::prepare(folder, inputs)?), ..self })
+    }
+
     pub(super) fn write(
         self,
         found: &Estimate,
@@ -72,6 +90,7 @@ impl ResultOutput {
     ) -> Result<(), CliError> {
         let Beside { offset, views, baseline, given } = beside;
         let matches = found.matched_pairs();
+        let pictures_of = PicturesOf::from(views);
         let mut pose = views.and_then(|views| views.fit_pose(found.fundamental(), &matches));
         if let Some(fit) = pose.as_mut().filter(|_| found.says_one_plane()) {
             // The covariance describes errors around this epipole, but other epipoles fit as well.
@@ -83,7 +102,6 @@ impl ResultOutput {
             // Other programs would take the pose as certain.
             let pose = pose.as_ref().filter(|_| !found.says_one_plane());
             let cameras = views.zip(pose).and_then(|(views, fit)| views.posed(&fit.pose));
-            let is_undistorted = views.is_some_and(ViewPair::is_undistorted);
             let cloud = views.zip(pose).map(|(views, fit)| {
                 let color = |point| pictures[0].color_at(point);
                 let cloud = PointCloud::new(&fit.pose, views, &matches, color);
@@ -94,16 +112,26 @@ impl ResultOutput {
             });
             export.write(&GeometryFile {
                 cameras,
-                is_undistorted,
                 covariance: found.uncertainty().map(Uncertainty::covariance),
                 calibrated: views.map(|_| CalibratedNote::new(pose)),
                 cloud,
-                ..geometry_file(found, pairs, pictures)
+                ..geometry_file(found, pairs, pictures, pictures_of.clone())
             })?;
         }
+        if let Some(files) = &self.undistorted {
+            if !pictures_of.is_undistorted() {
+                let missing =
+                    "there is no distortion to remove from the pictures, so --undistorted writes nothing";
+                return Err(CliError::Arguments(missing.into()));
+            }
+            files.write(pictures.each_ref(), geometry_file(found, pairs, pictures, pictures_of.clone()))?;
+            for path in files.paths() {
+                tell(format_args!("wrote {}", shown_path(&path)));
+            }
+        }
         let images = image_notes(pictures);
-        let mut result = ResultFile::new(found, pairs, &images, parameters).at_offset(offset);
-        let mut words = result_in_words(found, &images);
+        let mut result = ResultFile::new(found, pairs, &images, parameters, &pictures_of).at_offset(offset);
+        let mut words = result_in_words(found, &images, &pictures_of);
         if !given.is_empty() {
             result = result.with_given(given);
             words += &given_in_words(found, given);
@@ -118,13 +146,16 @@ impl ResultOutput {
             };
             words += &of_pose;
             words += &guess_in_words(views);
-            if views.is_undistorted() {
-                words += "All coordinates belong to the views without distortion\n";
-            }
         }
         self.output.write(&result, &words)?;
         if lacks_depth { Err(CliError::NoDepth) } else { Ok(()) }
     }
+}
+
+fn no_distortion() -> CliError {
+    let problem = "there is no distortion to remove from the pictures. Give their lens (--calibration, --division), or leave out \
+                   --undistorted";
+    CliError::Arguments(problem.into())
 }
 
 /// Describes how well matches from elsewhere fit the result.
@@ -155,7 +186,12 @@ fn guess_in_words(views: &ViewPair) -> String {
 
 /// Returns the content of the export: the clicks followed by the matches of the refinement. If the
 /// epipoles are undetermined, it includes the homography.
-fn geometry_file(found: &Estimate, pairs: &[PointPair], pictures: &[Picture; 2]) -> GeometryFile {
+fn geometry_file(
+    found: &Estimate,
+    pairs: &[PointPair],
+    pictures: &[Picture; 2],
+    pictures_of: PicturesOf,
+) -> GeometryFile {
     let label = |origin| PairLabel { origin, ..PairLabel::default() };
     let given = pairs.iter().map(|_| label(PairOrigin::Clicked));
     let matched = found.matches().iter().map(|_| label(PairOrigin::Automatic));
@@ -166,6 +202,6 @@ fn geometry_file(found: &Estimate, pairs: &[PointPair], pictures: &[Picture; 2])
         trust: found.assessment.trust.as_ref().map(TrustNote::from),
         images: Some(image_notes(pictures)),
         homography21: found.assessment.plane.map(|plane| plane.homography21),
-        ..GeometryFile::default()
+        ..GeometryFile::of(pictures_of)
     }
 }

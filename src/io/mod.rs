@@ -27,6 +27,7 @@ mod sequence_file;
 mod session;
 mod stereo_pair;
 mod truth_folder;
+mod undistorted;
 mod vgg;
 
 pub use calibration::{CalibratedCamera, Calibration, CameraPose};
@@ -44,7 +45,7 @@ pub use ground_truth::{GroundTruth, TruthError, TruthOrigin};
 #[doc(hidden)]
 pub use identity::refuse_clashes;
 pub use match_file::read_matches;
-pub use npy::matrix_as_npy;
+pub use npy::fundamental_as_npy;
 #[doc(hidden)]
 pub use output::OutputFile;
 pub use output::WriteError;
@@ -69,6 +70,7 @@ pub use session::{
 pub use stereo_pair::{StereoPair, StereoPairFiles, StereoProgram};
 #[doc(hidden)]
 pub use truth_folder::TruthFolder;
+pub use undistorted::UndistortedFiles;
 #[doc(hidden)]
 pub use vgg::VggFolder;
 pub use vgg::read_camera;

@@ -12,21 +12,44 @@ use zip::ZipWriter;
 use zip::result::ZipResult;
 use zip::write::SimpleFileOptions;
 
+use crate::camera::PicturesOf;
+use crate::geometry::FundamentalMatrix;
+use crate::presentation::lenses_in_words;
+
 /// Alignment of the first number, bytes.
 const ALIGNMENT: usize = 64;
 /// Bytes before the header: the mark, the version and the length.
 const BEFORE_HEADER: usize = 10;
 
+/// Returns the file of `F` as a 3×3 array of `float64` in C order.
+///
+/// # Errors
+/// A clause for the user if `F` belongs to views without distortion, which an array cannot tell.
+pub fn fundamental_as_npy(fundamental: &FundamentalMatrix, pictures: &PicturesOf) -> Result<Vec<u8>, String> {
+    if pictures.is_undistorted() {
+        return Err(format!(
+            "F belongs to pictures without distortion ({}), and an array has no room for their lens. Export JSON or an \
+             archive (.npz)",
+            lenses_in_words(pictures)
+        ));
+    }
+    Ok(matrix_as_npy(fundamental.matrix()))
+}
+
 /// Returns the file of a 3×3 array of `float64` in C order.
-pub fn matrix_as_npy(matrix: &Matrix3<f64>) -> Vec<u8> {
+fn matrix_as_npy(matrix: &Matrix3<f64>) -> Vec<u8> {
     // nalgebra stores columns; the transpose has the rows in that order.
     array_as_npy(&[3, 3], matrix.transpose().as_slice())
 }
 
-/// Returns an archive of arrays of `float64`: names, shapes, and numbers in C order.
-pub(super) fn arrays_as_npz(arrays: &[(&str, &[usize], &[f64])]) -> Vec<u8> {
+/// Returns an archive of texts, and of arrays of `float64`: names, shapes, and numbers in C order.
+pub(super) fn arrays_as_npz(texts: &[(&str, &str)], arrays: &[(&str, &[usize], &[f64])]) -> Vec<u8> {
     let packed = || -> ZipResult<Vec<u8>> {
         let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+        for (name, text) in texts {
+            archive.start_file(format!("{name}.npy"), SimpleFileOptions::default())?;
+            archive.write_all(&text_as_npy(text))?;
+        }
         for (name, shape, numbers) in arrays {
             archive.start_file(format!("{name}.npy"), SimpleFileOptions::default())?;
             archive.write_all(&array_as_npy(shape, numbers))?;
@@ -34,6 +57,13 @@ pub(super) fn arrays_as_npz(arrays: &[(&str, &[usize], &[f64])]) -> Vec<u8> {
         Ok(archive.finish()?.into_inner())
     };
     packed().expect("writing to memory does not fail")
+}
+
+/// Returns the file of a text: an array without dimensions, four bytes a character.
+fn text_as_npy(text: &str) -> Vec<u8> {
+    let mut file = header(&format!("<U{}", text.chars().count()), &[]);
+    file.extend(text.chars().flat_map(|c| u32::from(c).to_le_bytes()));
+    file
 }
 
 /// Returns the file of an array of `float64` in C order.

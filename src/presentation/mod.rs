@@ -19,7 +19,7 @@ pub use epipoles::{NOT_DETERMINED, epipole_in_words, interval_in_words};
 pub use errors::error_in_words;
 pub use interpretation::interpretation_in_words;
 pub use judgement::{judgement_in_words, rows_in_words};
-pub use lens::lens_in_words;
+pub use lens::{lens_in_words, lenses_in_words, pictures_in_words};
 #[doc(hidden)]
 pub use parameters::{ShownParameter, shown_parameters};
 pub use pose::{NO_BASELINE, pose_difference_in_words, pose_in_words};

@@ -10,7 +10,7 @@ use epiline::internals::app::model::document::Side;
 use epiline::io::GeometryFile;
 
 /// Runs a command of the palette, and returns the text that it copies.
-fn copied(window: &mut Window, command: &str) -> Option<String> {
+pub fn copied(window: &mut Window, command: &str) -> Option<String> {
     press_with(window, Modifiers::COMMAND, Key::K);
     window.get_by_label("Search commands").type_text(command);
     settle(window);

@@ -6,6 +6,7 @@ use serde_json::{Map, Value};
 use super::Problem;
 use super::content::{BareNumbers, CalibratedNote, GeometryFile, ImageNote};
 use super::quantity::Quantity;
+use super::views::PicturesRead;
 use crate::foreign::excerpt;
 use crate::geometry::{Camera, FundamentalMatrix, PointPair};
 use crate::io::number::finite_number;
@@ -70,7 +71,7 @@ impl NumberTable {
 pub(super) struct Fields {
     tables: Vec<(Quantity, NumberTable)>,
     pub(super) images: [Option<ImageNote>; 2],
-    is_undistorted: bool,
+    pub(super) pictures: PicturesRead,
     /// Matches of a result.
     found: Vec<PointPair>,
     /// Covariance of `F` of a result.
@@ -136,10 +137,7 @@ impl Fields {
                     let table = table(value).map_err(|e| Problem::whole(format!("{name}: {e}")))?;
                     fields.add(quantity, table)?;
                 }
-                (None, "calibrated") => fields.is_undistorted |= distorts(value),
-                (None, "undistorted") => {
-                    fields.is_undistorted |= *value == Value::Bool(true) || value.as_u64() == Some(1);
-                }
+                (None, name) if fields.pictures.read(name, value).map_err(Problem::whole)? => {}
                 (None, "image1") => fields.images[0] = image(value),
                 (None, "image2") => fields.images[1] = image(value),
                 (None, "images") => {
@@ -166,8 +164,8 @@ impl Fields {
             Camera::from_matrix(Matrix3x4::from_row_slice(table.matrix(3, 4)?))
                 .ok_or_else(|| "this matrix is not a camera (its rank is below 3)".to_owned())
         };
+        let pictures = self.pictures.known(&numbers_of).map_err(Problem::whole)?;
         let file = GeometryFile {
-            is_undistorted: self.is_undistorted,
             found: self.found.clone(),
             covariance: self.covariance,
             calibrated: self.calibrated.clone(),
@@ -177,7 +175,7 @@ impl Fields {
             homography21: self.get(Quantity::PlaneHomography, NumberTable::matrix3)?,
             pairs: self.pairs()?,
             images,
-            ..GeometryFile::default()
+            ..GeometryFile::of(pictures.clone())
         };
         let is_finite = |h: &Matrix3<f64>| h.iter().all(|v| v.is_finite());
         let mut homographies = file.homographies.iter().flatten().chain(&file.homography21);
@@ -185,10 +183,9 @@ impl Fields {
             return Err(Problem::whole("the numbers are too large"));
         }
         let empty = GeometryFile {
-            is_undistorted: file.is_undistorted,
             calibrated: self.calibrated,
             covariance: self.covariance,
-            ..GeometryFile::default()
+            ..GeometryFile::of(pictures)
         };
         if file == empty {
             return Err(Problem::whole(
@@ -286,6 +283,14 @@ pub(super) fn table(value: &Value) -> Result<NumberTable, String> {
     }
 }
 
+/// Reads a number, or the entries of a table row by row.
+fn numbers_of(value: &Value) -> Option<Vec<f64>> {
+    match value {
+        Value::Number(_) => Some(vec![cell(value).ok()?]),
+        other => Some(table(other).ok()?.numbers),
+    }
+}
+
 /// Reads `{rows, cols, dt, data}`, with `sizes` accepted in place of rows and columns. Channels
 /// count as columns.
 fn opencv_matrix(value: &Value) -> Result<NumberTable, String> {
@@ -347,12 +352,6 @@ fn found_pairs(value: &Value) -> Vec<PointPair> {
         _ => None,
     };
     value.as_array().map_or(&[][..], Vec::as_slice).iter().filter_map(pair).collect()
-}
-
-/// Returns whether a lens of a result with a calibration distorts.
-fn distorts(calibrated: &Value) -> bool {
-    let views = calibrated.get("views").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
-    views.iter().any(|view| view.get("is_original") == Some(&Value::Bool(false)))
 }
 
 /// Reads the name and the size of an image.

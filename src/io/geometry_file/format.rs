@@ -24,7 +24,7 @@ named! {
 }
 
 /// Variables assigned by a script besides the quantities.
-const MATLAB_ALSO_ASSIGNED: [&str; 10] = [
+const MATLAB_ALSO_ASSIGNED: [&str; 32] = [
     "F_vgg",
     "tform1",
     "tform2",
@@ -35,6 +35,28 @@ const MATLAB_ALSO_ASSIGNED: [&str; 10] = [
     "reasons",
     "pair_names",
     "pair_origins",
+    "geometry",
+    "pictures",
+    "view1",
+    "view2",
+    "picture1",
+    "picture2",
+    "undistorted1",
+    "undistorted2",
+    "K1",
+    "K2",
+    "D1",
+    "D2",
+    "View1",
+    "View2",
+    "n",
+    "x",
+    "y",
+    "u",
+    "v",
+    "s",
+    "k",
+    "f",
 ];
 
 impl Format {

@@ -20,6 +20,7 @@ mod fields;
 mod format;
 mod json;
 mod labels;
+mod mapping;
 mod matlab;
 mod notation;
 mod opencv_yaml;
@@ -27,6 +28,9 @@ mod quantity;
 #[cfg(test)]
 mod tests;
 mod text;
+mod views;
+#[cfg(test)]
+mod views_tests;
 mod yaml;
 
 use std::path::Path;
@@ -39,6 +43,7 @@ use super::number::rows;
 use super::output::{OutputFile, WriteError};
 use super::read::{Problem, ReadError, read_bytes, text_of};
 use super::vgg::read_camera;
+use crate::camera::PicturesOf;
 use crate::geometry::{FundamentalMatrix, PointPair};
 
 pub use self::content::{CalibratedNote, GeometryFile, ImageNote};
@@ -96,7 +101,7 @@ impl GeometryFile {
     /// Reads two files with a camera each.
     pub fn read_cameras([left, right]: [&Path; 2]) -> Result<(FundamentalMatrix, Self), ReadError> {
         let cameras = Some([read_camera(left)?, read_camera(right)?]);
-        let file = Self { cameras, ..Self::default() };
+        let file = Self { cameras, ..Self::of(PicturesOf::Untold) };
         let fundamental = file.geometry().ok_or_else(|| ReadError::content(right, SAME_CENTRE))?;
         Ok((fundamental, file))
     }
@@ -150,16 +155,16 @@ fn text_or_rows(path: &Path, bytes: Vec<u8>) -> Result<String, ReadError> {
     }
 }
 
-/// Reads the point pairs of a file of any [`Format`]; at least one.
+/// Reads the point pairs of a file of any [`Format`], in the pictures as they are; at least one.
 pub fn read_point_pairs(path: &Path) -> Result<Vec<PointPair>, ReadError> {
-    point_pairs(path, read_bytes(path)?, |file| file.pairs)
+    point_pairs(path, read_bytes(path)?, GeometryFile::original_pairs)
 }
 
 /// Parses the bytes of a file and returns those of its point pairs that `select` takes; at least one.
 pub(super) fn point_pairs(
     path: &Path,
     bytes: Vec<u8>,
-    select: fn(GeometryFile) -> Vec<PointPair>,
+    select: fn(GeometryFile) -> Result<Vec<PointPair>, String>,
 ) -> Result<Vec<PointPair>, ReadError> {
     let none = || ReadError::content(path, "no point pairs found. Each row needs x1 y1 x2 y2");
     let text = text_or_rows(path, bytes)?;
@@ -168,6 +173,6 @@ pub(super) fn point_pairs(
         Err(_) if rows(&text).next().is_none() => return Err(none()),
         other => other.map_err(|problem| problem.of_file(path))?,
     };
-    let pairs = select(file);
+    let pairs = select(file).map_err(|problem| ReadError::content(path, problem))?;
     if pairs.is_empty() { Err(none()) } else { Ok(pairs) }
 }

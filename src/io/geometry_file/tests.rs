@@ -1,4 +1,5 @@
 use super::*;
+use crate::camera::PicturesOf;
 use crate::geometry::random_scene::example_seen;
 use crate::geometry::{Camera, Frame, symmetric_epipolar_distance};
 use nalgebra::Matrix3;
@@ -26,7 +27,7 @@ fn example() -> GeometryFile {
             ["left view.png", "it's F = [<a> \"test\"] & more.png"]
                 .map(|name| ImageNote::new(name.to_owned(), Frame::new(768, 576))),
         ),
-        ..GeometryFile::default()
+        ..GeometryFile::of(PicturesOf::Untold)
     }
 }
 
@@ -39,6 +40,7 @@ fn every_format_says_how_far_to_trust_it_and_where_the_pairs_come_from() {
     let file = GeometryFile {
         labels: labels.chain(vec![automatic; 27]).collect(),
         trust: Some(TrustNote {
+            geometry: "imported from F.txt, as read".into(),
             verdict: "unreliable".into(),
             reasons: vec!["Pair q is 9 px off -- check it.".into()],
         }),
@@ -46,9 +48,15 @@ fn every_format_says_how_far_to_trust_it_and_where_the_pairs_come_from() {
     };
     for format in Format::ALL {
         let text = file.to_text(format);
-        for words in
-            ["unreliable", "Pair q is 9 px off -- check it.", "clicked", "suggested", "automatic", "door"]
-        {
+        for words in [
+            "unreliable",
+            "imported from F.txt, as read",
+            "Pair q is 9 px off -- check it.",
+            "clicked",
+            "suggested",
+            "automatic",
+            "door",
+        ] {
             assert!(text.contains(words), "{format:?}: {words} is not in\n{text}");
         }
     }
@@ -84,15 +92,15 @@ fn every_format_gives_everything_back() {
 fn parts_can_be_missing() {
     let whole = example();
     let parts = [
-        GeometryFile { fundamental: whole.fundamental, ..GeometryFile::default() },
-        GeometryFile { pairs: whole.pairs.clone(), ..GeometryFile::default() },
+        GeometryFile { fundamental: whole.fundamental, ..GeometryFile::of(PicturesOf::Untold) },
+        GeometryFile { pairs: whole.pairs.clone(), ..GeometryFile::of(PicturesOf::Untold) },
         GeometryFile {
             fundamental: whole.fundamental,
             pairs: whole.pairs.clone(),
-            ..GeometryFile::default()
+            ..GeometryFile::of(PicturesOf::Untold)
         },
-        GeometryFile { homographies: whole.homographies, ..GeometryFile::default() },
-        GeometryFile { homography21: whole.homography21, ..GeometryFile::default() },
+        GeometryFile { homographies: whole.homographies, ..GeometryFile::of(PicturesOf::Untold) },
+        GeometryFile { homography21: whole.homography21, ..GeometryFile::of(PicturesOf::Untold) },
     ];
     for format in read_formats() {
         for part in &parts {
@@ -110,7 +118,7 @@ fn parts_can_be_missing() {
 
 #[test]
 fn cameras_alone_are_written_with_their_f() {
-    let cameras = GeometryFile { cameras: example().cameras, ..GeometryFile::default() };
+    let cameras = GeometryFile { cameras: example().cameras, ..GeometryFile::of(PicturesOf::Untold) };
     for format in read_formats() {
         let (found, _) = GeometryFile::parse(&cameras.to_text(format)).unwrap();
         let difference = found.fundamental.unwrap().matrix() - example().fundamental.unwrap().matrix();
@@ -361,7 +369,7 @@ proptest! {
             fundamental: Some(fundamental),
             pairs: points.iter().map(|p| PointPair::new(p[0], p[1], p[2], p[3])).collect(),
             images: with_images.then(|| [image(), image()]),
-            ..GeometryFile::default()
+            ..GeometryFile::of(PicturesOf::Untold)
         };
         for format in read_formats() {
             let text = file.to_text(format);

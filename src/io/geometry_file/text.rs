@@ -18,7 +18,7 @@ use super::coordinates::{WrittenGeometry, numbers, one_line};
 use super::fields::{Fields, NumberTable};
 use super::labels::runs;
 use super::quantity::Quantity;
-use super::{BareNumbers, ImageNote, Problem};
+use super::{BareNumbers, ImageNote, Problem, views};
 use crate::geometry::{Frame, PointPair};
 use crate::io::number::{cells, finite_numbers, rows};
 use crate::io::point_pairs::parse_point_pairs;
@@ -29,7 +29,7 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
         let _ = writeln!(text, "# {line}");
     }
     if let Some(trust) = written.trust {
-        let _ = writeln!(text, "# Verdict: {}.", trust.verdict);
+        let _ = writeln!(text, "# Geometry: {}.\n# Verdict: {}.", one_line(&trust.geometry), trust.verdict);
         for reason in &trust.reasons {
             let _ = writeln!(text, "#   {}", one_line(reason));
         }
@@ -38,6 +38,7 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
         let frame = image.frame;
         let _ = writeln!(text, "image{} {} {} {}", k + 1, frame.width, frame.height, one_line(&image.name));
     }
+    text += &views::as_text(written.pictures);
     for matrix in &written.matrices {
         let _ = writeln!(text, "# {}\n{}", matrix.quantity.meaning(), matrix.quantity.symbol());
         for row in matrix.values.chunks(matrix.columns) {
@@ -65,7 +66,8 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
 }
 
 pub(super) fn read(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
-    let is_named = |row: &str| Quantity::named(row).is_some() || image_number(row).is_some();
+    let is_named =
+        |row: &str| Quantity::named(row).is_some() || image_number(row).is_some() || views::is_named(row);
     if !rows(text).next().is_some_and(|(_, row)| is_named(row)) {
         return bare(text, wanted);
     }
@@ -79,6 +81,8 @@ pub(super) fn read(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
     for (line, row) in rows(text) {
         if let Some(quantity) = Quantity::named(row) {
             close(current.replace((quantity, Vec::new())), &mut fields)?;
+        } else if views::is_named(row) {
+            fields.pictures.read_row(row).map_err(|e| Problem::at(line, e))?;
         } else if let Some(number) = image_number(row) {
             fields.images[number - 1] = Some(image(row).map_err(|e| Problem::at(line, e))?);
         } else {

@@ -5,10 +5,12 @@ use std::path::Path;
 use super::{ImportSource, is_archive};
 use crate::app::model::document::{is_inside, sides_named};
 use crate::app::model::rectified::MatchesAtHand;
+use crate::camera::{PicturesOf, ViewPair};
 use crate::convention::{ConventionCheck, FEWEST_MATCHES, check_convention};
 use crate::estimate::{Match, estimate_fundamental};
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
 use crate::io::{CalibratedCamera, Calibration, Format, GeometryFile, read_camera, read_matches};
+use crate::presentation::lenses_in_words;
 
 /// Maximum number of placed pairs. More handles hide the image and cost time in every frame, and nobody
 /// clicks so many: they become given matches.
@@ -44,6 +46,8 @@ pub struct ImportQuestion {
     pub frames: [Frame; 2],
     /// Sizes of the pictures on the screen, for which a calibration is.
     pub shown: [Frame; 2],
+    /// Views without distortion, if a lens is corrected. Points found belong to them.
+    pub views: Option<ViewPair>,
     /// Matches for the check.
     pub matches: MatchesAtHand,
 }
@@ -112,7 +116,7 @@ impl ImportQuestion {
             ImportSource::Cameras([left, right]) => {
                 let camera = |path| read_camera(path).map_err(|error| error.to_string());
                 let cameras = Some([camera(left)?, camera(right)?]);
-                (GeometryFile { cameras, ..GeometryFile::default() }, Format::Text)
+                (GeometryFile { cameras, ..GeometryFile::of(PicturesOf::Untold) }, Format::Text)
             }
             ImportSource::LoneCamera(_) => {
                 return Err(
@@ -129,10 +133,34 @@ impl ImportQuestion {
             });
         }
         let mut notes = Vec::new();
-        if file.is_undistorted && self.frames == self.shown {
-            notes.push(format!(
-                "{name} belongs to views without lens distortion. Import the calibration of the pictures first."
-            ));
+        let own = PicturesOf::from(self.views.as_ref());
+        let has_geometry = geometry.is_some();
+        match (&file.pictures, file.pictures.views()) {
+            (PicturesOf::Undistorted(_), Some(described)) if self.is_same(described) => {}
+            (PicturesOf::Undistorted(None), _) if own.is_undistorted() => notes.push(format!(
+                "{name} belongs to pictures without distortion, but does not tell their lens. It is read for the lens of \
+                 these pictures."
+            )),
+            (PicturesOf::Undistorted(_), described) => {
+                let lens = lenses_in_words(&file.pictures);
+                let action = match (described, own.is_undistorted()) {
+                    (_, false) => "Import the calibration of the pictures, or correct their lens, first",
+                    _ => "These pictures have another lens",
+                };
+                return Err(format!("it belongs to pictures without distortion ({lens}). {action}"));
+            }
+            (PicturesOf::Original, _) if own.is_undistorted() && has_geometry => {
+                return Err(
+                    "its geometry belongs to the pictures as they are, and the lens of these is corrected. Remove the \
+                     lens correction first"
+                        .to_owned(),
+                );
+            }
+            (PicturesOf::Untold, _) if own.is_undistorted() && has_geometry => notes.push(format!(
+                "{name} does not tell its pictures. Its geometry is read for the pictures without distortion, its point \
+                 pairs are places in the pictures."
+            )),
+            (PicturesOf::Untold | PicturesOf::Original, _) => {}
         }
         if file.images.as_ref().is_some_and(|images| {
             ![self.frames, self.shown].contains(&images.each_ref().map(|image| image.frame))
@@ -141,9 +169,12 @@ impl ImportQuestion {
                 "{name} belongs to images of other sizes. Check that it fits the open images."
             ));
         }
-        let sizes = if file.is_undistorted { self.frames } else { self.shown };
-        let (pairs, note) = on_the_images(&file.pairs, sizes, &name);
+        let sizes = if file.pictures.is_undistorted() { self.frames } else { self.shown };
+        let (mut pairs, note) = on_the_images(&file.pairs, sizes, &name);
         notes.extend(note);
+        if let Some(views) = self.views.as_ref().filter(|_| !file.pictures.is_undistorted()) {
+            pairs = pairs.iter().filter_map(|pair| views.undistorted_from_original(pair)).collect();
+        }
         if geometry.is_none() && pairs.is_empty() {
             return Err("none of its point pairs lies on the open images".to_owned());
         }
@@ -160,8 +191,14 @@ impl ImportQuestion {
     fn matches_of(&self, path: &Path) -> Result<ImportFound, String> {
         let name = self.pending.source.name();
         let all = read_matches(path).map_err(|error| error.to_string())?;
-        let lies_on = |found: &Match| is_inside(&found.pair, self.shown);
-        let matches: Vec<Match> = all.iter().copied().filter(lies_on).collect();
+        let lies_on = |found: &&Match| is_inside(&found.pair, self.shown);
+        // Matches of an archive are places in the pictures.
+        let place = |pair: &PointPair| match &self.views {
+            Some(views) => views.undistorted_from_original(pair),
+            None => Some(*pair),
+        };
+        let moved = |found: &Match| Some(Match { pair: place(&found.pair)?, ..*found });
+        let matches: Vec<Match> = all.iter().filter(lies_on).filter_map(moved).collect();
         if matches.is_empty() {
             return Err("none of its matches lies on the open images".to_owned());
         }
@@ -174,9 +211,16 @@ impl ImportQuestion {
         Ok(ImportFound { name, format: "NumPy archive", pairs: Vec::new(), matches, matrix: None, notes })
     }
 
+    /// Returns whether these are the views of the open pictures.
+    fn is_same(&self, described: &ViewPair) -> bool {
+        self.views
+            .as_ref()
+            .is_some_and(|own| own.adopting(described).is_some() && own.frames() == described.frames())
+    }
+
     /// Says that matches agree on no geometry, if so.
     fn disagreement(&self, matches: &[Match]) -> Option<String> {
-        let error = estimate_fundamental(matches, self.shown, 0).err()?;
+        let error = estimate_fundamental(matches, self.frames, 0).err()?;
         let name = self.pending.source.name();
         Some(format!("The matches of {name} are shown, but the estimate does not use them: {error}."))
     }
