@@ -47,7 +47,7 @@ fn f_is_copied_as_code_with_its_verdict() {
         ("Copy F as LaTeX", "\\begin{bmatrix}"),
     ] {
         let text = copied(&mut window, command).unwrap();
-        assert!(text.contains(begin) && text.contains("This geometry is "), "{command}: {text}");
+        assert!(text.contains(begin) && text.contains("The geometry is "), "{command}: {text}");
     }
 }
 

@@ -406,7 +406,7 @@ fn exports_can_be_read_again() {
     press(&mut window, Key::Num2);
     export(&mut window, &["Profile"], &path);
     let text = std::fs::read_to_string(&path).unwrap();
-    assert!(text.contains("# The geometry shown is "), "{text}");
+    assert!(text.contains("# The geometry is "), "{text}");
     let mut rows = text.lines().filter(|line| !line.starts_with('#'));
     assert_eq!(rows.next(), Some("distance,x1,y1,left,right_unmatched,shift,x2,y2,right_matched,cost"));
     assert!(rows.clone().count() > 100 && rows.all(|row| row.split(',').count() == 10));

@@ -58,9 +58,9 @@ impl TrustNote {
     /// Tells what the geometry is, with its verdict.
     pub fn sentence(&self) -> String {
         if self.geometry == Self::RESULT {
-            return format!("This geometry is {}.", self.verdict);
+            return format!("The geometry is {}.", self.verdict);
         }
-        format!("This geometry is {}. It is {}.", self.geometry, self.verdict)
+        format!("The geometry is {}. It is {}.", self.geometry, self.verdict)
     }
 
     /// Returns the verdict and its reasons in one line.

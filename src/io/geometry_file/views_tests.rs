@@ -106,7 +106,7 @@ fn f_near_a_pair_holds_for_the_pictures_there() {
         assert!(symmetric_epipolar_distance(&local, pair) < 1e-3, "{pair:?}");
         // Ten pixels along the curve the line has hardly bent.
         let near = |other: &&PointPair| {
-            (other.point1 - pair.point1).norm() < 15.0 && (other.point2 - pair.point2).norm() < 15.0
+            (other.point1 - pair.point1).norm() < 10.0 && (other.point2 - pair.point2).norm() < 10.0
         };
         for other in matches.iter().filter(near) {
             assert!(symmetric_epipolar_distance(&local, other) < 0.3, "{pair:?} {other:?}");
