@@ -28,6 +28,20 @@ pub fn reason_in_words(reason: &Reason) -> String {
              Check that each pair shows the same scene point, and that left and right are not exchanged."
                 .into()
         }
+        Reason::GivenAlone { matches } => format!(
+            "{matches} given matches agree with each other, but the matches found in the images do not confirm them. \
+             This geometry rests on the given matches alone. \
+             Check that they belong to these images and to their size."
+        ),
+        Reason::GivenContradict { contradicting, matches, distance } => format!(
+            "{contradicting} of {matches} given matches are off their epipolar lines, by {distance:.1} px (median). \
+             The given matches or this geometry must be wrong. \
+             Check that the matches belong to these images and to their size."
+        ),
+        Reason::ByChance { agreeing, matches } => format!(
+            "Only {agreeing} of {matches} distinctive matches agree with this geometry, as chance may explain. \
+             The geometry may be wrong. Add point pairs, or use images that overlap more."
+        ),
         Reason::FewMatches { matches } => format!(
             "Only {matches} image patches match along the epipolar lines. \
              Fewer than {ENOUGH_MATCHES} can match by chance. \
@@ -186,7 +200,10 @@ mod tests {
             Reason::NotRefined,
             Reason::RefinementOff,
             Reason::ClicksAlone,
+            Reason::GivenAlone { matches: 16 },
+            Reason::GivenContradict { contradicting: 54, matches: 54, distance: 8.4 },
             Reason::FewMatches { matches: 17 },
+            Reason::ByChance { agreeing: 9, matches: 140 },
             Reason::BarcodesByChance { correlation: 0.21, by_chance: 0.21 },
             Reason::FewBarcodes { lines: 11 },
             Reason::LooseBarcodes { deviation: 2.7 },

@@ -45,6 +45,8 @@ pub enum MatchFitError {
 
 /// Fewest matches: twice the seven unknowns, so as many check the fit as determine it.
 const LEAST_MATCHES: usize = 14;
+/// Unknowns of a fundamental matrix.
+const UNKNOWNS: f64 = 7.0;
 /// Smallest scale of the first search, px: about the noise of the best matches.
 const FINEST: f64 = 0.05;
 /// Largest scale of the first search, as a fraction of the longer side: the residue of a lens.
@@ -83,8 +85,9 @@ pub fn estimate_fundamental(
         .take_while(|scale| *scale <= (COARSEST * side).max(FINEST))
         .collect();
     let agreed = all.consensus(&[], &scales, seed, 0, &cancel);
-    // The smaller the scale relative to the picture, the more a match within it says.
-    let worth = |agreed: &Agreed| agreed.score * (side / agreed.scale).ln();
+    // The smaller the scale relative to the picture, the more a match within it says. Seven matches fit a
+    // geometry at any scale, and say nothing.
+    let worth = |agreed: &Agreed| (agreed.score - UNKNOWNS) * (side / agreed.scale).ln();
     let first = agreed.iter().max_by(|a, b| worth(a).total_cmp(&worth(b)));
     let Agreed { fundamental, scale, .. } = first.ok_or(MatchFitError::NoAgreement)?;
     let coarse = Noise { scale: *scale, inliers: 0.5, spread: side };

@@ -8,11 +8,10 @@
 //! Stand-ins are not observations: fits and verdicts ignore them.
 
 use super::features::FeatureProposals;
-use super::judged::{Found, Judged};
+use super::judged::Judged;
 use super::patches;
 use super::record::SearchRecord;
 use super::stand_ins::{drawn_stand_ins, farthest_apart, putative_matches};
-use crate::estimate::evidence::prepared::GivenMatches;
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::selection::{ClickedPairs, select};
 use crate::estimate::{Clicks, EstimateError, PreparedPair};
@@ -52,19 +51,7 @@ pub(in crate::estimate) fn search(
         }
     }
     let best = select(&all, &ClickedPairs::of(input)).map(|k| all.swap_remove(k));
-    let of_given = || {
-        // The images alone show nothing, so the matches from elsewhere decide.
-        let GivenMatches { fundamental, inliers, .. } = prepared.given()?;
-        let found = Found {
-            fundamental: *fundamental,
-            hypotheses: Vec::new(),
-            supporting: inliers.clone(),
-            refined: None,
-            clicks_alone: false,
-        };
-        Some(Judged::of(found, &viewed, record))
-    };
-    best.or_else(of_given).ok_or(EstimateError::NothingWithoutClicks)
+    best.ok_or(EstimateError::NothingWithoutClicks)
 }
 
 /// Returns the clicks, with two matches that the leading proposal explains as stand-ins, if there

@@ -17,6 +17,8 @@ enum Doubt {
     /// The support is weak: few matches, a rival, contradicting or imprecise matches.
     Support,
     Unreliable,
+    /// The matches found without the geometry agree with it as by chance.
+    Chance,
 }
 
 impl Doubt {
@@ -27,13 +29,14 @@ impl Doubt {
         Some(match trust.verdict {
             Verdict::Reliable => Self::Nothing,
             Verdict::Doubtful => of_reasons.into_iter().max().unwrap_or(Self::Nothing),
-            Verdict::Unreliable => Self::Unreliable,
+            Verdict::Unreliable => of_reasons.into_iter().fold(Self::Unreliable, Self::max),
         })
     }
 
     fn of_reason(reason: &Reason) -> Option<Self> {
         match reason {
             Reason::ClickOff { .. } => Some(Self::Click),
+            Reason::ByChance { .. } => Some(Self::Chance),
             Reason::OnePlane { .. }
             | Reason::NoRelief { .. }
             | Reason::Bent { .. }
@@ -41,12 +44,14 @@ impl Doubt {
             | Reason::Mirrored { .. } => Some(Self::Epipole),
             Reason::NotRefined
             | Reason::FewMatches { .. }
+            | Reason::GivenContradict { .. }
             | Reason::Contradicted { .. }
             | Reason::Ambiguous { .. }
             | Reason::Loose { .. } => Some(Self::Support),
             Reason::NotChecked
             | Reason::RefinementOff
             | Reason::ClicksAlone
+            | Reason::GivenAlone { .. }
             | Reason::BarcodesByChance { .. }
             | Reason::FewBarcodes { .. }
             | Reason::LooseBarcodes { .. } => None,
@@ -62,6 +67,7 @@ impl Doubt {
             Self::Epipole => (105.0, 113.0),
             Self::Support => (31.0, 50.0),
             Self::Unreliable => (5.0, 10.0),
+            Self::Chance => (1.0, 10.0),
         };
         (right + 1.0) / (all + 2.0)
     }

@@ -4,6 +4,7 @@
 
 use serde::Serialize;
 
+use crate::estimate::verdict::false_alarms::{Agreement, BY_CHANCE};
 use crate::estimate::verdict::poisson::fewer_than;
 
 /// Share of the matches on one plane beyond which only a handful of matches would determine the
@@ -19,9 +20,6 @@ pub(in crate::estimate) const HALF_PLANE: f64 = 0.4;
 /// Share of the matches off the plane explained by a lens, beyond which a lens is the likelier
 /// cause: the majority. In a scene with depth, the one additional unknown explains few matches.
 const BENT: f64 = 0.5;
-/// Largest expected number of epipoles that do as well by chance: one in a thousand results without
-/// parallax passes.
-pub(super) const BY_CHANCE: f64 = 1e-3;
 /// Largest expected number of epipoles that do as well by chance if each motion counts once. It is
 /// looser, as static surfaces at different places can have equal parallax.
 pub(super) const MOTIONS_BY_CHANCE: f64 = 1.0;
@@ -253,9 +251,31 @@ impl Together {
         if 1.0 - fewer_than(self.contradicting, expected) < WRONG_BY_CHANCE {
             return Some((self.contradicting, self.matches));
         }
-        let is_majority_off = tail(self.all - self.off, self.all, 0.5) < HALF_WRONG_BY_CHANCE;
-        is_majority_off.then_some((self.off, self.all))
+        is_majority(self.off, self.all).then_some((self.off, self.all))
     }
+}
+
+/// Agreement of given matches with a geometry.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::estimate) struct GivenFigures {
+    /// Number of given matches that agree with each other, or of all if no geometry agrees with enough of them.
+    pub matches: usize,
+    /// Number of these matches that are off their epipolar lines by more than their noise.
+    pub off: usize,
+    /// Median distance of these matches from their epipolar lines, px.
+    pub distance: f64,
+}
+
+impl GivenFigures {
+    /// Returns whether most of the matches contradict the geometry, and not by chance.
+    pub fn contradict(&self) -> bool {
+        is_majority(self.off, self.matches)
+    }
+}
+
+/// Returns whether more than half are unlikely to be so many by chance.
+fn is_majority(some: usize, all: usize) -> bool {
+    tail(all - some, all, 0.5) < HALF_WRONG_BY_CHANCE
 }
 
 /// Part of the residuals that neighbouring matches have in common.
@@ -336,6 +356,10 @@ pub(in crate::estimate) struct Evidence<'a> {
     pub plane: Option<PlaneEvidence>,
     /// Distinctive matches, found without the geometry.
     pub together: Together,
+    /// Agreement of the matches found without the geometry. `None` if no patches were compared.
+    pub unguided: Option<Agreement>,
+    /// Agreement of the matches of another program. `None` without any.
+    pub given: Option<GivenFigures>,
     /// Matches beside the smooth warp. `None` without matches.
     pub relief: Option<Relief>,
     /// Matches with the mirror image. `None` if most matches of the image as it is are right.

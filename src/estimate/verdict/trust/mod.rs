@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 pub use evidence::BarcodeFigures;
 pub(in crate::estimate) use evidence::{
-    ALONG, ANY_EPIPOLE, Evidence, HALF_PLANE, Mirror, OffPlane, PlaneEvidence, RefinedOn, Relief,
+    ALONG, ANY_EPIPOLE, Evidence, GivenFigures, HALF_PLANE, Mirror, OffPlane, PlaneEvidence, RefinedOn, Relief,
     ResidualPattern, Together, USUAL_SIDE, WRONG_TOGETHER, Witnesses,
 };
 pub(in crate::estimate) use rules::CHANCE_DEVIATIONS;
@@ -44,8 +44,17 @@ pub enum Reason {
     RefinementOff,
     /// The geometry follows from the clicks alone, which contradict the matches of the images.
     ClicksAlone,
+    /// The geometry follows from the matches of another program alone, and the matches of the images agree
+    /// with it no better than by chance: the number of given matches that agree with each other.
+    GivenAlone { matches: usize },
+    /// Most of the matches of another program contradict the geometry: the number of those that do, the number
+    /// that agree with each other, and their median distance from their lines.
+    GivenContradict { contradicting: usize, matches: usize, distance: f64 },
     /// The result rests on few matches.
     FewMatches { matches: usize },
+    /// The matches found without the geometry agree with it no better than by chance: the number that agree
+    /// best, and the number of all.
+    ByChance { agreeing: usize, matches: usize },
     /// The barcodes of corresponding lines agree no better than by chance: agreement, 1 for equal barcodes,
     /// and the largest by chance.
     BarcodesByChance { correlation: f64, by_chance: f64 },

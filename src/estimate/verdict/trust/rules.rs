@@ -12,7 +12,10 @@
 //! numbers from results of known truth, with right and wrong clicks (`lab/notes.md` has the
 //! figures).
 
-use super::evidence::{BarcodeFigures, Evidence, OffPlane, PlaneEvidence, RefinedOn, Relief, Witnesses};
+use super::evidence::{
+    BarcodeFigures, Evidence, GivenFigures, OffPlane, PlaneEvidence, RefinedOn, Relief, Witnesses,
+};
+use crate::estimate::verdict::false_alarms::Agreement;
 use super::{Reason, Suspect, Trust, Verdict};
 
 /// Fewest matches of a reliable result. A round number from results of known truth
@@ -67,6 +70,16 @@ impl Trust {
             }
             _ => {}
         }
+        if let Some(agreement) = evidence.unguided.filter(|agreement| !agreement.is_no_chance()) {
+            let Agreement { agreeing, matches, .. } = agreement;
+            match (evidence.refined_on, evidence.given) {
+                (RefinedOn::Given(_), Some(given)) => {
+                    reasons.push(Reason::GivenAlone { matches: given.matches });
+                }
+                (RefinedOn::Clicks, _) => {}
+                _ => reasons.push(Reason::ByChance { agreeing, matches }),
+            }
+        }
         if let Some(margin) = evidence.margin.filter(|m| *m < CLEAR_MARGIN) {
             // No search has preferred a geometry of given matches or of clicks alone.
             let is_given = matches!(evidence.refined_on, RefinedOn::Given(_) | RefinedOn::Clicks);
@@ -95,6 +108,11 @@ impl Trust {
             reasons.push(Reason::Bent { percent: (100.0 * plane.bent_share) as u32 });
         } else if let Some(pattern) = evidence.pattern.filter(|pattern| pattern.is_bent(evidence.side)) {
             reasons.push(Reason::Pattern { size: pattern.size });
+        }
+        if let Some(given) = evidence.given.filter(GivenFigures::contradict) {
+            let GivenFigures { matches, off: contradicting, distance } = given;
+            // First, because people trust the matches that they give.
+            reasons.insert(0, Reason::GivenContradict { contradicting, matches, distance });
         }
         let but_clicks = !reasons.is_empty();
         let suspect = if but_clicks { Suspect::Geometry } else { Suspect::Click };
@@ -125,10 +143,11 @@ impl Trust {
 #[cfg(test)]
 mod tests {
     use super::super::evidence::{
-        ANY_EPIPOLE, BY_CHANCE, HALF_PLANE, MOSTLY_PLANE, MOTIONS_BY_CHANCE, Mirror, ONE_PLANE, PATTERN,
+        ANY_EPIPOLE, HALF_PLANE, MOSTLY_PLANE, MOTIONS_BY_CHANCE, Mirror, ONE_PLANE, PATTERN,
         PATTERN_SIZE, ResidualPattern, Together, USUAL_SIDE,
     };
     use super::*;
+    use crate::estimate::verdict::false_alarms::{BY_CHANCE, OF_LINES};
 
     const SHOWN: Witnesses = Witnesses { on_warp: 300, along: 90, across: 5, off: 20 };
     const NOTHING: Witnesses = Witnesses { on_warp: 0, along: 0, across: 0, off: 0 };
@@ -143,6 +162,8 @@ mod tests {
         plane: Some(plane(0.3, 1, 1.0)),
         together: Together { all: 260, off: 20, matches: 200, contradicting: 2 },
         relief: Some(Relief { beside: SHOWN, further: NOTHING, finer: SHOWN, clear: SHOWN }),
+        unguided: None,
+        given: None,
         mirror: None,
         pattern: Some(ResidualPattern { share: 0.1, size: 0.1 }),
         side: 768.0,
