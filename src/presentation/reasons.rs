@@ -39,7 +39,7 @@ pub fn reason_in_words(reason: &Reason) -> String {
              Check that the matches belong to these images and to their size."
         ),
         Reason::ByChance { agreeing, matches } => format!(
-            "Only {agreeing} of {matches} distinctive matches agree with this geometry, as chance may explain. \
+            "Only {agreeing} of {matches} distinctive matches are on their epipolar lines, as chance may explain. \
              The geometry may be wrong. Add point pairs, or use images that overlap more."
         ),
         Reason::FewMatches { matches } => format!(
@@ -85,6 +85,12 @@ pub fn reason_in_words(reason: &Reason) -> String {
              if the lens bends straight lines. \
              The epipole is then uncertain. Remove the lens distortion, or use views farther apart."
         ),
+        Reason::Fisheye => {
+            "A strong lens, such as a fisheye, explains the matches clearly better than straight epipolar lines. \
+             Points between the matches may be far off their lines. \
+             Use the calibration of the lens, or undistort the images first."
+                .into()
+        }
         Reason::Pattern { size } => format!(
             "Neighbouring matches are off their epipolar lines by the same distance, about {size:.1} px. \
              A lens bends the images, something moves, or the geometry is only approximate. \
@@ -211,6 +217,7 @@ mod tests {
             Reason::ClickOff { pair: 2, distance: 40.0, suspect: Suspect::Geometry },
             Reason::Contradicted { contradicting: 17, matches: 180 },
             Reason::Bent { percent: 98 },
+            Reason::Fisheye,
             Reason::Pattern { size: 0.8 },
             Reason::Ambiguous { margin: 0.02 },
             Reason::OnePlane { percent: 98, groups: 13, agreeing: 4, is_still: false },

@@ -136,7 +136,13 @@ pub(in crate::estimate) fn search(
     let support = viewed.patches.measure(&f);
     let mut hypotheses = vec![Estimate::proposed(f, None, support)];
     hypotheses.extend(best.hypotheses);
-    let found = Found { fundamental: f, hypotheses, supporting: observed, refined: None, rests_on: RestsOn::ClicksAlone };
+    let found = Found {
+        fundamental: f,
+        hypotheses,
+        supporting: observed,
+        refined: None,
+        rests_on: RestsOn::ClicksAlone,
+    };
     Ok(Judged::of(found, &viewed, record))
 }
 

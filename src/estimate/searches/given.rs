@@ -68,7 +68,10 @@ struct Standing {
 impl Standing {
     fn new(f: &FundamentalMatrix, patches: &PatchLevels, given: &GivenMatches, frames: [Frame; 2]) -> Self {
         let by_chance = given.all.iter().map(|m| near_lines_by_chance(f, &m.pair, frames));
-        Self { of_images: unguided_agreement(patches, f, frames), of_given: Agreement::of(by_chance, OF_LINES) }
+        Self {
+            of_images: unguided_agreement(patches, f, frames),
+            of_given: Agreement::of(by_chance, OF_LINES),
+        }
     }
 
     fn is_better_than(&self, other: &Self) -> bool {

@@ -76,7 +76,7 @@ mod tests {
     use crate::estimate::exact::{ExactScene, FRAME};
     use crate::estimate::sampling::{Purpose, stream};
     use crate::estimate::{
-        ClickRole, Estimate, Match, Method, Monitor, Parameters, Preset, Uncertainty, Verdict,
+        ClickRole, Estimate, Match, Method, Monitor, Parameters, Preset, Reason, Uncertainty, Verdict,
         estimate_fundamental, estimate_prepared,
     };
     use crate::geometry::PointPair;
@@ -126,6 +126,8 @@ mod tests {
         let other = ExactScene::moved([0.3, 0.02, 0.3]);
         let misled = run(&other.pairs(60));
         assert!(scene.error(misled.fundamental()) < 0.3, "{}", scene.error(misled.fundamental()));
+        let reasons = &misled.assessment.trust.as_ref().unwrap().reasons;
+        assert!(matches!(reasons[0], Reason::GivenContradict { .. }), "{reasons:?}");
     }
 
     #[test]
@@ -140,7 +142,12 @@ mod tests {
         let matches: Vec<Match> = scene.pairs(60).into_iter().map(Match::from).collect();
         prepared.add_matches(&matches, 0).unwrap();
         let found = estimate_prepared(&prepared, &[], &Parameters::default(), &Monitor::silent()).unwrap();
-        assert!(found.assessment.trust.as_ref().unwrap().verdict != Verdict::Reliable);
+        let trust = found.assessment.trust.as_ref().unwrap();
+        assert_eq!(trust.verdict, Verdict::Unreliable);
+        assert!(trust.reasons.contains(&Reason::GivenAlone { matches: 60 }), "{:?}", trust.reasons);
+        assert!(found.assessment.of_given);
+        let error = scene.error(found.fundamental());
+        assert!(error < 0.01, "{error} px");
     }
 
     #[test]

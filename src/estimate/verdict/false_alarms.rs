@@ -38,8 +38,6 @@ pub(in crate::estimate) const OF_A_PLANE: Sample = Sample { matches: 4, geometri
 pub(in crate::estimate) struct Agreement {
     /// Number of all matches.
     pub matches: usize,
-    /// Number of matches that agree best: fewer nearer ones, or more farther ones, are likelier by chance.
-    pub agreeing: usize,
     /// Natural logarithm of the number of false alarms.
     log_false_alarms: f64,
 }
@@ -56,16 +54,12 @@ impl Agreement {
         }
         let log_choices = |n: usize, k: usize| log_factorials[n] - log_factorials[k] - log_factorials[n - k];
         let s = sample.matches;
-        let none = Self { matches: n, agreeing: 0, log_false_alarms: f64::INFINITY };
         let tests = || (sample.geometries * (n - s) as f64).ln();
         let with = |k: usize| {
             let log_alpha = by_chance[k - 1].clamp(f64::MIN_POSITIVE, 1.0).ln();
-            let log_false_alarms =
-                tests() + log_choices(n, k) + log_choices(k, s) + (k - s) as f64 * log_alpha;
-            Self { agreeing: k, log_false_alarms, ..none }
+            tests() + log_choices(n, k) + log_choices(k, s) + (k - s) as f64 * log_alpha
         };
-        let fewer = |a: Self, b: Self| if b.log_false_alarms < a.log_false_alarms { b } else { a };
-        (s + 1..=n).map(with).fold(none, fewer)
+        Self { matches: n, log_false_alarms: (s + 1..=n).map(with).fold(f64::INFINITY, f64::min) }
     }
 
     /// Returns whether chance does not explain the agreement.
@@ -114,7 +108,7 @@ mod tests {
         let by_chance = [0.01; 8].into_iter().chain([0.7, 0.9]);
         let found = Agreement::of(by_chance, OF_LINES);
         let expected: f64 = 3.0 * 3.0 * 45.0 * 8.0 * 0.01;
-        assert_eq!((found.matches, found.agreeing), (10, 8));
+        assert_eq!(found.matches, 10);
         assert!((found.log_false_alarms - expected.ln()).abs() < 1e-9);
         assert!(!found.is_no_chance() && found.evidence().abs() < 1e-12);
         let more = Agreement::of([0.01; 14], OF_LINES);

@@ -45,6 +45,7 @@ impl Doubt {
             Reason::NotRefined
             | Reason::FewMatches { .. }
             | Reason::GivenContradict { .. }
+            | Reason::Fisheye
             | Reason::Contradicted { .. }
             | Reason::Ambiguous { .. }
             | Reason::Loose { .. } => Some(Self::Support),
@@ -95,6 +96,7 @@ mod tests {
 
     const PLANE: Reason = Reason::OnePlane { percent: 98, groups: 9, agreeing: 2, is_still: false };
     const CLICK: Reason = Reason::ClickOff { pair: 1, distance: 30.0, suspect: Suspect::Click };
+    const CHANCE: Reason = Reason::ByChance { agreeing: 9, matches: 140 };
     const FEW: Reason = Reason::FewMatches { matches: 40 };
 
     fn judged(verdict: Verdict, reasons: &[Reason]) -> Assessment {
@@ -115,6 +117,7 @@ mod tests {
             doubtful(&[CLICK, PLANE]),
             doubtful(&[PLANE, FEW]),
             probability(Verdict::Unreliable, &[CLICK, PLANE]),
+            probability(Verdict::Unreliable, &[CHANCE, FEW]),
         ];
         assert!(falling.is_sorted_by(|better, worse| better >= worse), "{falling:?}");
         assert!(falling.iter().all(|probability| (0.001..0.999).contains(probability)), "{falling:?}");

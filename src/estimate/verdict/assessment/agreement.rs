@@ -18,6 +18,11 @@ pub(in crate::estimate) fn unguided_agreement(
     Agreement::of(pairs.map(|pair| near_lines_by_chance(f, &pair, frames)), OF_LINES)
 }
 
+/// Returns the number of these matches within `tolerance` px of their epipolar lines.
+pub(super) fn unguided_on_lines(patches: &PatchLevels, f: &FundamentalMatrix, tolerance: f64) -> usize {
+    one_a_place(patches.unguided(), LIKELY).filter(|pair| sampson_distance(f, pair) < tolerance).count()
+}
+
 /// Returns the agreement of given matches with a geometry. Matches that no common geometry explains are mistakes
 /// and not counted, unless no geometry explains enough of them. A match is off its lines beyond its own noise
 /// and beyond the error of a click, whichever is larger.

@@ -23,6 +23,7 @@ use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::{Refined, UnguidedMatch, largest_plane, resized};
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
+use crate::estimate::fit::strong_lens_is_likelier;
 use crate::estimate::verdict::false_alarms::{Agreement, OF_A_PLANE, within};
 use crate::estimate::verdict::selection::ClickedPairs;
 use crate::estimate::verdict::trust::{
@@ -31,7 +32,10 @@ use crate::estimate::verdict::trust::{
 use crate::estimate::{
     Assessment, Estimate, PatchSupport, PlaneHomography, Refinement, Search, Trust, Warning,
 };
-use crate::geometry::{Frame, FundamentalMatrix, PointPair, finite_point, median, sampson_distance, transfer_error};
+use crate::geometry::{
+    Frame, FundamentalMatrix, PointPair, finite_point, median, sampson_distance, transfer_error,
+};
+use agreement::unguided_on_lines;
 use examination::{line_figures, patch_support};
 use margin::{all_apart, differs, least_clear, margin};
 use parallax::{CORNER_SIGMA, precision};
@@ -200,10 +204,7 @@ impl Judge<'_> {
         let on_lines = |m: &&UnguidedMatch| sampson_distance(f, &m.pair) < tolerance;
         let likely = || unguided.iter().filter(|m| m.is_likely());
         let is_suspect = 2 * likely().filter(on_lines).count() < likely().count();
-        let mirror = is_suspect.then(|| {
-            let [flipped, corners] = self.viewed.patches.mirrored();
-            Mirror { flipped, corners }
-        });
+        let mirror = Some(Mirror { matches: self.viewed.patches.mirrored(), is_suspect });
         Some(FoundPlane {
             mirror,
             plane: plane_homography(&h, matches, frames[1], tolerance),
@@ -230,8 +231,8 @@ impl Judge<'_> {
         let tolerance = PLANE_TOLERANCE * (side / USUAL_SIDE).max(1.0);
         let found = self.plane(f, &matches, tolerance);
         let is_refined = parameters.search == Search::Patches && parameters.refinement.refine;
-        let unguided =
-            is_refined.then(|| unguided_agreement(&self.viewed.patches, f, prepared.frames()));
+        let patches = &self.viewed.patches;
+        let unguided = is_refined.then(|| unguided_agreement(patches, f, prepared.frames()));
         let given = prepared.given().map(|given| given_figures(given, f, parameters.click_sigma));
         let trust = Trust::judge(&Evidence {
             patches: parameters.search == Search::Patches,
@@ -251,7 +252,16 @@ impl Judge<'_> {
             together: found.as_ref().map(|found| found.together).unwrap_or_default(),
             relief: found.as_ref().and_then(|found| found.relief),
             mirror: found.as_ref().and_then(|found| found.mirror),
+            strong_lens: is_refined
+                && degeneracy::have_dark_corners(prepared)
+                && strong_lens_is_likelier(
+                    &prepared.putative_matches(),
+                    f,
+                    prepared.frames(),
+                    parameters.seed,
+                ),
             unguided,
+            unguided_on_lines: unguided.map_or(0, |_| unguided_on_lines(patches, f, tolerance)),
             given,
             pattern: pattern::residual_pattern(&matches, f, side),
             side,
@@ -307,5 +317,25 @@ mod tests {
         let shift = |dx: f64| Matrix3::new(1.0, 0.0, dx, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
         assert!(leaves_in_place(&shift(0.2), &moved(0.2), 1.0));
         assert!(!leaves_in_place(&shift(3.0), &moved(3.0), 1.0));
+    }
+
+    #[test]
+    fn a_homography_that_chance_explains_is_not_told() {
+        let frame = Frame::new(800, 600);
+        let anywhere = |k: usize| {
+            let at = |n: usize, side: usize| ((k * n + 37) % side) as f64;
+            PointPair::new(at(131, 797), at(71, 599), at(211, 787), at(97, 593))
+        };
+        let on_a_plane = |k: usize| {
+            let pair = anywhere(k);
+            PointPair { point2: pair.point1 + crate::geometry::Vector::new(30.0, 5.0), ..pair }
+        };
+        let h = Matrix3::new(1.0, 0.0, 30.0, 0.0, 1.0, 5.0, 0.0, 0.0, 1.0);
+        let told = |on: usize| {
+            let matches: Vec<PointPair> =
+                (0..112).map(|k| if k < on { on_a_plane(k) } else { anywhere(k) }).collect();
+            plane_homography(&h, &matches, frame, 1.0).map(|plane| plane.matches)
+        };
+        assert_eq!((told(5), told(40)), (None, Some(40)));
     }
 }

@@ -2,9 +2,12 @@
 //!
 //! Limits of chance are probabilities. The others are shares and sizes, with their reasons.
 
+use std::iter::repeat_n;
+
 use serde::Serialize;
 
-use crate::estimate::verdict::false_alarms::{Agreement, BY_CHANCE};
+use crate::estimate::evidence::patches::MirrorMatches;
+use crate::estimate::verdict::false_alarms::{Agreement, BY_CHANCE, OF_A_PLANE};
 use crate::estimate::verdict::poisson::fewer_than;
 
 /// Share of the matches on one plane beyond which only a handful of matches would determine the
@@ -174,7 +177,7 @@ pub(in crate::estimate) struct Relief {
     pub beside: Witnesses,
     /// The same, with [`ANY_EPIPOLE`] more planes counted as the warp.
     pub further: Witnesses,
-    /// Beside a warp that follows the rows more closely.
+    /// Beside a warp that follows the rows more closely, matches of `clear` alone.
     pub finer: Witnesses,
     /// Beside the warp, matches alone that are clearly likelier than all similar places together.
     pub clear: Witnesses,
@@ -213,19 +216,23 @@ fn tail(few: usize, n: usize, p: f64) -> f64 {
     sum.min(1.0)
 }
 
-/// Distinctive matches of image 1 with the mirror image of image 2 that one homography explains.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// Matches with image 2 and with its mirror image.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(in crate::estimate) struct Mirror {
-    /// Number of these matches.
-    pub flipped: usize,
-    /// Number of corners of image 1 that were compared.
-    pub corners: usize,
+    pub matches: MirrorMatches,
+    /// Whether most of the likely matches found without the geometry are off their lines.
+    pub is_suspect: bool,
 }
 
 impl Mirror {
-    /// Returns whether one image is a mirror image of the other.
+    /// Returns whether one image is a mirror image of the other. Symmetric things match either way, but as it
+    /// is, an image matches better than its mirror image.
     pub(super) fn is_likely(self) -> bool {
-        self.flipped as f64 >= MIRRORED * self.corners as f64 && self.flipped > 0
+        let MirrorMatches { flipped, all_flipped, upright, corners, by_chance } = self.matches;
+        let are_many = flipped as f64 >= MIRRORED * corners as f64 && flipped > 0;
+        let others = all_flipped.saturating_sub(flipped);
+        let each = repeat_n(by_chance, flipped).chain(repeat_n(1.0, others));
+        are_many && self.is_suspect || flipped > upright && Agreement::of(each, OF_A_PLANE).is_no_chance()
     }
 }
 
@@ -356,13 +363,17 @@ pub(in crate::estimate) struct Evidence<'a> {
     pub plane: Option<PlaneEvidence>,
     /// Distinctive matches, found without the geometry.
     pub together: Together,
+    /// Whether a lens as strong as a fisheye explains the matches clearly better.
+    pub strong_lens: bool,
     /// Agreement of the matches found without the geometry. `None` if no patches were compared.
     pub unguided: Option<Agreement>,
+    /// Number of these matches on their epipolar lines.
+    pub unguided_on_lines: usize,
     /// Agreement of the matches of another program. `None` without any.
     pub given: Option<GivenFigures>,
     /// Matches beside the smooth warp. `None` without matches.
     pub relief: Option<Relief>,
-    /// Matches with the mirror image. `None` if most matches of the image as it is are right.
+    /// Matches with the mirror image. `None` without matches.
     pub mirror: Option<Mirror>,
     /// Pattern of the residuals. `None` without neighbouring matches.
     pub pattern: Option<ResidualPattern>,
