@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 
 pub use evidence::BarcodeFigures;
 pub(in crate::estimate) use evidence::{
-    ALONG, ANY_EPIPOLE, Evidence, HALF_PLANE, Mirror, OffPlane, PlaneEvidence, RefinedOn, Relief,
-    ResidualPattern, Together, USUAL_SIDE, WRONG_TOGETHER, Witnesses,
+    ALONG, ANY_EPIPOLE, Evidence, GivenFigures, HALF_PLANE, Mirror, OffPlane, PlaneEvidence, RefinedOn,
+    Relief, ResidualPattern, Together, USUAL_SIDE, WRONG_TOGETHER, Witnesses,
 };
 pub(in crate::estimate) use rules::CHANCE_DEVIATIONS;
 pub use rules::{
@@ -44,8 +44,17 @@ pub enum Reason {
     RefinementOff,
     /// The geometry follows from the clicks alone, which contradict the matches of the images.
     ClicksAlone,
+    /// The geometry follows from the matches of another program alone, and the matches of the images agree
+    /// with it no better than by chance: the number of given matches that agree with each other.
+    GivenAlone { matches: usize },
+    /// Most of the matches of another program contradict the geometry: the number of those that do, the number
+    /// that agree with each other, and their median distance from their lines.
+    GivenContradict { contradicting: usize, matches: usize, distance: f64 },
     /// The result rests on few matches.
     FewMatches { matches: usize },
+    /// The matches found without the geometry agree with it no better than by chance: the number of them on
+    /// their epipolar lines, and the number of all.
+    ByChance { agreeing: usize, matches: usize },
     /// The barcodes of corresponding lines agree no better than by chance: agreement, 1 for equal barcodes,
     /// and the largest by chance.
     BarcodesByChance { correlation: f64, by_chance: f64 },
@@ -60,6 +69,8 @@ pub enum Reason {
     Contradicted { contradicting: usize, matches: usize },
     /// Most matches follow one homography with radial distortion.
     Bent { percent: u32 },
+    /// A lens as strong as a fisheye makes the matches clearly likelier.
+    Fisheye,
     /// Neighbouring matches are off their lines by the same distance, the size of the pattern.
     Pattern { size: f64 },
     /// A clearly different geometry has nearly as much support as the result, or more: the relative
