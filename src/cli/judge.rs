@@ -14,15 +14,17 @@ use super::calibration::{CalibrationArguments, undistort_matches, undistorted, v
 use super::estimate::watched;
 use super::geometry_file::read_geometry;
 use super::output::Output;
-use crate::camera::{PicturesOf, PoseDifference, RelativePose, ViewPair};
-use crate::estimate::{Match, Monitor, Parameters, Uncertainty, Verdict, estimate, estimate_fundamental};
+use crate::camera::{PicturesOf, PoseDifference};
+use crate::estimate::{
+    Match, Monitor, Parameters, PreparedPair, Uncertainty, Verdict, estimate_fundamental, estimate_prepared,
+};
 use crate::foreign::{reason, shown_path};
 use crate::geometry::{Frame, FundamentalMatrix, Matrix9, PointPair};
 use crate::image::Picture;
 use crate::io::{CalibratedCamera, GeometryFile, read_matches, refuse_clashes};
 use crate::judge::{
-    FEWEST_MATCHES, Finding, GivenGeometry, Judgement, LIMIT, ROW_LIMIT, Reference, RowJudgement, judge,
-    judge_rows,
+    FEWEST_MATCHES, Finding, GivenCalibration, GivenGeometry, Judgement, LIMIT, ROW_LIMIT, Reference,
+    RowJudgement, RowMatches, judge, judge_rows,
 };
 use crate::presentation::{NO_BASELINE, judgement_in_words, pose_difference_in_words, rows_in_words};
 
@@ -93,10 +95,12 @@ struct JudgeFile<'a, T: Serialize> {
 struct Shown {
     fundamental: FundamentalMatrix,
     matches: Vec<PointPair>,
+    /// Matches that no search and no line has selected.
+    witnesses: Vec<PointPair>,
     /// Whether the matches can refute a geometry. True for matches that a person gives.
     is_trusted: bool,
-    /// Whether the verdict leaves the epipole open, and with it the pose.
-    is_open: bool,
+    /// Whether the matches determine the epipole, and with it the pose.
+    has_epipoles: bool,
     verdict: Option<Verdict>,
     covariance: Option<Matrix9>,
 }
@@ -118,15 +122,18 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
         let views = views(&calibrated, &pictures)?;
         undistort_matches(&mut matches, &views)?;
         pictures = undistorted(pictures, &views);
-        given = Some(of_pose(&pose, &views).ok_or_else(no_pose)?);
-        stereo = Some((pose, views));
+        let calibration = GivenCalibration { pose, views };
+        given = Some(of_calibration(&calibration).ok_or_else(no_pose)?);
+        stereo = Some(calibration);
     }
-    let pictures_of = PicturesOf::from(stereo.as_ref().map(|(_, views)| views));
+    let pictures_of = PicturesOf::from(stereo.as_ref().map(|calibration| &calibration.views));
     let frames = pictures.each_ref().map(Picture::frame);
-    let shown = match matches {
-        Some(matches) => of_matches(&matches, frames, arguments.seed)?,
-        None => of_images(&pictures, arguments)?,
+    let prepared = PreparedPair::new(&pictures[0].gray, &pictures[1].gray);
+    let search = |seed: u64| match &matches {
+        Some(matches) => of_matches(matches, frames, seed),
+        None => of_images(&prepared, arguments, seed),
     };
+    let shown = search(arguments.seed)?;
     let too_few = || {
         let found = shown.matches.len();
         CliError::Arguments(if arguments.matches.is_some() {
@@ -140,31 +147,42 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     };
     let Some(given) = given else {
         let limit = arguments.limit.unwrap_or(ROW_LIMIT);
-        let found = judge_rows(&shown.matches, frames[1], limit).ok_or_else(too_few)?;
+        let Shown { matches, witnesses, is_trusted, .. } = &shown;
+        let found = judge_rows(&RowMatches { matches, witnesses, is_trusted: *is_trusted }, frames[1], limit)
+            .ok_or_else(too_few)?;
         let words = rows_in_words(&found);
         write(&output, &found, &words, None, (&shown, &pictures_of))?;
         if let Some(log) = &arguments.log {
             append(log, &pictures, &found)?;
         }
-        return if found.is_aligned { Ok(()) } else { Err(CliError::NotRectified) };
+        return match (found.is_aligned, found.doubt) {
+            (true, _) => Ok(()),
+            (false, None) => Err(CliError::NotRectified),
+            (false, Some(_)) => Err(CliError::RowsUndecided),
+        };
     };
-    let Shown { fundamental, matches, is_trusted, is_open, covariance, .. } = &shown;
-    let (fundamental, is_trusted) = (*fundamental, *is_trusted);
-    // Both geometries may be uncertain; without a covariance, the judged one counts as exact.
-    let covariance =
-        covariance.map(|covariance| covariance + own_covariance.flatten().unwrap_or_else(Matrix9::zeros));
-    let reference = Reference { fundamental, matches, frames, is_trusted, covariance };
-    let found: Judgement = judge(&given, &reference, arguments.limit.unwrap_or(LIMIT)).ok_or_else(too_few)?;
+    let limit = arguments.limit.unwrap_or(LIMIT);
+    let own_covariance = own_covariance.flatten();
+    let reference = shown.reference(frames, own_covariance);
+    let mut found: Judgement = judge(&given, &reference, limit).ok_or_else(too_few)?;
+    if found.finding == Finding::DoesNotFit {
+        // A finding that hangs on the random numbers of a search accuses nobody.
+        let again = search(arguments.seed.wrapping_add(1))?;
+        if let Some(other) = judge(&given, &again.reference(frames, own_covariance), limit) {
+            found = found.confirmed_by(&other, &reference);
+        }
+    }
     let mut words = judgement_in_words(&found);
-    let is_calibrated = stereo.is_some();
-    let difference = stereo.filter(|_| !is_open).and_then(|(pose, views)| {
-        let fit = views.fit_pose(&fundamental, matches)?;
+    // The lines of a geometry in doubt, and of one with a named mistake, tell no difference of poses.
+    let compares = found.finding != Finding::Undecided && found.change.is_none() && shown.is_trusted;
+    let calibration = stereo.as_ref().filter(|_| compares);
+    let difference = calibration.filter(|_| shown.has_epipoles).and_then(|calibration| {
         // Without parallax the matches determine no pose.
-        fit.difference(&pose).filter(|_| is_trusted)
+        calibration.views.fit_pose(&shown.fundamental, &shown.matches)?.difference(&calibration.pose)
     });
     if let Some(difference) = &difference {
         words = format!("{words}\n{}", pose_difference_in_words(difference));
-    } else if is_calibrated && *is_open {
+    } else if calibration.is_some() && !shown.has_epipoles {
         words = format!("{words}\nThe pose cannot be judged. {NO_BASELINE}");
     }
     write(&output, &found, &words, difference, (&shown, &pictures_of))?;
@@ -197,41 +215,61 @@ impl JudgeArguments {
                 "there are no two cameras in the file (P1 and P2). Use --fundamental for a matrix".into(),
             ));
         }
-        Ok(Some((GivenGeometry { fundamental, cameras: file.cameras }, file.covariance)))
+        Ok(Some((GivenGeometry { cameras: file.cameras, ..fundamental.into() }, file.covariance)))
+    }
+}
+
+impl Shown {
+    /// Returns the reference of a judgement. Both geometries may be uncertain; without a covariance, the
+    /// judged one counts as exact.
+    fn reference(&self, frames: [Frame; 2], own_covariance: Option<Matrix9>) -> Reference<'_> {
+        let Self { fundamental, matches, witnesses, is_trusted, has_epipoles, covariance, .. } = self;
+        Reference {
+            fundamental: *fundamental,
+            matches,
+            witnesses,
+            frames,
+            is_trusted: *is_trusted,
+            has_epipoles: *has_epipoles,
+            covariance: covariance.map(|own| own + own_covariance.unwrap_or_else(Matrix9::zeros)),
+        }
     }
 }
 
 /// Estimates the geometry of the images without clicks.
-fn of_images(pictures: &[Picture; 2], arguments: &JudgeArguments) -> Result<Shown, CliError> {
-    let parameters = Parameters { seed: arguments.seed, ..Parameters::default() };
-    let [left, right] = pictures;
-    let compute = |monitor: &Monitor| estimate(&left.gray, &right.gray, &[], &parameters, monitor);
+fn of_images(prepared: &PreparedPair, arguments: &JudgeArguments, seed: u64) -> Result<Shown, CliError> {
+    let parameters = Parameters { seed, ..Parameters::default() };
+    let compute = |monitor: &Monitor| estimate_prepared(prepared, &[], &parameters, monitor);
     let found = on_threads(arguments.threads, || watched(compute))??;
     Ok(Shown {
         fundamental: *found.fundamental(),
         matches: found.matched_pairs(),
+        witnesses: found.assessment.distinctive.to_vec(),
         is_trusted: found.may_contradict(),
-        is_open: found.says_one_plane(),
+        has_epipoles: !found.says_one_plane(),
         verdict: found.assessment.trust.as_ref().map(|trust| trust.verdict),
         covariance: found.uncertainty().map(Uncertainty::covariance),
     })
 }
 
-/// Fits a geometry to given matches.
+/// Fits a geometry to given matches. All of them are witnesses.
 fn of_matches(matches: &[Match], frames: [Frame; 2], seed: u64) -> Result<Shown, CliError> {
     let fit = estimate_fundamental(matches, frames, seed)
         .map_err(|error| CliError::Arguments(format!("the matches cannot be used: {error}")))?;
+    let witnesses = matches.iter().map(|found| found.pair).collect();
     let right = matches.iter().zip(&fit.inlier_probabilities).filter(|(_, right)| **right > 0.5);
     let matches = right.map(|(found, _)| found.pair).collect();
     let covariance = fit.uncertainty.as_ref().map(Uncertainty::covariance);
     let fundamental = fit.fundamental;
-    Ok(Shown { fundamental, matches, is_trusted: true, is_open: false, verdict: None, covariance })
+    let (is_trusted, has_epipoles, verdict) = (true, true, None);
+    Ok(Shown { fundamental, matches, witnesses, is_trusted, has_epipoles, verdict, covariance })
 }
 
 /// Returns the geometry of a calibration in the views without distortion.
-fn of_pose(pose: &RelativePose, views: &ViewPair) -> Option<GivenGeometry> {
+fn of_calibration(calibration: &GivenCalibration) -> Option<GivenGeometry> {
+    let GivenCalibration { pose, views } = calibration;
     let fundamental = pose.fundamental(&views.calibrations())?;
-    Some(GivenGeometry { fundamental, cameras: Some(views.posed(pose)?) })
+    Some(GivenGeometry { fundamental, cameras: Some(views.posed(pose)?), calibration: Some(*calibration) })
 }
 
 fn no_pose() -> CliError {

@@ -1,7 +1,8 @@
 //! Words for judgements of geometries from elsewhere.
 
 use crate::judge::{
-    Affected, CameraChange, Change, Finding, FittingChange, Judgement, Mirror, RowJudgement, Significance,
+    Affected, CalibrationChange, CameraChange, Change, Doubt, Finding, FittingChange, Judgement, Mirror,
+    RowJudgement, Significance,
 };
 
 /// Describes a judgement: whether the geometry fits the images, and which change would correct it.
@@ -16,10 +17,23 @@ pub fn judgement_in_words(judgement: &Judgement) -> String {
                 .significance
                 .map_or_else(String::new, |found| difference_in_words(&found, change.as_ref()))
         ),
-        Finding::Undecided => format!(
-            "The geometry cannot be judged. Half of its lines are more than {apart} px from the lines of the \
-             best geometry of the images, which is itself in doubt. Give point pairs or matches of your own."
-        ),
+        Finding::Undecided => {
+            let because = judgement.doubt.map_or("", |doubt| doubt_in_words(&doubt));
+            let essential = essential_in_words(judgement);
+            let far = if judgement.doubt == Some(Doubt::Depth) {
+                String::new()
+            } else {
+                format!(" Half of its lines are more than {apart} px from the best lines of the images.")
+            };
+            format!("The geometry cannot be judged.{far} {because}{essential}")
+        }
+        Finding::DoesNotFit if change.is_some_and(|found| found.change == Change::TranslationReversed) => {
+            format!(
+                "The geometry does not fit. Its lines are within {apart} px of the lines that the images show, but the \
+                 scene lies behind both cameras. It fits if the translation T has the opposite sign: negate it. F \
+                 stays the same."
+            )
+        }
         Finding::DoesNotFit => {
             let wrong = if lines_apart.median > *limit {
                 format!("Half of its lines are more than {apart} px from the lines that the images show")
@@ -27,11 +41,46 @@ pub fn judgement_in_words(judgement: &Judgement) -> String {
                 format!("Half of the matches are more than {} px from its lines", px(residuals.median))
             };
             let mended = change.as_ref().map_or_else(
-                || "No simple change makes it fit.".to_owned(),
+                || format!("No simple change clearly makes it fit.{}", essential_in_words(judgement)),
                 |found| format!("It fits to {} px if {}.", px(found.median), change_in_words(&found.change)),
             );
             format!("The geometry does not fit. {wrong}, at {matches} matches. {mended}")
         }
+    }
+}
+
+/// Describes why nothing is found, and what to do.
+fn doubt_in_words(doubt: &Doubt) -> &'static str {
+    match doubt {
+        Doubt::Reference => {
+            "These are themselves in doubt. Use pictures of a scene with more texture, or give matches of your own."
+        }
+        Doubt::FewWitnesses { .. } => {
+            "Too few distinctive points in too few places show which lines are right; repeated patterns, such as \
+             boards, do not. Use pictures of a scene with more distinctive points, or give matches of your own."
+        }
+        Doubt::WitnessesAgree { .. } => {
+            "But the distinctive points agree with the geometry, and not with these lines. Give matches of your own \
+             to confirm it."
+        }
+        Doubt::Depth => {
+            "Its lines fit, but most of the scene lies behind both cameras, by points that may be mistaken. Check the \
+             sign of the translation, or give matches of your own."
+        }
+        Doubt::OtherSearch => {
+            "A second search of the images finds other lines. Use pictures that overlap more, or give matches of your \
+             own."
+        }
+    }
+}
+
+/// Tells that a matrix looks like an essential matrix.
+fn essential_in_words(judgement: &Judgement) -> &'static str {
+    if judgement.looks_essential {
+        " The matrix has two equal singular values, like an essential matrix E. F of the pictures is K2⁻ᵀ E K1⁻¹: \
+         give that."
+    } else {
+        ""
     }
 }
 
@@ -75,8 +124,30 @@ fn change_in_words(change: &Change) -> String {
             CameraChange::FocalLengthsExchanged => "the focal lengths in x and y are exchanged",
             CameraChange::PrincipalPointExchanged => "x and y of the principal points are exchanged",
             CameraChange::CalibrationsExchanged => "the calibrations of the two cameras are exchanged",
+            CameraChange::CalibrationTransposed => "the calibration matrices K are transposed",
         }
         .to_owned(),
+        Change::Calibration(change) => match change {
+            CalibrationChange::PicturesExchanged => {
+                "the two pictures are exchanged: the first camera took the right picture".to_owned()
+            }
+            CalibrationChange::EquidistantLens => {
+                "the lens is a fisheye: its coefficients are k1 to k4 of the equidistant model".to_owned()
+            }
+            CalibrationChange::RadialLens => {
+                "the lens is no fisheye: its coefficients are k1, k2, p1, p2".to_owned()
+            }
+            CalibrationChange::OtherSize { factor } => format!(
+                "the calibration is for pictures of another size, {:.1} % of these: divide the focal lengths and the \
+                 principal points by {factor:.3}",
+                100.0 * factor
+            ),
+        },
+        Change::Essential { focal } => format!(
+            "the matrix is an essential matrix E, not F, with a focal length of about {focal:.0} px: give \
+             F = K2⁻ᵀ E K1⁻¹"
+        ),
+        Change::TranslationReversed => "the translation has the opposite sign".to_owned(),
         Change::Mirrored { images, mirror } => {
             let are = if images == Affected::Both { "are" } else { "is" };
             let images = format!("{} {are}", of_images(images));
@@ -104,7 +175,8 @@ fn change_in_words(change: &Change) -> String {
             }
         }
         Change::Moved { images, x, y } => format!(
-            "({x:.1}, {y:.1}) px is added to the coordinates of {}: cropped images, or a wrong principal point",
+            "({x:.1}, {y:.1}) px is added to the coordinates of {}: cropped images, a wrong principal point, or a \
+             camera that has turned a little",
             of_images(images)
         ),
         Change::Distortion { k } => format!(
@@ -124,6 +196,19 @@ pub fn rows_in_words(judgement: &RowJudgement) -> String {
     );
     if judgement.is_aligned {
         return format!("The images are rectified: rows agree to {typical:.2} px. {parts}");
+    }
+    if let Some(doubt) = &judgement.doubt {
+        let because = match doubt {
+            Doubt::Reference => "The matches are themselves in doubt.",
+            _ => {
+                "Too few distinctive points in too few places show which rows are right; repeated patterns, such as \
+                  boards, do not."
+            }
+        };
+        return format!(
+            "It cannot be judged whether the images are rectified. {because} Use pictures of a scene with more \
+             distinctive points, or give matches of your own."
+        );
     }
     let cause = if judgement.is_far_off() {
         "The pair was never rectified, or it was rectified for other cameras. Rectify it.".to_owned()

@@ -13,7 +13,7 @@ use super::matches::RefinedMatch;
 use super::plane::largest_plane;
 use super::refinement::{LevelMatcher, Refined, RefinementLevel, SharedPatches};
 use super::support::{PatchSupport, Support, SupportLevel};
-use super::unguided::{UnguidedMatch, matched_corners, unguided_matches};
+use super::unguided::{UnguidedMatch, distinctive_matches, matched_corners, unguided_matches};
 use super::voting::KappaVoting;
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lazy::Lazy;
@@ -53,6 +53,8 @@ pub(in crate::estimate) struct PatchLevels {
     with_features: Lazy<SupportLevel>,
     /// Matches found without a geometry.
     unguided: Lazy<Vec<UnguidedMatch>>,
+    /// Matches found without a geometry that no other place resembles.
+    distinctive: Lazy<Vec<PointPair>>,
 }
 
 /// Distinctive matches of corners with an image and with its mirror image.
@@ -105,6 +107,7 @@ impl PatchLevels {
             aligned: Default::default(),
             with_features: Lazy::default(),
             unguided: Lazy::default(),
+            distinctive: Lazy::default(),
         }
     }
 
@@ -117,6 +120,7 @@ impl PatchLevels {
             aligned: REFINEMENT_SIDES.map(|_| AlignedFeatures::new(Arc::clone(&features))),
             with_features: Lazy::default(),
             unguided: Lazy::default(),
+            distinctive: Lazy::default(),
             features,
         }
     }
@@ -240,6 +244,15 @@ impl PatchLevels {
         self.unguided.get_or_make(|| {
             let full_size = self.refinement().pop();
             full_size.map_or_else(Vec::new, |matcher| unguided_matches(self.fine(), &matcher))
+        })
+    }
+
+    /// Returns the matches found in the whole of image 2, without any geometry, that no other place of
+    /// either image resembles.
+    pub fn distinctive(&self) -> &[PointPair] {
+        self.distinctive.get_or_make(|| {
+            let full_size = self.refinement().pop();
+            full_size.map_or_else(Vec::new, |matcher| distinctive_matches(self.fine(), &matcher))
         })
     }
 }

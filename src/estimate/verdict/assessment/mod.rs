@@ -122,6 +122,8 @@ impl Judge<'_> {
         let refinement = refined.map(|refined| refined.refinement);
         let (trust, plane) = self.trust(f, refined_margin.or(margin), refinement.as_ref());
         let (trust, warnings) = (Some(trust), self.warnings(f));
+        let distinctive =
+            refinement.as_ref().map_or_else(Arc::default, |_| viewed.patches.distinctive().into());
         Assessment {
             lines,
             support,
@@ -130,6 +132,7 @@ impl Judge<'_> {
             apart: Some(apart),
             barcodes: None,
             refinement,
+            distinctive,
             warnings,
             trust,
             plane,
