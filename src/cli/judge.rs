@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::CliError;
 use super::arguments::{ImagePair, on_threads, pixels, threads};
-use super::calibration::{CalibrationArguments, undistort_matches, undistorted, views};
+use super::calibration::{CalibrationArguments, settled, undistort_matches, undistorted, views};
 use super::estimate::watched;
 use super::geometry_file::read_geometry;
 use super::output::Output;
@@ -83,6 +83,9 @@ struct JudgeFile<'a, T: Serialize> {
     reference: FundamentalMatrix,
     /// Verdict on the reference; null for given matches.
     reference_verdict: Option<Verdict>,
+    /// How the calibration was read, and the numbers of it that were not understood.
+    #[serde(skip_serializing_if = "<[String]>::is_empty")]
+    calibration_notes: &'a [String],
     version: &'static str,
 }
 
@@ -110,12 +113,15 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     let mut matches = arguments.matches.as_deref().map(read_matches).transpose()?;
     let (mut pictures, _) = arguments.images.load()?;
     let mut stereo = None;
+    let mut notes = Vec::new();
     if let Some(calibrated) = calibrated {
-        let (pose, _) = CalibratedCamera::relative_pose(&calibrated).ok_or_else(no_pose)?;
+        let calibrated = settled(calibrated, &pictures, matches.as_deref())?;
+        notes = CalibratedCamera::notes_of(&calibrated);
+        let (pose, _) = CalibratedCamera::relative_pose(&calibrated).ok_or_else(|| no_pose(&notes))?;
         let views = views(&calibrated, &pictures)?;
         undistort_matches(&mut matches, &views)?;
         pictures = undistorted(pictures, &views);
-        given = Some(of_pose(&pose, &views).ok_or_else(no_pose)?);
+        given = Some(of_pose(&pose, &views).ok_or_else(|| no_pose(&notes))?);
         stereo = Some((pose, views));
     }
     let frames = pictures.each_ref().map(Picture::frame);
@@ -138,7 +144,7 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
         let limit = arguments.limit.unwrap_or(ROW_LIMIT);
         let found = judge_rows(&shown.matches, frames[1], limit).ok_or_else(too_few)?;
         let words = rows_in_words(&found);
-        write(&output, &found, &words, None, &shown)?;
+        write(&output, &found, &words, None, &shown, &notes)?;
         if let Some(log) = &arguments.log {
             append(log, &pictures, &found)?;
         }
@@ -163,7 +169,7 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     } else if is_calibrated && *is_open {
         words = format!("{words}\nThe pose cannot be judged. {NO_BASELINE}");
     }
-    write(&output, &found, &words, difference, &shown)?;
+    write(&output, &found, &words, difference, &shown, &notes)?;
     match found.finding {
         Finding::Fits => Ok(()),
         Finding::DoesNotFit => Err(CliError::DoesNotFit),
@@ -230,11 +236,14 @@ fn of_pose(pose: &RelativePose, views: &ViewPair) -> Option<GivenGeometry> {
     Some(GivenGeometry { fundamental, cameras: Some(views.posed(pose)?) })
 }
 
-fn no_pose() -> CliError {
-    CliError::Arguments(
-        "the calibration does not tell where the second camera is. To judge a matrix, use --fundamental"
-            .into(),
-    )
+/// Returns the refusal of a calibration without a pose. The notes of its reading may tell why.
+fn no_pose(notes: &[String]) -> CliError {
+    let told = if notes.is_empty() {
+        "the calibration does not tell where the second camera is.".to_owned()
+    } else {
+        format!("the calibration has no pose of the second camera. {}", notes.join(" "))
+    };
+    CliError::Arguments(format!("{told} To judge a matrix, use --fundamental"))
 }
 
 fn write(
@@ -243,6 +252,7 @@ fn write(
     words: &str,
     pose_difference: Option<PoseDifference>,
     shown: &Shown,
+    notes: &[String],
 ) -> Result<(), CliError> {
     let file = JudgeFile {
         message: words,
@@ -250,6 +260,7 @@ fn write(
         pose_difference,
         reference: shown.fundamental,
         reference_verdict: shown.verdict,
+        calibration_notes: notes,
         version: env!("CARGO_PKG_VERSION"),
     };
     output.write(&file, &format!("{words}\n"))

@@ -49,6 +49,8 @@ pub(super) struct Beside<'a> {
     pub(super) baseline: Option<Baseline>,
     /// Matches from elsewhere.
     pub(super) given: &'a [PointPair],
+    /// How the calibration was read.
+    pub(super) calibration: &'a [String],
 }
 
 impl ResultArguments {
@@ -70,7 +72,7 @@ impl ResultOutput {
         parameters: &Parameters,
         beside: Beside,
     ) -> Result<(), CliError> {
-        let Beside { offset, views, baseline, given } = beside;
+        let Beside { offset, views, baseline, given, calibration } = beside;
         let matches = found.matched_pairs();
         let mut pose = views.and_then(|views| views.fit_pose(found.fundamental(), &matches));
         if let Some(fit) = pose.as_mut().filter(|_| found.says_one_plane()) {
@@ -102,7 +104,8 @@ impl ResultOutput {
             })?;
         }
         let images = image_notes(pictures);
-        let mut result = ResultFile::new(found, pairs, &images, parameters).at_offset(offset);
+        let mut result =
+            ResultFile::new(found, pairs, &images, parameters).at_offset(offset).with_notes(calibration);
         let mut words = result_in_words(found, &images);
         if !given.is_empty() {
             result = result.with_given(given);

@@ -30,7 +30,7 @@ mod stereo_pair;
 mod truth_folder;
 mod vgg;
 
-pub use calibration::{CalibratedCamera, Calibration, CameraPose};
+pub use calibration::{CalibratedCamera, Calibration, CameraPose, CameraReading};
 #[doc(hidden)]
 pub use camera_rig::CameraRig;
 #[cfg(feature = "colmap")]
