@@ -6,18 +6,20 @@ use std::str::FromStr;
 use clap::{ArgGroup, Args};
 
 use super::CliError;
+use super::console::tell;
 use crate::camera::{CameraModel, FocalLength, LengthUnit, ViewPair};
-use crate::estimate::Match;
+use crate::estimate::{Match, PreparedPair};
 use crate::foreign::shown_path;
 use crate::geometry::PointPair;
 use crate::image::Picture;
-use crate::io::{CalibratedCamera, Calibration, focal_length_from_exif};
+use crate::io::{CalibratedCamera, Calibration, CameraReading, focal_length_from_exif};
 
 /// Cameras of both images.
 #[derive(Debug, Args)]
 pub(super) struct CalibrationArguments {
-    /// Calibration of the cameras: one file for both images or one for each, of OpenCV, ROS, Kalibr,
-    /// KITTI, Middlebury, COLMAP (cameras.txt), caliscope or anipose
+    /// Calibration of the cameras: one file for both images, one for each, or one with the cameras and one
+    /// with their pose. OpenCV, ROS, Kalibr, KITTI, Middlebury, COLMAP (cameras.txt), ZED, MATLAB (JSON),
+    /// ORB-SLAM, VINS, caliscope, anipose and NumPy (.npz) write such files
     #[arg(long, num_args = 1..=2, value_name = "FILE")]
     calibration: Option<Vec<PathBuf>>,
     /// Names of the two cameras in the calibration, by default the first two
@@ -94,15 +96,41 @@ impl CalibrationArguments {
             Some([left, right]) => Some([left.as_str(), right.as_str()]),
             _ => None,
         };
-        let pair = |path: &PathBuf| {
-            let found = Calibration::read(path)?.pair(names);
-            found.map_err(|e| CliError::Arguments(format!("{}: {e}", shown_path(path))))
-        };
-        Ok(Some(match &files[..] {
-            [left, right] => [pair(left)?[0].clone(), pair(right)?[usize::from(names.is_some())].clone()],
-            _ => pair(&files[0])?,
-        }))
+        let paths: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
+        let found = Calibration::read_files(&paths)?.open_pair(names);
+        let pair = found.map_err(|e| CliError::Arguments(format!("{}: {e}", shown_path(&files[0]))))?;
+        tell_notes(&CalibratedCamera::notes_of(&pair));
+        Ok(Some(pair))
     }
+}
+
+fn tell_notes(notes: &[String]) {
+    for note in notes {
+        tell(format_args!("calibration: {note}"));
+    }
+}
+
+/// Chooses the cameras for the sizes of the pictures, and the models of their lenses where the file leaves
+/// these open: by given matches, or by matches of the pictures that are found without a geometry.
+pub(super) fn settled(
+    cameras: [CalibratedCamera; 2],
+    pictures: &[Picture; 2],
+    given: Option<&[Match]>,
+) -> Result<[CalibratedCamera; 2], CliError> {
+    let before = CalibratedCamera::notes_of(&cameras);
+    let matches = || match given {
+        Some(given) => given.iter().map(|found| found.pair).collect(),
+        None => {
+            let prepared = PreparedPair::new(&pictures[0].gray, &pictures[1].gray);
+            prepared.putative_matches().iter().map(|found| found.pair).collect()
+        }
+    };
+    let frames = pictures.each_ref().map(Picture::frame);
+    let settled = CalibratedCamera::settled(cameras, frames, matches).map_err(CliError::Arguments)?;
+    let mut notes = CalibratedCamera::notes_of(&settled);
+    notes.retain(|note| !before.contains(note));
+    tell_notes(&notes);
+    Ok(settled)
 }
 
 impl CameraArguments {
@@ -139,7 +167,8 @@ impl CameraArguments {
             };
             let name = SIDES[k].to_owned();
             let (frame, unit) = (Some(frame), LengthUnit::Baseline);
-            Ok(model.map(|model| CalibratedCamera { name, model, frame, pose: None, unit }))
+            let reading = CameraReading::default();
+            Ok(model.map(|model| CalibratedCamera { name, model, frame, pose: None, unit, reading }))
         };
         let of_options = camera(0)?.zip(camera(1)?).map(<[_; 2]>::from);
         Ok(calibrated.or(of_options))
@@ -175,6 +204,7 @@ fn of_image<T: Copy>(values: Option<&[T]>, image: usize) -> Option<T> {
 
 /// Plans the views without distortion, after checking the sizes of the pictures.
 pub(super) fn views(cameras: &[CalibratedCamera; 2], pictures: &[Picture; 2]) -> Result<ViewPair, CliError> {
+    CalibratedCamera::check_settled(cameras).map_err(CliError::Arguments)?;
     for (camera, picture) in cameras.iter().zip(pictures) {
         camera.check_frame(picture.frame()).map_err(CliError::Arguments)?;
     }

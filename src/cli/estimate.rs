@@ -8,7 +8,9 @@ use clap::Args;
 
 use super::CliError;
 use super::arguments::{ImagePair, on_threads, point_pair, threads};
-use super::calibration::{CameraArguments, undistort_matches, undistorted, undistorted_pairs, views};
+use super::calibration::{
+    CameraArguments, settled, undistort_matches, undistorted, undistorted_pairs, views,
+};
 use super::console::tell;
 use super::overrides::Overrides;
 use super::result_output::{Beside, ResultArguments};
@@ -96,6 +98,8 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
             on_threads(arguments.threads, || fitted_lens(&pictures, &pairs, given.as_deref(), &parameters))??;
         (first, lambdas) = (Some(found), lens.map(|lens| lens.lambdas));
     }
+    let calibrated = calibrated.map(|cameras| settled(cameras, &pictures, given.as_deref())).transpose()?;
+    let notes = calibrated.as_ref().map(CalibratedCamera::notes_of).unwrap_or_default();
     let calibrated = arguments.cameras.of_pictures(calibrated, &pictures, lambdas)?;
     let baseline = calibrated.as_ref().and_then(CalibratedCamera::baseline);
     let views = calibrated.map(|cameras| views(&cameras, &pictures)).transpose()?;
@@ -122,7 +126,8 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
         tell("a lens may bend the images. Try --division auto");
     }
     let given: Vec<PointPair> = given.iter().flatten().map(|found| found.pair).collect();
-    let beside = Beside { views: views.as_ref(), baseline, given: &given, ..Beside::default() };
+    let beside =
+        Beside { views: views.as_ref(), baseline, given: &given, calibration: &notes, ..Beside::default() };
     output.write(&found, &pairs, &pictures, &parameters, beside)
 }
 

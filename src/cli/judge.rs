@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::CliError;
 use super::arguments::{ImagePair, on_threads, pixels, threads};
-use super::calibration::{CalibrationArguments, undistort_matches, undistorted, views};
+use super::calibration::{CalibrationArguments, settled, undistort_matches, undistorted, views};
 use super::estimate::watched;
 use super::geometry_file::read_geometry;
 use super::output::Output;
@@ -88,6 +88,9 @@ struct JudgeFile<'a, T: Serialize> {
     pictures: &'a PicturesOf,
     /// Verdict on the reference; null for given matches.
     reference_verdict: Option<Verdict>,
+    /// How the calibration was read, and the numbers of it that were not understood.
+    #[serde(skip_serializing_if = "<[String]>::is_empty")]
+    calibration_notes: &'a [String],
     version: &'static str,
 }
 
@@ -117,13 +120,16 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     let mut matches = arguments.matches.as_deref().map(read_matches).transpose()?;
     let (mut pictures, _) = arguments.images.load()?;
     let mut stereo = None;
+    let mut notes = Vec::new();
     if let Some(calibrated) = calibrated {
-        let (pose, _) = CalibratedCamera::relative_pose(&calibrated).ok_or_else(no_pose)?;
+        let calibrated = settled(calibrated, &pictures, matches.as_deref())?;
+        notes = CalibratedCamera::notes_of(&calibrated);
+        let (pose, _) = CalibratedCamera::relative_pose(&calibrated).ok_or_else(|| no_pose(&notes))?;
         let views = views(&calibrated, &pictures)?;
         undistort_matches(&mut matches, &views)?;
         pictures = undistorted(pictures, &views);
         let calibration = GivenCalibration { pose, views };
-        given = Some(of_calibration(&calibration).ok_or_else(no_pose)?);
+        given = Some(of_calibration(&calibration).ok_or_else(|| no_pose(&notes))?);
         stereo = Some(calibration);
     }
     let pictures_of = PicturesOf::from(stereo.as_ref().map(|calibration| &calibration.views));
@@ -145,13 +151,14 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
             )
         })
     };
+    let beside = Beside { shown: &shown, pictures: &pictures_of, notes: &notes };
     let Some(given) = given else {
         let limit = arguments.limit.unwrap_or(ROW_LIMIT);
         let Shown { matches, witnesses, is_trusted, .. } = &shown;
         let found = judge_rows(&RowMatches { matches, witnesses, is_trusted: *is_trusted }, frames[1], limit)
             .ok_or_else(too_few)?;
         let words = rows_in_words(&found);
-        write(&output, &found, &words, None, (&shown, &pictures_of))?;
+        write(&output, &found, &words, None, &beside)?;
         if let Some(log) = &arguments.log {
             append(log, &pictures, &found)?;
         }
@@ -185,7 +192,7 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     } else if calibration.is_some() && !shown.has_epipoles {
         words = format!("{words}\nThe pose cannot be judged. {NO_BASELINE}");
     }
-    write(&output, &found, &words, difference, (&shown, &pictures_of))?;
+    write(&output, &found, &words, difference, &beside)?;
     match found.finding {
         Finding::Fits => Ok(()),
         Finding::DoesNotFit => Err(CliError::DoesNotFit),
@@ -272,11 +279,23 @@ fn of_calibration(calibration: &GivenCalibration) -> Option<GivenGeometry> {
     Some(GivenGeometry { fundamental, cameras: Some(views.posed(pose)?), calibration: Some(*calibration) })
 }
 
-fn no_pose() -> CliError {
-    CliError::Arguments(
-        "the calibration does not tell where the second camera is. To judge a matrix, use --fundamental"
-            .into(),
-    )
+/// Returns the refusal of a calibration without a pose. The notes of its reading may tell why.
+fn no_pose(notes: &[String]) -> CliError {
+    let told = if notes.is_empty() {
+        "the calibration does not tell where the second camera is.".to_owned()
+    } else {
+        format!("the calibration has no pose of the second camera. {}", notes.join(" "))
+    };
+    CliError::Arguments(format!("{told} To judge a matrix, use --fundamental"))
+}
+
+/// What a written judgement rests on.
+struct Beside<'a> {
+    shown: &'a Shown,
+    /// Pictures that the reference belongs to.
+    pictures: &'a PicturesOf,
+    /// How the calibration was read.
+    notes: &'a [String],
 }
 
 fn write(
@@ -284,15 +303,16 @@ fn write(
     judgement: &impl Serialize,
     words: &str,
     pose_difference: Option<PoseDifference>,
-    (shown, pictures): (&Shown, &PicturesOf),
+    beside: &Beside,
 ) -> Result<(), CliError> {
     let file = JudgeFile {
         message: words,
         judgement,
         pose_difference,
-        reference: shown.fundamental,
-        pictures,
-        reference_verdict: shown.verdict,
+        reference: beside.shown.fundamental,
+        pictures: beside.pictures,
+        reference_verdict: beside.shown.verdict,
+        calibration_notes: beside.notes,
         version: env!("CARGO_PKG_VERSION"),
     };
     output.write(&file, &format!("{words}\n"))

@@ -8,7 +8,7 @@ use image::DynamicImage;
 
 use super::CliError;
 use super::arguments::{ImagePair, megapixels, on_threads, threads};
-use super::calibration::{CameraArguments, undistorted_pairs, views};
+use super::calibration::{CameraArguments, settled, undistorted_pairs, views};
 use super::console::{print, tell};
 use crate::camera::{PicturesOf, RelativePose, ViewPair};
 use crate::cancel::CancelFlag;
@@ -77,6 +77,7 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let (pictures, known) = arguments.images.load()?;
     let given = given.map(|given| given.iter().map(|found| found.pair).collect());
     let mut matches: Vec<PointPair> = given.or(known).unwrap_or_default();
+    let calibrated = calibrated.map(|cameras| settled(cameras, &pictures, None)).transpose()?;
     let calibrated = arguments.cameras.of_pictures(calibrated, &pictures, None)?;
     let mut views = calibrated.as_ref().map(|cameras| views(cameras, &pictures)).transpose()?;
     if let (Some(views), Some((_, file)), Some(path)) = (&mut views, &result, &arguments.fundamental) {

@@ -53,6 +53,8 @@ pub(super) struct Beside<'a> {
     pub(super) baseline: Option<Baseline>,
     /// Matches from elsewhere.
     pub(super) given: &'a [PointPair],
+    /// How the calibration was read.
+    pub(super) calibration: &'a [String],
 }
 
 impl ResultArguments {
@@ -88,7 +90,7 @@ impl ResultOutput {
         parameters: &Parameters,
         beside: Beside,
     ) -> Result<(), CliError> {
-        let Beside { offset, views, baseline, given } = beside;
+        let Beside { offset, views, baseline, given, calibration } = beside;
         let matches = found.matched_pairs();
         let pictures_of = PicturesOf::from(views);
         let mut pose = views.and_then(|views| views.fit_pose(found.fundamental(), &matches));
@@ -130,7 +132,9 @@ impl ResultOutput {
             }
         }
         let images = image_notes(pictures);
-        let mut result = ResultFile::new(found, pairs, &images, parameters, &pictures_of).at_offset(offset);
+        let mut result = ResultFile::new(found, pairs, &images, parameters, &pictures_of)
+            .at_offset(offset)
+            .with_notes(calibration);
         let mut words = result_in_words(found, &images, &pictures_of);
         if !given.is_empty() {
             result = result.with_given(given);

@@ -14,6 +14,7 @@ mod identity;
 mod match_file;
 mod npy;
 mod number;
+mod opencv_xml;
 mod output;
 mod pair_folder;
 mod part_file;
@@ -30,7 +31,7 @@ mod truth_folder;
 mod undistorted;
 mod vgg;
 
-pub use calibration::{CalibratedCamera, Calibration, CameraPose};
+pub use calibration::{CalibratedCamera, Calibration, CameraPose, CameraReading};
 #[doc(hidden)]
 pub use camera_rig::CameraRig;
 #[cfg(feature = "colmap")]

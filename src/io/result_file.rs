@@ -103,6 +103,9 @@ pub struct ResultFile<'a> {
     /// without distortion.
     #[serde(skip_serializing_if = "Option::is_none")]
     calibrated: Option<CalibratedFile<'a>>,
+    /// How the calibration was read, and the numbers of it that were not understood.
+    #[serde(skip_serializing_if = "<[String]>::is_empty")]
+    calibration_notes: &'a [String],
     parameters: &'a Parameters,
     version: &'static str,
 }
@@ -245,6 +248,7 @@ impl<'a> ResultFile<'a> {
             pair_names: Vec::new(),
             pair_origins: Vec::new(),
             calibrated: None,
+            calibration_notes: &[],
             parameters,
             version: env!("CARGO_PKG_VERSION"),
         }
@@ -287,6 +291,13 @@ impl<'a> ResultFile<'a> {
             pose: pose.map(PoseFile::new),
             baseline,
         });
+        self
+    }
+
+    /// Adds sentences about how the calibration was read.
+    #[must_use]
+    pub fn with_notes(mut self, notes: &'a [String]) -> Self {
+        self.calibration_notes = notes;
         self
     }
 

@@ -174,7 +174,7 @@ impl PreparedPair {
 
     /// Returns the matches of covariant features as observations for a fit. They were found without any
     /// geometry, and many may be wrong.
-    pub(in crate::estimate) fn putative_matches(&self) -> Vec<Match> {
+    pub fn putative_matches(&self) -> Vec<Match> {
         let MatchedFeatures { sets, matches } = self.features(FeatureViews::Frontal);
         putative(sets.each_ref(), matches, self.frames())
     }

@@ -95,8 +95,12 @@ impl ImportQuestion {
     /// Reads a calibration, or else a geometry.
     fn read_any(&self) -> Result<ImportedFile, String> {
         if let ImportSource::File(path) = &self.pending.source {
-            if let Ok(calibration) = Calibration::read(path) {
-                let cameras = Box::new(calibration.pair(None)?);
+            let found = Calibration::find(path);
+            if let Some(Ok(calibration)) = &found {
+                // Matches at hand are places in the pictures unless a lens is corrected.
+                let matches = || if self.frames == self.shown { self.matches.pairs().to_vec() } else { Vec::new() };
+                let pair = CalibratedCamera::settled(calibration.open_pair(None)?, self.shown, matches)?;
+                let cameras = Box::new(pair);
                 for (camera, frame) in cameras.iter().zip(self.shown) {
                     camera.check_frame(frame)?;
                 }
@@ -104,6 +108,11 @@ impl ImportQuestion {
             }
             if is_archive(path) {
                 return Ok(ImportedFile::Geometry(Box::new(self.matches_of(path)?)));
+            }
+            if let Some(Err(refusal)) = found {
+                // A calibration that is refused may still hold a geometry.
+                let geometry = self.read().map_err(|_| refusal.to_string());
+                return geometry.map(|found| ImportedFile::Geometry(Box::new(found)));
             }
         }
         Ok(ImportedFile::Geometry(Box::new(self.read()?)))
