@@ -14,6 +14,7 @@ mod identity;
 mod match_file;
 mod npy;
 mod number;
+mod opencv_xml;
 mod output;
 mod pair_folder;
 mod part_file;

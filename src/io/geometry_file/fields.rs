@@ -250,7 +250,7 @@ impl Fields {
 }
 
 /// Adds a field to an object. A known name must not occur twice with different values.
-pub(super) fn insert(object: &mut Map<String, Value>, name: String, value: Value) -> Result<(), String> {
+pub(in crate::io) fn insert(object: &mut Map<String, Value>, name: String, value: Value) -> Result<(), String> {
     match object.get(&name) {
         Some(known) if Quantity::named(&name).is_some() && *known != value => return Err(there_twice(&name)),
         _ => object.insert(name, value),

@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::quantity::Quantity;
+use crate::io::opencv_xml::is_xml;
 
 named! {
     fn name;
@@ -16,7 +17,7 @@ named! {
         Json = "json",
         /// Plain text with comments.
         Text = "text",
-        /// OpenCV `FileStorage`, YAML.
+        /// OpenCV `FileStorage`, YAML. XML is read, too.
         OpencvYaml = "opencv-yaml",
         /// Script for MATLAB and Octave, written only.
         Matlab = "matlab",
@@ -95,7 +96,7 @@ impl Format {
         if start.starts_with(['{', '[']) {
             return Self::Json;
         }
-        if start.starts_with("%YAML") || start.starts_with("---") {
+        if start.starts_with("%YAML") || start.starts_with("---") || is_xml(text) {
             return Self::OpencvYaml;
         }
         let mut lines = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with(['#', '%']));

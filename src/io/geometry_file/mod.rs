@@ -40,6 +40,7 @@ use self::coordinates::WrittenGeometry;
 use self::fields::Fields;
 use super::npy::rows_as_text;
 use super::number::rows;
+use super::opencv_xml::{is_xml, xml_value};
 use super::output::{OutputFile, WriteError};
 use super::read::{Problem, ReadError, read_bytes, text_of};
 use super::vgg::read_camera;
@@ -52,7 +53,8 @@ pub(super) use self::coordinates::{moved_fundamental, moved_pair, shift};
 pub use self::format::Format;
 pub use self::labels::{PairLabel, PairOrigin, TrustNote};
 pub use self::notation::Notation;
-pub(super) use self::yaml::yaml_value;
+pub(super) use self::fields::insert;
+pub(super) use self::yaml::{DEEPEST, plain_scalar, yaml_value};
 
 /// Largest structured text that is read, bytes. Parsing takes about 15 times its length in memory.
 const MOST_STRUCTURED: usize = 16 << 20;
@@ -112,9 +114,6 @@ impl GeometryFile {
     }
 
     fn parse_for(text: &str, wanted: BareNumbers) -> Result<(Self, Format), Problem> {
-        if text.trim_start().starts_with('<') {
-            return Err(Problem::whole(XML));
-        }
         let format = Format::of_content(text);
         if format != Format::Text && text.len() > MOST_STRUCTURED {
             return Err(Problem::whole(format!(
@@ -126,6 +125,7 @@ impl GeometryFile {
         let fields: Fields = match format {
             Format::Json => json::read(text)?,
             Format::Text => text::read(text, wanted)?,
+            Format::OpencvYaml if is_xml(text) => Fields::from_value(&xml_value(text)?)?,
             Format::OpencvYaml => opencv_yaml::read(text)?,
             Format::Matlab => return Err(Problem::whole(MATLAB_SCRIPT)),
         };
@@ -134,9 +134,6 @@ impl GeometryFile {
 }
 
 const SAME_CENTRE: &str = "the two cameras have the same centre, so there is no fundamental matrix";
-
-/// Advice for an XML file: the conversion to YAML with OpenCV.
-const XML: &str = "XML is not supported. Convert it to YAML with OpenCV in Python: s = cv2.FileStorage('F.xml', 0); cv2.FileStorage('F.yml', 1).write('F', s.getNode('F').mat())";
 
 /// Advice for a MATLAB script, which only MATLAB can evaluate.
 const MATLAB_SCRIPT: &str = "this is a MATLAB script, which is written but not read. Save the numbers as text: writematrix(F, 'F.txt', 'Delimiter', ' ')";
