@@ -10,6 +10,7 @@ use super::CliError;
 use super::arguments::{ImagePair, on_threads, point_pair, threads};
 use super::calibration::{CameraArguments, undistort_matches, undistorted, undistorted_pairs, views};
 use super::console::tell;
+use super::geometry_file::read_matches;
 use super::overrides::Overrides;
 use super::result_output::{Beside, ResultArguments};
 use crate::estimate::{
@@ -18,7 +19,7 @@ use crate::estimate::{
 };
 use crate::geometry::PointPair;
 use crate::image::Picture;
-use crate::io::{CalibratedCamera, read_matches};
+use crate::io::CalibratedCamera;
 use crate::presentation::lens_in_words;
 
 /// Estimate the fundamental matrix of two images from point pairs, or from none

@@ -12,14 +12,14 @@ use super::CliError;
 use super::arguments::{ImagePair, on_threads, pixels, threads};
 use super::calibration::{CalibrationArguments, undistort_matches, undistorted, views};
 use super::estimate::watched;
-use super::geometry_file::read_geometry;
+use super::geometry_file::{read_geometry, read_matches};
 use super::output::Output;
 use crate::camera::{PicturesOf, PoseDifference, RelativePose, ViewPair};
 use crate::estimate::{Match, Monitor, Parameters, Uncertainty, Verdict, estimate, estimate_fundamental};
 use crate::foreign::{reason, shown_path};
 use crate::geometry::{Frame, FundamentalMatrix, Matrix9, PointPair};
 use crate::image::Picture;
-use crate::io::{CalibratedCamera, GeometryFile, read_matches, refuse_clashes};
+use crate::io::{CalibratedCamera, GeometryFile, refuse_clashes};
 use crate::judge::{
     FEWEST_MATCHES, Finding, GivenGeometry, Judgement, LIMIT, ROW_LIMIT, Reference, RowJudgement, judge,
     judge_rows,
