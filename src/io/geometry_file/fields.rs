@@ -6,14 +6,14 @@ use serde_json::{Map, Value};
 use super::Problem;
 use super::content::{BareNumbers, CalibratedNote, GeometryFile, ImageNote};
 use super::matrix_name::MatrixName;
-use super::printed::PrintedMatrix;
+use super::printed::{PrintedMatrix, ROW_BY_ROW};
 use super::quantity::Quantity;
 use super::views::PicturesRead;
 use crate::estimate::Match;
 use crate::foreign::excerpt;
 use crate::geometry::{Camera, FundamentalMatrix, PointPair};
 use crate::io::match_arrays::{
-    FoundMatches, NamedArray, check_pixels, concerns_matches, matches_of, names_points, shape_in_words,
+    FoundMatches, NamedArray, check_pixels, concerns_matches, matches_of, names_points, names_scores, shape_in_words,
 };
 use crate::io::npy::Array;
 use crate::io::number::finite_number;
@@ -154,7 +154,10 @@ impl Fields {
         fields.add_matches(arrays);
         fields.add_named_matrix(&others);
         if fields.is_empty() && fields.not_fundamental.is_none() {
-            let unread = arrays.iter().find_map(|(name, array)| Some(format!("{name}: {}", array.as_ref().err()?)));
+            let unread = arrays.iter().find_map(|(name, array)| {
+                let problem = array.as_ref().err()?;
+                Some(if name.is_empty() { problem.clone() } else { format!("{name}: {problem}") })
+            });
             let names: Vec<&str> = arrays.iter().map(|(name, _)| &**name).take(MOST_NAMES).collect();
             fields.not_fundamental = Some(unread.unwrap_or_else(|| match names[..] {
                 [] => "there are no arrays in it".to_owned(),
@@ -210,7 +213,7 @@ impl Fields {
             }
         };
         let (name, table) = found;
-        if is_told {
+        if is_told && !name.is_empty() {
             self.notes.push(format!("the matrix {} was read as F", excerpt(name)));
         }
         self.tables.push((Quantity::Fundamental, table.clone()));
@@ -229,12 +232,18 @@ impl Fields {
     pub(super) fn from_value(value: &Value) -> Result<Self, Problem> {
         let mut fields = Self::default();
         let Some(object) = value.as_object() else {
+            let is_table = |array: &Array| array.shape.len() > 1 && array.numbers.len() != 9;
+            if let Some(array) = array_of(value).filter(is_table) {
+                return Self::from_arrays(&[(String::new(), Ok(array))]);
+            }
             fields.add_bare(table(value).map_err(Problem::whole)?, BareNumbers::Anything)?;
             return Ok(fields);
         };
         let arrays = named_arrays(object);
         // Beside keypoints, `matches` has their indices.
-        let has_keypoints = arrays.iter().any(|(name, _)| Quantity::named(name).is_none() && names_points(name));
+        let has = |named: fn(&str) -> bool| arrays.iter().any(|(name, _)| named(name));
+        let has_keypoints = has(|name| Quantity::named(name).is_none() && names_points(name))
+            || (has(names_points) && has(names_scores));
         let mut others = Vec::new();
         for (name, value) in object {
             match (Quantity::named(name), &name[..]) {
@@ -295,7 +304,11 @@ impl Fields {
             not_fundamental: self.not_fundamental.clone(),
             ..GeometryFile::of(pictures.clone())
         };
-        let file = self.with_matches(file)?;
+        let mut file = self.with_matches(file)?;
+        let is_list = |table: &NumberTable| table.rows == 1 || table.columns == 1;
+        if self.table(Quantity::Fundamental).is_some_and(is_list) {
+            file.notes.push(ROW_BY_ROW.to_owned());
+        }
         let is_finite = |h: &Matrix3<f64>| h.iter().all(|v| v.is_finite());
         let mut homographies = file.homographies.iter().flatten().chain(&file.homography21);
         if !file.pairs.iter().all(PointPair::is_finite) || !homographies.all(is_finite) {
@@ -480,6 +493,13 @@ fn is_rows(value: &Value) -> bool {
 pub(super) fn table(value: &Value) -> Result<NumberTable, String> {
     match value {
         Value::Object(_) => opencv_matrix(value),
+        // Pairs of points: N×2×2.
+        Value::Array(rows) if rows.iter().all(is_rows) && !rows.is_empty() => {
+            let Some(Array { shape, numbers }) = array_of(value).filter(|array| array.shape[1..] == [2, 2]) else {
+                return Err("this is not a list of rows".into());
+            };
+            NumberTable::new(shape[0], 4, numbers)
+        }
         Value::Array(rows) if !rows.is_empty() && is_rows(value) => {
             let rows = rows.iter().map(list).collect::<Result<Vec<_>, _>>()?;
             NumberTable::from_rows(&rows)

@@ -1,5 +1,8 @@
 //! Files of epipolar geometry for other programs, each in the convention of its readers.
 //!
+//! What is read is wider than what is written: XML of OpenCV, NumPy arrays and archives, and a matrix that is
+//! printed in any notation ([`printed`]). What was read and what was left out is in [`GeometryFile::notes`].
+//!
 //! | [`Format`] | read by | F | centre of the upper left pixel |
 //! |---|---|---|---|
 //! | [`Json`](Format::Json) | this program, scripts | `x2ᵀ F x1 = 0` | (0, 0) |
@@ -44,6 +47,7 @@ use self::content::BareNumbers;
 use self::coordinates::WrittenGeometry;
 use self::fields::Fields;
 use self::matrix_name::MatrixName;
+use self::yaml::NOT_YAML;
 use self::printed::NoMatrix;
 use super::match_file::archive;
 use super::npy::{Array, is_npy};
@@ -68,6 +72,10 @@ pub(super) use self::yaml::{DEEPEST, plain_scalar, yaml_value};
 
 /// Largest structured text that is read, bytes. Parsing takes about 15 times its length in memory.
 const MOST_STRUCTURED: usize = 16 << 20;
+
+/// Largest text that is searched for a printed matrix, bytes.
+const MOST_PRINTED: usize = 1 << 20;
+const LONG: &str = "a text of more than 1 MiB is not searched for a matrix. Save its nine numbers alone";
 
 impl GeometryFile {
     /// Returns the content of a file.
@@ -180,11 +188,16 @@ fn printed_matrix(text: &str, format: Format, problem: Problem) -> Result<Fields
         Format::OpencvYaml => is_xml(text) || text.trim_start().starts_with(['%', '-']),
         Format::Text | Format::Matlab => false,
     };
-    if is_certain {
-        return Err(problem);
+    if is_certain || text.len() > MOST_PRINTED {
+        return Err(if problem.problem.is_empty() { Problem::whole(LONG) } else { problem });
     }
+    // Any other problem tells more of YAML that is valid.
+    let may_be_unclear = match format {
+        Format::OpencvYaml => problem.problem.starts_with(NOT_YAML),
+        _ => !text::has_sections(text),
+    };
     let mut printed = printed::read(text).map_err(|error| match error {
-        NoMatrix::Unclear(unclear) if !text::has_sections(text) => Problem::whole(unclear),
+        NoMatrix::Unclear(unclear) if may_be_unclear => Problem::whole(unclear),
         NoMatrix::Count(count) if problem.problem.is_empty() => expected_nine(count),
         _ => problem,
     })?;

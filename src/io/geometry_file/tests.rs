@@ -289,7 +289,7 @@ fn what_is_wrong_is_said() {
             "not valid YAML",
         ),
         ("%YAML:1.0", "empty or ends too early"),
-        ("F: [1, 2\npoints: 3", "not valid YAML"),
+        ("F: [1, 2\npoints: 3", "but F has 2"),
         ("a: &a [1]\nF: *a\n", "aliases"),
         ("<opencv_storage><F>", "ends too early"),
         (

@@ -31,7 +31,6 @@ impl ImportSource {
 /// Returns whether a file is imported rather than opened as an image. Sessions have such names,
 /// too.
 pub fn is_importable(path: &Path) -> bool {
-    // The import refuses XML and suggests a way around.
     const OTHERS: [&str; 6] = ["csv", "tsv", "dat", "npy", "xml", "toml"];
     Format::of_path(path).is_some() || is_camera(path) || is_archive(path) || has_extension(path, &OTHERS)
 }

@@ -44,6 +44,9 @@ struct Candidate {
     to: usize,
 }
 
+/// Note on nine numbers in one row or one column.
+pub(super) const ROW_BY_ROW: &str = "the nine numbers show no rows and were read row by row";
+
 /// Most numbers of a text that are looked at. Files of matches are not printed matrices.
 const MOST_NUMBERS: usize = 4000;
 
@@ -80,7 +83,7 @@ pub(super) fn read(text: &str) -> Result<PrintedMatrix, NoMatrix> {
     if is_by_columns {
         notes.push("the numbers stand column by column there".to_owned());
     } else if !nine.has_rows && !nine.has_lines {
-        notes.push("the nine numbers show no rows and were read row by row".to_owned());
+        notes.push(ROW_BY_ROW.to_owned());
     }
     if chosen.is_transposed {
         notes.push("a mark of transposition was applied".to_owned());

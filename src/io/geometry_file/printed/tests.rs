@@ -89,7 +89,7 @@ fn notations() -> Vec<String> {
         format!("127 inliers of 200\nF = [[{python}]]\nE = [[1, 2, 3], [4, 5, 6], [7, 8, 9]]\nerror: 0.35\n"),
         format!("# F, from 8 points\n{}\n", joined(&plain, " ", "\n")),
         format!("%%MatrixMarket matrix array real general\n3 3\n{}", by_columns.join("\n")),
-        joined(&cells(|v| format!("{v:.12}")), ";", "\n").replace('.', ","),
+        joined(&cells(|v| format!("{v:.18}")), ";", "\n").replace('.', ","),
         format!("F = [{}]", joined(&plain, ", ", "; ")).replace('-', "\u{2212}"),
     ]
 }
@@ -99,6 +99,9 @@ fn is_f(numbers: &[f64; 9]) -> bool {
     let scale = numbers[8];
     numbers.iter().zip(F).all(|(number, expected)| (number / scale - expected).abs() <= 1e-7 * expected.abs().max(1e-6))
 }
+
+/// Words by which a language lists columns or rows. Without them the text is another one.
+const NOTATION: [&str; 8] = ["matrix", "byrow", "TRUE", "structure", "reshape", "dim", "MatrixMarket", "c"];
 
 #[test]
 fn every_notation_gives_the_same_matrix() {
@@ -122,7 +125,7 @@ fn what_is_not_clear_is_refused() {
         (format!("A = [{nine}]\nB = [2 2 3; 4 5 6; 7 8 9]"), "A and B"),
         (format!("F1 = [{nine}]\nF2 = [2 2 3; 4 5 6; 7 8 9]"), "F1 and F2"),
         ("F = [1 2 3; 4 5 6; 7 8]\nM = [1 2 3; 4 5 6; 7 8 9]".into(), "F has 8"),
-        (format!("F = [{nine}]\n\n5 6 7"), "found 12"),
+        (format!("F = [{nine}]\n\n5 6 7"), "F has 12"),
         ("F =\n1 2 x\n4 5 6\n7 8 9\n10 11 12".into(), "cannot be told apart"),
         ("F = [1 2; 3 4 5 6; 7 8 9]".into(), "rows of 2, 4, 3"),
         ("[[1 2] [3 4 5 6] [7 8 9]]".into(), "rows of 2, 4, 3"),
@@ -151,14 +154,14 @@ fn what_is_not_clear_is_refused() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// A text with a number less, another word, or its lines in another order never shows another matrix.
+    /// A text with a word or a number less, with another word, a line less or a number twice never shows another matrix.
     #[test]
     fn changed_texts_give_the_same_matrix_or_none(which in any::<prop::sample::Index>(), at in any::<prop::sample::Index>(), change in 0..4) {
         let all = notations();
         let text = &all[which.index(all.len())];
         let tokens: Vec<(usize, &str)> = text
             .split(|c: char| c.is_whitespace() || ",;()[]{}|&".contains(c))
-            .filter(|word| !word.is_empty())
+            .filter(|word| word.contains(|c: char| c.is_alphanumeric()) && !NOTATION.iter().any(|part| word.contains(part)))
             .map(|word| (word.as_ptr() as usize - text.as_ptr() as usize, word))
             .collect();
         let (from, word) = tokens[at.index(tokens.len())];
@@ -168,9 +171,9 @@ proptest! {
             1 => format!("{}Name{}", &text[..from], &text[to..]),
             2 => {
                 let mut lines: Vec<&str> = text.lines().collect();
-                let at = at.index(lines.len());
-                let line = lines.remove(at);
-                lines.join("\n").replace(line, line)
+                let line = at.index(lines.len());
+                lines.remove(line);
+                lines.join("\n")
             }
             _ => {
                 let is_number = word.parse::<f64>().is_ok();
