@@ -51,6 +51,9 @@ struct CheckFile<'a> {
     fits: bool,
     message: &'a str,
     format: Format,
+    /// How the file was read.
+    #[serde(skip_serializing_if = "<[String]>::is_empty")]
+    notes: &'a [String],
     #[serde(flatten)]
     check: &'a ConventionCheck,
     version: &'static str,
@@ -79,6 +82,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), CliError> {
         fits: check.fits(),
         message: &sentence,
         format,
+        notes: &file.notes,
         check: &check,
         version: env!("CARGO_PKG_VERSION"),
     };

@@ -12,6 +12,7 @@ use super::calibration::{
     CameraArguments, settled, undistort_matches, undistorted, undistorted_pairs, views,
 };
 use super::console::tell;
+use super::geometry_file::read_matches;
 use super::overrides::Overrides;
 use super::result_output::{Beside, ResultArguments};
 use crate::estimate::{
@@ -20,7 +21,7 @@ use crate::estimate::{
 };
 use crate::geometry::PointPair;
 use crate::image::Picture;
-use crate::io::{CalibratedCamera, read_matches};
+use crate::io::CalibratedCamera;
 use crate::presentation::lens_in_words;
 
 /// Estimate the fundamental matrix of two images from point pairs, or from none

@@ -8,12 +8,12 @@ use super::CliError;
 use super::console::{print, tell};
 use super::output::Output;
 use crate::camera::PicturesOf;
+use crate::estimate::Match;
 use crate::foreign::shown_path;
 use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::image::Picture;
 use crate::io::{
-    Format, GeometryFile, ImageNote, OutputFile, cloud_as_ply, fundamental_as_npy, read_point_pairs,
-    refuse_clashes,
+    Format, GeometryFile, ImageNote, MatchFile, OutputFile, cloud_as_ply, fundamental_as_npy, refuse_clashes,
 };
 use crate::presentation::lenses_in_words;
 
@@ -40,8 +40,10 @@ impl GeometryInput {
             Some(camera2) => (GeometryFile::read_cameras([&self.file, camera2])?.1, Format::Text),
             None => GeometryFile::read(&self.file)?,
         };
+        tell_notes(&self.file, &file.notes);
         if let Some(matches) = &self.matches {
-            file.pairs = in_pictures_of(&file.pictures, read_point_pairs(matches)?)
+            let pairs = read_matches(matches)?.into_iter().map(|found| found.pair).collect();
+            file.pairs = in_pictures_of(&file.pictures, pairs)
                 .ok_or_else(|| CliError::Arguments(format!(
                     "{} belongs to pictures without distortion, which it does not describe, so the matches of the \
                      pictures have no place in it. Export it again",
@@ -65,6 +67,20 @@ impl GeometryInput {
     }
 }
 
+/// Reads matches, and tells what was read and what was left out.
+pub(super) fn read_matches(path: &Path) -> Result<Vec<Match>, CliError> {
+    let file = MatchFile::read(path)?;
+    tell_notes(path, &file.notes);
+    Ok(file.matches)
+}
+
+/// Tells how a file was read.
+pub(super) fn tell_notes(path: &Path, notes: &[String]) {
+    for note in notes {
+        tell(format_args!("note: {}: {note}", shown_path(path)));
+    }
+}
+
 /// Returns point pairs of the pictures as they are in the pictures of a file. Pairs beyond the range of a lens
 /// are left out. `None` for unknown views.
 fn in_pictures_of(pictures: &PicturesOf, pairs: Vec<PointPair>) -> Option<Vec<PointPair>> {
@@ -79,6 +95,7 @@ fn in_pictures_of(pictures: &PicturesOf, pairs: Vec<PointPair>) -> Option<Vec<Po
 /// is refused.
 pub(super) fn read_geometry(path: &Path) -> Result<(FundamentalMatrix, GeometryFile), CliError> {
     let (fundamental, file) = GeometryFile::read_geometry(path)?;
+    tell_notes(path, &file.notes);
     if file.pictures.is_undistorted() {
         return Err(CliError::Arguments(format!(
             "{} belongs to pictures without distortion ({}), not to these. Draw such pictures with epiline estimate \

@@ -12,7 +12,7 @@ use super::CliError;
 use super::arguments::{ImagePair, on_threads, pixels, threads};
 use super::calibration::{CalibrationArguments, settled, undistort_matches, undistorted, views};
 use super::estimate::watched;
-use super::geometry_file::read_geometry;
+use super::geometry_file::{read_geometry, read_matches};
 use super::output::Output;
 use crate::camera::{PicturesOf, PoseDifference};
 use crate::estimate::{
@@ -21,7 +21,7 @@ use crate::estimate::{
 use crate::foreign::{reason, shown_path};
 use crate::geometry::{Frame, FundamentalMatrix, Matrix9, PointPair};
 use crate::image::Picture;
-use crate::io::{CalibratedCamera, GeometryFile, read_matches, refuse_clashes};
+use crate::io::{CalibratedCamera, GeometryFile, refuse_clashes};
 use crate::judge::{
     FEWEST_MATCHES, Finding, GivenCalibration, GivenGeometry, Judgement, LIMIT, ROW_LIMIT, Reference,
     RowJudgement, RowMatches, judge, judge_rows,

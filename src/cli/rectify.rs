@@ -10,6 +10,7 @@ use super::CliError;
 use super::arguments::{ImagePair, megapixels, on_threads, threads};
 use super::calibration::{CameraArguments, settled, undistorted_pairs, views};
 use super::console::{print, tell};
+use super::geometry_file::{read_matches, tell_notes};
 use crate::camera::{PicturesOf, RelativePose, ViewPair};
 use crate::cancel::CancelFlag;
 use crate::foreign::shown_path;
@@ -17,7 +18,7 @@ use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::image::Picture;
 use crate::io::{
     CalibratedCamera, GeometryFile, PictureFormat, RectifiedFiles, RectifiedOptions, StereoPair,
-    StereoPairFiles, StereoProgram, read_matches,
+    StereoPairFiles, StereoProgram,
 };
 use crate::presentation::lenses_in_words;
 use crate::rectify::{Distortion, Limits, Rectification, RectifyMethod, rectify, rectify_calibrated};
@@ -147,6 +148,7 @@ fn drawn(
 /// Reads a result. A result for views without distortion needs a calibration.
 fn read_result(path: &Path, is_calibrated: bool) -> Result<(FundamentalMatrix, GeometryFile), CliError> {
     let (fundamental, file) = GeometryFile::read_geometry(path)?;
+    tell_notes(path, &file.notes);
     if file.pictures.is_undistorted() && !is_calibrated {
         return Err(CliError::Arguments(format!(
             "{} belongs to pictures without distortion ({}). Give the calibration or \

@@ -11,6 +11,7 @@ mod geometry_file;
 mod ground_truth;
 mod hash;
 mod identity;
+mod match_arrays;
 mod match_file;
 mod npy;
 mod number;
@@ -45,7 +46,7 @@ pub use geometry_file::{
 pub use ground_truth::{GroundTruth, TruthError, TruthOrigin};
 #[doc(hidden)]
 pub use identity::refuse_clashes;
-pub use match_file::read_matches;
+pub use match_file::{MatchFile, read_matches};
 pub use npy::fundamental_as_npy;
 #[doc(hidden)]
 pub use output::OutputFile;

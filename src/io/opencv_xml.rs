@@ -10,6 +10,7 @@ use serde_json::{Map, Value};
 
 use super::geometry_file::{DEEPEST, insert, plain_scalar};
 use super::read::Problem;
+use crate::foreign::excerpt;
 
 /// Element that is not closed yet.
 struct Open {
@@ -21,8 +22,8 @@ struct Open {
 
 /// Returns whether a text is XML.
 pub(super) fn is_xml(text: &str) -> bool {
-    let start = text.trim_start();
-    start.starts_with("<?xml") || start.starts_with("<opencv_storage") || start.starts_with("<!")
+    let inside = text.trim_start().strip_prefix('<');
+    inside.is_some_and(|inside| inside.starts_with(|c: char| c.is_ascii_alphabetic() || "?!".contains(c)))
 }
 
 /// Parses a document.
@@ -42,7 +43,8 @@ pub(super) fn xml_value(text: &str) -> Result<Value, Problem> {
                 let name = String::from_utf8_lossy(element.name().as_ref()).into_owned();
                 if open.is_empty() && name != "opencv_storage" {
                     return Err(failed(format!(
-                        "this XML file was not written by OpenCV: it begins with <{name}>, not with <opencv_storage>"
+                        "this XML file was not written by OpenCV: it begins with <{}>, not with <opencv_storage>",
+                        excerpt(&name)
                     )));
                 }
                 open.push(Open { name, items: Vec::new(), fields: Map::new(), text: String::new() });
@@ -66,8 +68,8 @@ pub(super) fn xml_value(text: &str) -> Result<Value, Problem> {
             }
             Event::GeneralRef(entity) => {
                 let character = character(&entity).ok_or_else(|| {
-                    let name = String::from_utf8_lossy(&entity).into_owned();
-                    failed(format!("the entity &{name}; is not known. Write the text out"))
+                    let name = String::from_utf8_lossy(&entity);
+                    failed(format!("the entity &{}; is not known. Write the text out", excerpt(&name)))
                 })?;
                 open.iter_mut().last().into_iter().for_each(|element| element.text.push_str(&character));
             }
@@ -88,7 +90,7 @@ impl Open {
             (true, true, _) => Ok(of_text(&name, text)),
             (true, false, true) => Ok(Value::Object(fields)),
             (false, true, true) => Ok(Value::Array(items)),
-            _ => Err(format!("<{name}> mixes texts, lists and names")),
+            _ => Err(format!("<{}> mixes texts, lists and names", excerpt(&name))),
         }
     }
 }

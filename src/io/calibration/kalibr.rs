@@ -93,8 +93,11 @@ pub(super) fn kalibr(root: &Value) -> Result<Option<Vec<CalibratedCamera>>, Stri
 
 /// Returns the names of numbers that Kalibr does not write.
 fn unread(camera: &str, object: &Object) -> Vec<String> {
-    let others: Object =
-        object.iter().filter(|(name, _)| !KNOWN.contains(&name.as_str())).map(|(n, v)| (n.clone(), v.clone())).collect();
+    let others: Object = object
+        .iter()
+        .filter(|(name, _)| !KNOWN.contains(&name.as_str()))
+        .map(|(n, v)| (n.clone(), v.clone()))
+        .collect();
     let fields = fields(&Value::Object(others));
     let fields = fields.iter().filter(|f| f.meaning.role != Role::Harmless && !f.numbers().is_empty());
     fields.map(|field| format!("{camera}.{}", field.name())).collect()

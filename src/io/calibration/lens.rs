@@ -109,13 +109,11 @@ pub(super) fn model_of(rig: &Rig, camera: &[String]) -> Result<Option<Model>, St
             continue;
         }
         let found = match setting.as_str() {
-            flag_name if FLAGS.contains(&flag_name) => {
-                match flag(&field.content) {
-                    Some(true) => Some(Model::Fisheye),
-                    Some(false) => Some(Model::RadialTangential),
-                    None => continue,
-                }
-            }
+            flag_name if FLAGS.contains(&flag_name) => match flag(&field.content) {
+                Some(true) => Some(Model::Fisheye),
+                Some(false) => Some(Model::RadialTangential),
+                None => continue,
+            },
             name if LENS_NAMES.contains(&name) => {
                 let Content::Word(word) = &field.content else { continue };
                 let model = named(word);
@@ -148,8 +146,7 @@ pub(super) fn model_of(rig: &Rig, camera: &[String]) -> Result<Option<Model>, St
 /// Returns the lens of a camera.
 pub(super) fn lens_of(rig: &Rig, camera: &[String], model: Option<Model>) -> Result<LensReading, String> {
     let list = rig.field(camera, |role| role == Role::Distortion)?;
-    let k: Vec<Option<f64>> =
-        (1..=6).map(|n| rig.scalar(camera, Scalar::K(n))).collect::<Result<_, _>>()?;
+    let k: Vec<Option<f64>> = (1..=6).map(|n| rig.scalar(camera, Scalar::K(n))).collect::<Result<_, _>>()?;
     let p: Vec<Option<f64>> = (1..=2).map(|n| rig.scalar(camera, Scalar::P(n))).collect::<Result<_, _>>()?;
     let has_scalars = k.iter().chain(&p).any(Option::is_some);
     let radial = rig.field(camera, |role| role == Role::Radial)?;
@@ -158,7 +155,10 @@ pub(super) fn lens_of(rig: &Rig, camera: &[String], model: Option<Model>) -> Res
     let mut model = model;
     let coefficients = if let Some(list) = list {
         if has_scalars || radial.is_some() {
-            return Err(format!("there are two distortions: {} and single coefficients", excerpt(&list.name())));
+            return Err(format!(
+                "there are two distortions: {} and single coefficients",
+                excerpt(&list.name())
+            ));
         }
         list.numbers().to_vec()
     } else if let Some(radial) = radial {
@@ -194,7 +194,8 @@ pub(super) fn lens_of(rig: &Rig, camera: &[String], model: Option<Model>) -> Res
             }
             _ => {
                 model = model.or(Some(Model::RadialTangential));
-                let mut list = vec![number(&k, 0), number(&k, 1), number(&p, 0), number(&p, 1), number(&k, 2)];
+                let mut list =
+                    vec![number(&k, 0), number(&k, 1), number(&p, 0), number(&p, 1), number(&k, 2)];
                 if count > 3 {
                     list.extend([number(&k, 3), number(&k, 4), number(&k, 5)]);
                 }

@@ -108,7 +108,8 @@ const HARMLESS: &str = "rms rmse mse ret retval error errors err reprojection rp
 const DERIVED: &str = "rect rectified rectification rectify new newcameramtx newcameramatrix optimal undist \
     undistorted undistort inv inverse";
 /// Sections about something else than a camera.
-const APART: &str = "imu viewer board pattern roi header charuco checkerboard chessboard accelerometer gyroscope";
+const APART: &str =
+    "imu viewer board pattern roi header charuco checkerboard chessboard accelerometer gyroscope";
 /// Words with a role. One letter has its role unless a longer word has one.
 const ROLES: [(&str, Role); 38] = [
     ("k", Role::Matrix),
@@ -375,7 +376,10 @@ fn classes(words: &[String], is_section: bool) -> Vec<Class> {
 }
 
 fn camera_of(classes: &[Class]) -> Vec<String> {
-    classes.iter().filter_map(|c| if let Class::Other(word) = c { Some(word.clone()) } else { None }).collect()
+    classes
+        .iter()
+        .filter_map(|c| if let Class::Other(word) = c { Some(word.clone()) } else { None })
+        .collect()
 }
 
 /// Returns the common name of a side or of a number.
@@ -440,7 +444,8 @@ fn parted(word: &str) -> Vec<String> {
         return vec![word.to_owned()];
     }
     // A side at the end may be one letter, as in `mtxl` and `KR`.
-    let head_of = |part: &str| ["k", "d", "m", "mtx", "dist", "cam", "matrix", "coeffs", "kc"].contains(&part);
+    let head_of =
+        |part: &str| ["k", "d", "m", "mtx", "dist", "cam", "matrix", "coeffs", "kc"].contains(&part);
     for length in (1..word.len()).rev() {
         let (head, tail) = word.split_at(length);
         let is_long = length > 2 || ["k", "d", "m", "r", "t", "kc"].contains(&head);
@@ -522,7 +527,9 @@ mod tests {
         ] {
             assert_eq!(of(name, 5), (Role::Distortion, camera.to_owned()), "{name}");
         }
-        for name in ["R", "rotation", "rotation_matrix", "R_stereo", "rotationMatrix", "rot_mat", "extrinsics/R"] {
+        for name in
+            ["R", "rotation", "rotation_matrix", "R_stereo", "rotationMatrix", "rot_mat", "extrinsics/R"]
+        {
             assert_eq!(of(name, 9), (Role::Rotation, String::new()), "{name}");
         }
         assert_eq!(of("R1", 9), (Role::Rotation, "1".to_owned()));
@@ -535,7 +542,9 @@ mod tests {
         for name in ["rectification_matrix", "R_rect", "rectification_transform"] {
             assert_eq!(of(name, 9), (Role::Rectification, String::new()), "{name}");
         }
-        for (name, count) in [("E", 9), ("F", 9), ("Q", 16), ("rms", 0), ("board_size", 2), ("newcameramtx", 9)] {
+        for (name, count) in
+            [("E", 9), ("F", 9), ("Q", 16), ("rms", 0), ("board_size", 2), ("newcameramtx", 9)]
+        {
             assert_eq!(of(name, count).0, Role::Harmless, "{name}");
         }
         for (name, count) in [("xyz1", 5), ("foo", 9), ("E", 5), ("quaternion", 4), ("euler", 3)] {

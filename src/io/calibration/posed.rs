@@ -35,7 +35,8 @@ pub(super) fn poses(rig: &Rig, is_transposed: bool) -> Result<Poses, String> {
     let count = rig.cameras.len();
     let mut notes = Vec::new();
     let turned = |pose: CameraPose| CameraPose { rotation: pose.rotation.inverse(), ..pose };
-    if is_transposed && rig.fields.iter().any(|f| f.meaning.role == Role::Rotation && f.numbers().len() == 9) {
+    if is_transposed && rig.fields.iter().any(|f| f.meaning.role == Role::Rotation && f.numbers().len() == 9)
+    {
         notes.push("R is read as transposed too".to_owned());
     }
     let own = |camera: &[String]| -> Result<Option<CameraPose>, String> {
@@ -116,8 +117,7 @@ fn transform(rig: &Rig, camera: &[String], is_of_pair: bool) -> Result<Option<Ca
         Direction::CameraFromWorld => is_of_pair,
         Direction::WorldFromCamera => false,
     };
-    let is_wanted =
-        |role| matches!(role, Role::Transform(direction) if is_relative(direction) == is_of_pair);
+    let is_wanted = |role| matches!(role, Role::Transform(direction) if is_relative(direction) == is_of_pair);
     let Some(field) = rig.field(camera, is_wanted)? else { return Ok(None) };
     let Role::Transform(direction) = field.meaning.role else { return Ok(None) };
     let told = |e: String| format!("{}: {e}", excerpt(&field.name()));

@@ -62,7 +62,9 @@ pub(super) fn known() -> Vec<(&'static str, String)> {
     let step = "  T_cn_cnm1:\n    - [1.0, 0.0, 0.0, -0.11]\n    - [0.0, 1.0, 0.0, 0.01]\n    - [0.0, 0.0, 1.0, \
                 0.02]\n    - [0.0, 0.0, 0.0, 1.0]\n";
     let zed = |side: &str| {
-        format!("[{side}_CAM_HD]\nfx=700.5\nfy=701.5\ncx=640.25\ncy=360.5\nk1=-0.17\nk2=0.02\nk3=0.003\np1=-0.0006\np2=0.0002\n\n")
+        format!(
+            "[{side}_CAM_HD]\nfx=700.5\nfy=701.5\ncx=640.25\ncy=360.5\nk1=-0.17\nk2=0.02\nk3=0.003\np1=-0.0006\np2=0.0002\n\n"
+        )
     };
     let kitti = |k: usize| {
         format!(
@@ -279,7 +281,12 @@ fn every_name_and_every_number_matters_or_is_told() {
         }
         for place in numbers(&text) {
             let mutated = without(&text, &place);
-            assert!(is_told(&text, &mutated), "{kind}, {} at {} removed:\n{mutated}", &text[place.clone()], place.start);
+            assert!(
+                is_told(&text, &mutated),
+                "{kind}, {} at {} removed:\n{mutated}",
+                &text[place.clone()],
+                place.start
+            );
         }
     }
 }

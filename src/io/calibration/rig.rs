@@ -41,8 +41,11 @@ pub(super) fn cameras(root: &Value) -> Result<Vec<CalibratedCamera>, NoCalibrati
     rig.cameras = rig.named_cameras();
     if rig.cameras.is_empty() {
         let unknown = rig.unread(None);
-        let unknown =
-            if unknown.is_empty() { String::new() } else { format!(". Not understood: {}", listed(&unknown)) };
+        let unknown = if unknown.is_empty() {
+            String::new()
+        } else {
+            format!(". Not understood: {}", listed(&unknown))
+        };
         let expected = "K1, D1, K2, D2 of OpenCV, camera_matrix and dist_coeffs, or cam0 of Kalibr";
         return Err(NoCalibration::NoCamera(format!(
             "no camera calibration found. Known names are {expected}{unknown}"
@@ -105,7 +108,8 @@ impl Rig {
                 notes.push("the camera matrix is transposed, as MATLAB writes it".into());
             }
             if counts_from_one {
-                notes.push("MATLAB counts pixels from 1, so the principal point is moved by one pixel".into());
+                notes
+                    .push("MATLAB counts pixels from 1, so the principal point is moved by one pixel".into());
             }
             found.push(CalibratedCamera {
                 model: model_with(lens.lens)?,
@@ -220,14 +224,17 @@ impl Rig {
     /// Returns the name of a camera for people: that of its section, or `camera 1`.
     fn name(&self, camera: &[String]) -> String {
         let is_own = |f: &&Field| {
-            f.meaning.camera == camera && matches!(f.meaning.role, Role::Matrix | Role::Scalar(Scalar::FocalX))
+            f.meaning.camera == camera
+                && matches!(f.meaning.role, Role::Matrix | Role::Scalar(Scalar::FocalX))
         };
         let own = self.fields.iter().find(is_own);
         let sections = own.map_or(&[][..], Field::section);
         let named = self.fields.iter().find_map(|f| {
             let is_name = ["name", "camera_name"].contains(&f.path.last()?.as_str());
             match &f.content {
-                Content::Word(name) if is_name && own.is_some() && f.section() == sections => Some(name.clone()),
+                Content::Word(name) if is_name && own.is_some() && f.section() == sections => {
+                    Some(name.clone())
+                }
                 _ => None,
             }
         });
@@ -247,8 +254,7 @@ impl Rig {
             return Err("the camera model is not supported, only pinhole and fisheye".into());
         }
         let focal = self.scalar(camera, Focal)?;
-        let numbers =
-            [self.scalar(camera, FocalX)?.or(focal), self.scalar(camera, FocalY)?.or(focal)];
+        let numbers = [self.scalar(camera, FocalX)?.or(focal), self.scalar(camera, FocalY)?.or(focal)];
         let principal = [self.scalar(camera, PrincipalX)?, self.scalar(camera, PrincipalY)?];
         let of_scalars = match (numbers, principal) {
             ([Some(fx), Some(fy)], [Some(cx), Some(cy)]) => {
@@ -262,11 +268,12 @@ impl Rig {
         let Some(field) = field else {
             let pair = |role| -> Result<Option<[f64; 2]>, String> {
                 let field = self.field(camera, |found| found == role)?;
-                field.map(|field| match field.numbers() {
-                    [one] if role == Role::FocalLengths => Ok([*one; 2]),
-                    _ => Self::exactly::<2>(field),
-                })
-                .transpose()
+                field
+                    .map(|field| match field.numbers() {
+                        [one] if role == Role::FocalLengths => Ok([*one; 2]),
+                        _ => Self::exactly::<2>(field),
+                    })
+                    .transpose()
             };
             let of_pairs = pair(Role::FocalLengths)?.zip(pair(Role::PrincipalPoint)?);
             let matrix = of_scalars.or(of_pairs.map(|(focal, principal)| calibration(focal, principal)));
@@ -294,7 +301,9 @@ impl Rig {
 
     /// Returns the sections of the numbers of a camera without a matrix.
     fn section(&self, camera: &[String]) -> Vec<String> {
-        let is_own = |f: &&Field| f.meaning.camera == camera && matches!(f.meaning.role, Role::Scalar(_) | Role::FocalLengths);
+        let is_own = |f: &&Field| {
+            f.meaning.camera == camera && matches!(f.meaning.role, Role::Scalar(_) | Role::FocalLengths)
+        };
         self.fields.iter().find(is_own).map_or_else(Vec::new, |field| field.section().to_vec())
     }
 
@@ -367,7 +376,10 @@ impl Rig {
         for field in &self.fields {
             let is_lens = matches!(
                 field.meaning.role,
-                Role::Distortion | Role::Radial | Role::Tangential | Role::Scalar(Scalar::K(_) | Scalar::P(_))
+                Role::Distortion
+                    | Role::Radial
+                    | Role::Tangential
+                    | Role::Scalar(Scalar::K(_) | Scalar::P(_))
             );
             let is_word = matches!(field.content, Content::Word(_));
             if is_lens && !is_word && !self.cameras.contains(&field.meaning.camera) {
@@ -377,7 +389,8 @@ impl Rig {
         if source.is_some() {
             return Ok(());
         }
-        let of_pose = |role: Role| self.fields.iter().find(|f| f.meaning.role == role && !f.numbers().is_empty());
+        let of_pose =
+            |role: Role| self.fields.iter().find(|f| f.meaning.role == role && !f.numbers().is_empty());
         match (of_pose(Role::Rotation).or(of_pose(Role::RotationOfRows)), of_pose(Role::Translation)) {
             (Some(rotation), Some(translation)) => Err(format!(
                 "{} and {} do not belong to the same cameras",

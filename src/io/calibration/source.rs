@@ -46,7 +46,9 @@ impl Source {
             return Ok(Self::Tree(Value::Object(Map::from_iter([(name.to_owned(), of_array(&array))]))));
         }
         if bytes.starts_with(b"\x80") {
-            return Err("this may be a Python pickle, which is not read. Save the arrays with numpy.savez".into());
+            return Err(
+                "this may be a Python pickle, which is not read. Save the arrays with numpy.savez".into()
+            );
         }
         let text = String::from_utf8(bytes).map_err(|_| "this is not a text file")?;
         Self::of_text(text.strip_prefix('\u{feff}').unwrap_or(&text))
@@ -150,7 +152,11 @@ fn archive(bytes: Vec<u8>) -> Result<Source, String> {
         };
         root.insert(name, value);
     }
-    if root.is_empty() { Err("there are no NumPy arrays in it".into()) } else { Ok(Source::Tree(root.into())) }
+    if root.is_empty() {
+        Err("there are no NumPy arrays in it".into())
+    } else {
+        Ok(Source::Tree(root.into()))
+    }
 }
 
 fn of_array(array: &Array) -> Value {
@@ -174,7 +180,9 @@ fn ost(text: &str) -> Result<Value, String> {
             // The size stands before each camera.
             if section == "image" && !list.is_empty() {
                 if *list != numbers.iter().map(|v| Value::from(*v)).collect::<Vec<_>>() {
-                    return Err(format!("line {line}: the cameras have different sizes. Use a file for each"));
+                    return Err(format!(
+                        "line {line}: the cameras have different sizes. Use a file for each"
+                    ));
                 }
                 continue;
             }
@@ -253,7 +261,9 @@ fn assignments(text: &str) -> Result<Value, String> {
         let mut value = value.to_owned();
         let depth = |text: &str| text.matches('[').count() as i64 - text.matches(']').count() as i64;
         while depth(&value) > 0 {
-            let Some(next) = rest.next() else { return Err(format!("{}: ] is missing", excerpt(name.trim()))) };
+            let Some(next) = rest.next() else {
+                return Err(format!("{}: ] is missing", excerpt(name.trim())));
+            };
             value.push(' ');
             value.push_str(next);
         }

@@ -33,7 +33,8 @@ pub(super) fn kitti(text: &str) -> Result<Vec<CalibratedCamera>, String> {
         let of_raw = format!("K_{k:02}");
         if let Some(matrix) = exact(of_raw.clone(), 9)? {
             let coefficients = exact(format!("D_{k:02}"), 5)?;
-            let lens = Lens::from_opencv(&coefficients.ok_or_else(|| missing(format!("D_{k:02}"), &of_raw))?)?;
+            let lens =
+                Lens::from_opencv(&coefficients.ok_or_else(|| missing(format!("D_{k:02}"), &of_raw))?)?;
             let size = exact(format!("S_{k:02}"), 2)?;
             let pose = match (exact(format!("R_{k:02}"), 9)?, exact(format!("T_{k:02}"), 3)?) {
                 (Some(r), Some(t)) => {
@@ -61,7 +62,9 @@ pub(super) fn kitti(text: &str) -> Result<Vec<CalibratedCamera>, String> {
     let is_known = |name: &str| {
         let letters = name.trim_end_matches(|c: char| c.is_ascii_digit());
         let own = ["S_", "K_", "D_", "R_", "T_", "S_rect_", "R_rect_", "P_rect_", "P", "R0_rect", "R_rect"];
-        own.contains(&letters) || name.starts_with("Tr") || ["calib_time", "corner_dist", "R0_rect"].contains(&name)
+        own.contains(&letters)
+            || name.starts_with("Tr")
+            || ["calib_time", "corner_dist", "R0_rect"].contains(&name)
     };
     let unread = unread(text, ':', is_known);
     match cameras.first_mut() {
@@ -122,7 +125,8 @@ pub(super) fn middlebury(text: &str) -> Result<Vec<CalibratedCamera>, String> {
 
 /// Names of Middlebury's calibrations.
 const MIDDLEBURY: [&str; 12] = [
-    "cam0", "cam1", "doffs", "baseline", "width", "height", "ndisp", "isint", "vmin", "vmax", "dyavg", "dymax",
+    "cam0", "cam1", "doffs", "baseline", "width", "height", "ndisp", "isint", "vmin", "vmax", "dyavg",
+    "dymax",
 ];
 
 /// Returns whether a row describes a camera in COLMAP's `cameras.txt`.

@@ -357,7 +357,9 @@ fn files_join_and_foreign_files_are_told() {
 fn several_sizes_of_a_camera_are_chosen_by_the_images() {
     let sizes = |size: &str, fx: f64| {
         ["LEFT", "RIGHT"].map(|side| {
-            format!("[{side}_CAM_{size}]\nfx={fx}\nfy={fx}\ncx=600\ncy=360\nk1=-0.1\nk2=0\np1=0\np2=0\nk3=0\n")
+            format!(
+                "[{side}_CAM_{size}]\nfx={fx}\nfy={fx}\ncx=600\ncy=360\nk1=-0.1\nk2=0\np1=0\np2=0\nk3=0\n"
+            )
         })
     };
     let stereo = "[STEREO]\nBaseline=120\nTY=0\nTZ=0\nCV_2K=0\nRX_2K=0\nRZ_2K=0\nCV_HD=0\nRX_HD=0\nRZ_HD=0\n";
@@ -408,6 +410,7 @@ fn images_decide_between_two_models_of_four_coefficients() {
     assert!(told.contains("fisheye: 0"), "{told}");
     // A narrow lens bends both ways alike.
     let narrow = Calibration::parse(&text("").replace("230", "20000")).unwrap().open_pair(None).unwrap();
-    let settled = CalibratedCamera::settled(narrow, frames, || unreachable!("no matches are needed")).unwrap();
+    let settled =
+        CalibratedCamera::settled(narrow, frames, || unreachable!("no matches are needed")).unwrap();
     assert!(settled[0].reading.fisheye.is_none() && settled[0].reading.notes.is_empty());
 }

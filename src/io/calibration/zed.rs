@@ -61,7 +61,8 @@ pub(super) fn cameras(root: &Value) -> Result<Vec<CalibratedCamera>, String> {
         return Err(format!("the picture size of the section {} is not known", excerpt(other)));
     }
     let mut pairs = pairs.into_iter();
-    let [mut left, mut right] = pairs.next().ok_or("there is no section LEFT_CAM_2K, LEFT_CAM_HD or the like")?;
+    let [mut left, mut right] =
+        pairs.next().ok_or("there is no section LEFT_CAM_2K, LEFT_CAM_HD or the like")?;
     for [other_left, other_right] in pairs {
         left.reading.other_sizes.push(other_left);
         right.reading.other_sizes.push(other_right);
@@ -90,7 +91,14 @@ fn camera(
     let unread = section.iter().filter(|(key, value)| !is_known(key) && value.is_number());
     let unread = unread.map(|(key, _)| format!("{name}.{key}")).collect();
     let reading = CameraReading { unread, ..CameraReading::default() };
-    Ok(CalibratedCamera { name, model, frame: Some(frame), pose: Some(pose), unit: LengthUnit::Millimetre, reading })
+    Ok(CalibratedCamera {
+        name,
+        model,
+        frame: Some(frame),
+        pose: Some(pose),
+        unit: LengthUnit::Millimetre,
+        reading,
+    })
 }
 
 fn pose(stereo: &Map<String, Value>, size: &str) -> Result<CameraPose, String> {

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::labels::{PairLabel, TrustNote};
 use crate::camera::{PicturesOf, PointCloud, PoseFit, RelativePose};
+use crate::estimate::Match;
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
 use crate::image::Interpretation;
 
@@ -56,6 +57,12 @@ pub struct GeometryFile {
     pub covariance: Option<SMatrix<f64, 9, 9>>,
     /// Calibrated part of a result. Read from results only.
     pub calibrated: Option<CalibratedNote>,
+    /// Clauses about how the file was read and what was left out. Read only.
+    pub notes: Vec<String>,
+    /// Point pairs with their weights, if the file has weights. Read only.
+    pub weighted: Vec<Match>,
+    /// Reason why no matrix of the file is `F`, if it has others. Read only.
+    pub not_fundamental: Option<String>,
     /// Scene points of the matches. Written only, as PLY.
     pub cloud: Option<PointCloud>,
 }
@@ -100,6 +107,9 @@ impl GeometryFile {
             trust: None,
             covariance: None,
             calibrated: None,
+            notes: Vec::new(),
+            weighted: Vec::new(),
+            not_fundamental: None,
             cloud: None,
         }
     }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::quantity::Quantity;
 use crate::io::opencv_xml::is_xml;
+use crate::io::point_pairs::is_of_pictures;
 
 named! {
     fn name;
@@ -101,6 +102,9 @@ impl Format {
         }
         let mut lines = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with(['#', '%']));
         let Some(first) = lines.clone().next() else { return Self::Text };
+        if is_of_pictures(text) {
+            return Self::Text;
+        }
         if is_word_before(first, ':') {
             return Self::OpencvYaml;
         }

@@ -12,6 +12,8 @@ use super::fields::insert;
 /// Maximum depth of nested lists. Matrices need three.
 pub(in crate::io) const DEEPEST: usize = 32;
 
+pub(super) const NOT_YAML: &str = "this is not valid YAML";
+
 /// List or mapping that is not closed yet.
 enum Open {
     List(Vec<Value>),
@@ -26,8 +28,8 @@ pub(in crate::io) fn yaml_value(text: &str) -> Result<Value, Problem> {
     let text = if text.starts_with("%YAML") { text.find('\n').map_or("", |end| &text[end..]) } else { text };
     let mut open: Vec<Open> = Vec::new();
     for event in Parser::new_from_str(text) {
-        let (event, span) = event
-            .map_err(|e| Problem::at(e.marker().line(), format!("this is not valid YAML: {}", e.info())))?;
+        let (event, span) =
+            event.map_err(|e| Problem::at(e.marker().line(), format!("{NOT_YAML}: {}", e.info())))?;
         let line = span.start.line();
         let complete = match event {
             Event::SequenceStart(..) => {

@@ -9,7 +9,7 @@ use crate::camera::{PicturesOf, ViewPair};
 use crate::convention::{ConventionCheck, FEWEST_MATCHES, check_convention};
 use crate::estimate::{Match, estimate_fundamental};
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
-use crate::io::{CalibratedCamera, Calibration, Format, GeometryFile, read_camera, read_matches};
+use crate::io::{CalibratedCamera, Calibration, Format, GeometryFile, MatchFile, read_camera};
 use crate::presentation::lenses_in_words;
 
 /// Maximum number of placed pairs. More handles hide the image and cost time in every frame, and nobody
@@ -98,7 +98,8 @@ impl ImportQuestion {
             let found = Calibration::find(path);
             if let Some(Ok(calibration)) = &found {
                 // Matches at hand are places in the pictures unless a lens is corrected.
-                let matches = || if self.frames == self.shown { self.matches.pairs().to_vec() } else { Vec::new() };
+                let matches =
+                    || if self.frames == self.shown { self.matches.pairs().to_vec() } else { Vec::new() };
                 let pair = CalibratedCamera::settled(calibration.open_pair(None)?, self.shown, matches)?;
                 let cameras = Box::new(pair);
                 for (camera, frame) in cameras.iter().zip(self.shown) {
@@ -106,7 +107,9 @@ impl ImportQuestion {
                 }
                 return Ok(ImportedFile::Calibration { name: self.pending.source.name(), cameras });
             }
-            if is_archive(path) {
+            // An archive may have F, matches, or both. Matches alone keep their weights.
+            let has_matrix = || GeometryFile::read(path).is_ok_and(|(file, _)| file.geometry().is_some());
+            if is_archive(path) && !has_matrix() {
                 return Ok(ImportedFile::Geometry(Box::new(self.matches_of(path)?)));
             }
             if let Some(Err(refusal)) = found {
@@ -141,7 +144,7 @@ impl ImportQuestion {
                 "there are no point pairs and no fundamental matrix in it".to_owned()
             });
         }
-        let mut notes = Vec::new();
+        let mut notes = in_sentences(&name, &file.notes);
         let own = PicturesOf::from(self.views.as_ref());
         let has_geometry = geometry.is_some();
         match (&file.pictures, file.pictures.views()) {
@@ -199,7 +202,7 @@ impl ImportQuestion {
     /// Reads the matches of a NumPy archive.
     fn matches_of(&self, path: &Path) -> Result<ImportFound, String> {
         let name = self.pending.source.name();
-        let all = read_matches(path).map_err(|error| error.to_string())?;
+        let MatchFile { matches: all, notes } = MatchFile::read(path).map_err(|error| error.to_string())?;
         let lies_on = |found: &&Match| is_inside(&found.pair, self.shown);
         // Matches of an archive are places in the pictures.
         let place = |pair: &PointPair| match &self.views {
@@ -215,7 +218,8 @@ impl ImportQuestion {
         let left_out = || {
             format!("Left out because outside the images: {outside} of the {} matches of {name}.", all.len())
         };
-        let mut notes: Vec<String> = (outside > 0).then(left_out).into_iter().collect();
+        let mut notes = in_sentences(&name, &notes);
+        notes.extend((outside > 0).then(left_out));
         notes.extend(self.disagreement(&matches));
         Ok(ImportFound { name, format: "NumPy archive", pairs: Vec::new(), matches, matrix: None, notes })
     }
@@ -253,6 +257,11 @@ impl ImportQuestion {
         let check = check.filter(|check| !check.readings.is_empty());
         ImportedMatrix { fundamental, cameras, check, matches, count: pairs.len() }
     }
+}
+
+/// Returns clauses about how a file was read as sentences.
+fn in_sentences(name: &str, notes: &[String]) -> Vec<String> {
+    notes.iter().map(|note| format!("{name}: {note}.")).collect()
 }
 
 /// Returns the pairs on the images, and a message about the others.
