@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::{Clicks, EstimateError, PreparedPair, SearchPlan, Warning};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair, apart_across_lines};
+use crate::image::GrayPlane;
 
 /// Smallest image side in which lines are compared, px: the smallest side that `coarse_side`
 /// permits.
@@ -163,7 +164,6 @@ pub(in crate::estimate) fn click_warnings(
 mod tests {
     use super::*;
     use crate::estimate::exact::rows;
-    use crate::image::GrayPlane;
     use nalgebra::Matrix3;
 
     fn check(pairs: &[[f64; 4]]) -> Result<(), EstimateError> {
