@@ -216,8 +216,14 @@ impl Change {
         }
     }
 
+    /// Returns whether the change leaves the directions of the epipoles. Others fit easily where the images leave
+    /// the epipoles open.
+    pub(super) fn keeps_epipoles(&self) -> bool {
+        matches!(self, Self::Calibration(CalibrationChange::EquidistantLens | CalibrationChange::RadialLens))
+    }
+
     /// Returns whether two changes are the same mistake: of one kind, in the same images, in the same
-    /// direction.
+    /// direction. Other pixel origins in addition make no other mistake of a convention.
     pub(super) fn is_like(&self, other: &Self) -> bool {
         let grows = |factor: f64| factor > 1.0;
         match (self, other) {
@@ -227,6 +233,9 @@ impl Change {
             }
             (Self::Moved { images: a, x, y }, Self::Moved { images: b, x: u, y: v }) => {
                 a == b && x * u + y * v > 0.0
+            }
+            (Self::Convention { reading: a }, Self::Convention { reading: b }) => {
+                (a.transposed, a.axes_exchanged) == (b.transposed, b.axes_exchanged)
             }
             (Self::Distortion { k }, Self::Distortion { k: other }) => k * other > 0.0,
             (Self::Essential { .. }, Self::Essential { .. }) => true,

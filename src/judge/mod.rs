@@ -66,8 +66,8 @@ pub struct Reference<'a> {
     pub frames: [Frame; 2],
     /// False if the matches are too few or too doubtful to contradict a geometry.
     pub is_trusted: bool,
-    /// False if the matches leave the epipoles open. Then many changes of a geometry explain them, and none
-    /// is named.
+    /// False if the matches leave the epipoles open. Then many changes of a geometry explain them, and no change
+    /// that moves the epipoles is named.
     pub has_epipoles: bool,
     /// Covariance of the nine entries of the matrix with norm 1, row by row, if it is known. A
     /// covariance of the judged geometry is added to it.
@@ -193,18 +193,31 @@ pub fn judge(given: &GivenGeometry, reference: &Reference, limit: f64) -> Option
         significance::significance(f, own, covariance, reference.frames)
     });
     let is_significant = significance.is_some_and(|found| found.is_significant);
-    let verdict = if fits { reference.depth(given, limit) } else { reference.refuted(given, limit) };
-    let change = match (verdict, covariance) {
-        (Ok(Finding::DoesNotFit), _) if fits => Some(FittingChange {
-            change: Change::TranslationReversed,
-            median: lines_apart.median,
-            fundamental: Some(given.fundamental),
-        }),
-        (Ok(Finding::DoesNotFit), _) if reference.has_epipoles => search::clearest(given, &reference, limit),
-        (Ok(Finding::Fits), Some(covariance)) if is_significant => {
-            search::half_pixel(&given.fundamental, &reference, &covariance)
+    let (verdict, change) = if fits {
+        let verdict = reference.depth(given, limit);
+        let change = match (verdict, covariance) {
+            (Ok(Finding::DoesNotFit), _) => Some(FittingChange {
+                change: Change::TranslationReversed,
+                median: lines_apart.median,
+                fundamental: Some(given.fundamental),
+            }),
+            (Ok(_), Some(covariance)) if is_significant => {
+                search::half_pixel(&given.fundamental, &reference, &covariance)
+            }
+            _ => None,
+        };
+        (verdict, change)
+    } else {
+        let verdict = reference.refuted(given, limit);
+        let is_tried = matches!(verdict, Ok(_) | Err(Doubt::FewWitnesses { .. }));
+        let change = if is_tried { search::clearest(given, &reference, limit) } else { None };
+        match (verdict, change) {
+            (Ok(finding), change) => (Ok(finding), change),
+            (Err(_), Some(found)) if search::refutes(&found, given, &reference, limit) == Some(true) => {
+                (Ok(Finding::DoesNotFit), Some(found))
+            }
+            (Err(doubt), _) => (Err(doubt), None),
         }
-        _ => None,
     };
     Some(Judgement {
         finding: verdict.unwrap_or(Finding::Undecided),

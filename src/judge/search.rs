@@ -4,10 +4,10 @@ use super::calibration::CalibrationChange;
 use super::change::{Affected, CameraChange, Change, Mirror, undistorted};
 use super::contest::Contest;
 use super::significance::significance;
-use super::{FittingChange, GivenGeometry, Reference, looks_essential, residuals};
+use super::{FREEDOM, FittingChange, GivenGeometry, Reference, looks_essential, residuals};
 use crate::convention::Reading;
 use crate::geometry::{
-    Camera, FundamentalMatrix, Matrix9, PointPair, grid_minimum, median, symmetric_epipolar_distance,
+    Camera, Frame, FundamentalMatrix, Matrix9, PointPair, grid_minimum, median, symmetric_epipolar_distance,
 };
 
 /// Share by which each fitted number of a change must lower the distance. A wrong kind of change with
@@ -50,39 +50,81 @@ pub(super) fn clearest(given: &GivenGeometry, reference: &Reference, limit: f64)
     let mut all = discrete(given, reference);
     all.extend(fitted(given, reference, limit));
     all.extend(of_calibration(given, reference, limit));
-    let is_possible = |change: &Change| match change {
-        Change::Moved { x, y, .. } => x.hypot(*y) < MOST_MOVED * reference.frames[0].longer_side(),
+    all.retain(|one| match one.found.change {
+        Change::Moved { x, y, .. } => x.hypot(y) < MOST_MOVED * reference.frames[0].longer_side(),
         _ => true,
-    };
+    });
     let cost = |one: &Candidate| one.found.median * (1.0 + WORTH * one.found.change.parameters() as f64);
-    let fits = |one: &&Candidate| one.found.median <= limit && is_possible(&one.found.change);
+    let fits = |one: &&Candidate| one.found.median <= limit;
     let best = all.iter().filter(fits).min_by(|a, b| cost(a).total_cmp(&cost(b)))?;
     let is_clear = all.iter().all(|other| best.is_same(other, reference) || best.is_clear(other, reference));
-    is_clear.then_some(best.found)
+    let is_determined = reference.has_epipoles || best.found.change.keeps_epipoles();
+    (is_clear && is_determined).then_some(best.found)
+}
+
+/// Returns whether the witnesses refute a geometry by its own change: clearly more places are explained by the
+/// geometry after the change alone than by the geometry as it is alone. The change may be right where the
+/// reference is not, for lines that are curves in the images.
+pub(super) fn refutes(
+    found: &FittingChange,
+    given: &GivenGeometry,
+    reference: &Reference,
+    limit: f64,
+) -> Option<bool> {
+    let FittingChange { change, fundamental, .. } = found;
+    let after = distances(*change, fundamental.as_ref(), given, reference.frames, reference.witnesses)?;
+    let votes = reference.witnesses.iter().zip(after).map(|(pair, after)| {
+        let before = symmetric_epipolar_distance(&given.fundamental, pair);
+        (pair.point1, i32::from(after <= limit) - i32::from(before <= limit))
+    });
+    Some(Contest::of(votes, reference.frames[0]).first_wins(FREEDOM))
+}
+
+/// Returns the distances of matches from the lines of a geometry after a change with this `F`: `None` for a
+/// change that moves the matches, because their lines are curves in the images.
+fn distances(
+    change: Change,
+    changed: Option<&FundamentalMatrix>,
+    given: &GivenGeometry,
+    frames: [Frame; 2],
+    matches: &[PointPair],
+) -> Option<Vec<f64>> {
+    let of = |f: &FundamentalMatrix, pair: PointPair| symmetric_epipolar_distance(f, &pair);
+    match change {
+        Change::Distortion { k } => {
+            let f = &given.fundamental;
+            Some(matches.iter().map(|pair| of(f, undistorted(pair, k, frames))).collect())
+        }
+        Change::Calibration(change) => {
+            let calibration = given.calibration.as_ref()?;
+            let read = calibration.read(change)?;
+            let f = read.fundamental()?;
+            let originals = calibration.originals(matches);
+            let moved = originals.iter().map(|pair| read.undistorted(pair.as_ref()?));
+            Some(moved.map(|pair| pair.map_or(f64::INFINITY, |pair| of(&f, pair))).collect())
+        }
+        _ => changed.map(|f| matches.iter().map(|pair| of(f, *pair)).collect()),
+    }
 }
 
 impl Candidate {
-    fn new(change: Change, changed: FundamentalMatrix, reference: &Reference) -> Self {
-        let median = reference.distance(&changed);
-        let off = reference.matches.iter().map(|pair| symmetric_epipolar_distance(&changed, pair)).collect();
-        Self { found: FittingChange { change, median, fundamental: Some(changed) }, off }
-    }
-
-    /// Returns the candidate of a change that moves the matches, because their lines are curves in the
-    /// pictures.
-    fn of_moved(
+    /// Measures a change after which the geometry has this `F`, as in [`distances`].
+    fn new(
         change: Change,
-        f: &FundamentalMatrix,
-        moved: impl Iterator<Item = Option<PointPair>>,
-    ) -> Self {
-        let distance = |pair: PointPair| symmetric_epipolar_distance(f, &pair);
-        let off: Vec<f64> = moved.map(|pair| pair.map_or(f64::INFINITY, distance)).collect();
-        let found = FittingChange { change, median: median(off.iter().copied()), fundamental: None };
-        Self { found, off }
+        changed: Option<FundamentalMatrix>,
+        given: &GivenGeometry,
+        reference: &Reference,
+    ) -> Option<Self> {
+        let off = distances(change, changed.as_ref(), given, reference.frames, reference.matches)?;
+        let median = changed.map_or_else(|| median(off.iter().copied()), |f| reference.distance(&f));
+        Some(Self { found: FittingChange { change, median, fundamental: changed }, off })
     }
 
-    /// Returns whether both changes have the same effect, to within the noise of the matches.
+    /// Returns whether both changes are one mistake, or have the same effect to within the noise of the matches.
     fn is_same(&self, other: &Self, reference: &Reference) -> bool {
+        if self.found.change.is_like(&other.found.change) {
+            return true;
+        }
         let apart = self.off.iter().zip(&other.off).map(|(a, b)| (a - b).abs());
         median(apart) <= SAME * residuals(&reference.fundamental, reference.matches).median
     }
@@ -117,7 +159,7 @@ fn discrete(given: &GivenGeometry, reference: &Reference) -> Vec<Candidate> {
         .into_iter()
         .filter_map(|change| Some((change, change.apply(fundamental, reference.frames)?)));
     let all = of_cameras.chain(of_pixels);
-    all.map(|(change, changed)| Candidate::new(change, changed, reference)).collect()
+    all.filter_map(|(change, changed)| Candidate::new(change, Some(changed), given, reference)).collect()
 }
 
 /// Returns the mistakes with a stereo calibration.
@@ -144,12 +186,7 @@ fn of_calibration(given: &GivenGeometry, reference: &Reference, limit: f64) -> V
         CalibrationChange::RadialLens,
         resized(octaves),
     ];
-    let measured = |change: CalibrationChange| {
-        let read = calibration.read(change)?;
-        let f = read.fundamental()?;
-        let moved = originals.iter().map(|pair| read.undistorted(pair.as_ref()?));
-        Some(Candidate::of_moved(Change::Calibration(change), &f, moved))
-    };
+    let measured = |change| Candidate::new(Change::Calibration(change), None, given, reference);
     changes.into_iter().filter_map(measured).collect()
 }
 
@@ -222,11 +259,8 @@ fn fitted(given: &GivenGeometry, reference: &Reference, limit: f64) -> Vec<Candi
         changes.push(moved(compass(first, |by| of_change(moved(by)))));
     }
     let measured = |change: Change| {
-        if let Change::Distortion { k } = change {
-            let moved = reference.matches.iter().map(|pair| Some(undistorted(pair, k, frames)));
-            return Some(Candidate::of_moved(change, f, moved));
-        }
-        Some(Candidate::new(change, change.apply(f, frames)?, reference))
+        let changed = change.apply(f, frames);
+        Candidate::new(change, changed, given, reference)
     };
     changes.into_iter().filter_map(measured).collect()
 }

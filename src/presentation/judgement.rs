@@ -18,14 +18,12 @@ pub fn judgement_in_words(judgement: &Judgement) -> String {
                 .map_or_else(String::new, |found| difference_in_words(&found, change.as_ref()))
         ),
         Finding::Undecided => {
-            let because = judgement.doubt.map_or("", |doubt| doubt_in_words(&doubt));
-            let essential = essential_in_words(judgement);
-            let far = if judgement.doubt == Some(Doubt::Depth) {
-                String::new()
-            } else {
-                format!(" Half of its lines are more than {apart} px from the best lines of the images.")
-            };
-            format!("The geometry cannot be judged.{far} {because}{essential}")
+            let doubt = judgement.doubt.as_ref();
+            format!(
+                "The images cannot tell whether the geometry is right: {}{}",
+                doubt.map_or_else(String::new, |doubt| doubt_in_words(doubt, &apart)),
+                essential_in_words(judgement)
+            )
         }
         Finding::DoesNotFit if change.is_some_and(|found| found.change == Change::TranslationReversed) => {
             format!(
@@ -49,30 +47,36 @@ pub fn judgement_in_words(judgement: &Judgement) -> String {
     }
 }
 
-/// Describes why nothing is found, and what to do.
-fn doubt_in_words(doubt: &Doubt) -> &'static str {
+/// Describes why nothing is found, and what to do. Half of the lines are `apart` px from those of the
+/// reference.
+fn doubt_in_words(doubt: &Doubt, apart: &str) -> String {
+    let far = format!("half of its lines are more than {apart} px from the best lines of the images, but");
     match doubt {
-        Doubt::Reference => {
-            "These are themselves in doubt. Use pictures of a scene with more texture, or give matches of your own."
-        }
+        Doubt::Reference => format!(
+            "{far} these are in doubt themselves. Use pictures that overlap more or show more texture, or give matches of \
+             your own."
+        ),
         Doubt::FewWitnesses { .. } => {
-            "Too few distinctive points in too few places show which lines are right; repeated patterns, such as \
-             boards, do not. Use pictures of a scene with more distinctive points, or give matches of your own."
+            format!("{far} too few distinctive points show which lines are right. {PATTERNS_SHOW_NOTHING}")
         }
-        Doubt::WitnessesAgree { .. } => {
-            "But the distinctive points agree with the geometry, and not with these lines. Give matches of your own \
-             to confirm it."
-        }
+        Doubt::WitnessesAgree { .. } => format!(
+            "{far} the distinctive points agree with the geometry. The images probably show a repeated pattern. Give \
+             matches of your own."
+        ),
         Doubt::Depth => {
-            "Its lines fit, but most of the scene lies behind both cameras, by points that may be mistaken. Check the \
-             sign of the translation, or give matches of your own."
+            "its lines fit, but most points lie behind both cameras, and these points are not distinctive. \
+                         Check the sign of the translation T, or give matches of your own."
+                .to_owned()
         }
-        Doubt::OtherSearch => {
-            "A second search of the images finds other lines. Use pictures that overlap more, or give matches of your \
-             own."
-        }
+        Doubt::OtherSearch => format!(
+            "{far} a second search finds other lines. Use pictures that overlap more, or give matches of your own."
+        ),
     }
 }
+
+/// Why few distinctive points are found on a board, and what to do.
+const PATTERNS_SHOW_NOTHING: &str = "Boards and other repeated patterns do not show it. Use pictures of a scene with more \
+                                     distinctive points, or give matches of your own.";
 
 /// Tells that a matrix looks like an essential matrix.
 fn essential_in_words(judgement: &Judgement) -> &'static str {
@@ -198,17 +202,17 @@ pub fn rows_in_words(judgement: &RowJudgement) -> String {
         return format!("The images are rectified: rows agree to {typical:.2} px. {parts}");
     }
     if let Some(doubt) = &judgement.doubt {
-        let because = match doubt {
-            Doubt::Reference => "The matches are themselves in doubt.",
-            _ => {
-                "Too few distinctive points in too few places show which rows are right; repeated patterns, such as \
-                  boards, do not."
+        return match doubt {
+            Doubt::Reference => {
+                "The images cannot tell whether they are rectified: the matches are in doubt. Use pictures \
+                                 that overlap more or show more texture, or give matches of your own."
+                    .to_owned()
             }
+            _ => format!(
+                "The images cannot tell whether they are rectified: too few distinctive points show which rows \
+                 correspond. {PATTERNS_SHOW_NOTHING}"
+            ),
         };
-        return format!(
-            "It cannot be judged whether the images are rectified. {because} Use pictures of a scene with more \
-             distinctive points, or give matches of your own."
-        );
     }
     let cause = if judgement.is_far_off() {
         "The pair was never rectified, or it was rectified for other cameras. Rectify it.".to_owned()
