@@ -8,9 +8,9 @@ mod skipping;
 use std::path::Path;
 use std::process::Command;
 
-use epiline::camera::RelativePose;
+use epiline::camera::{CameraModel, Lens, PicturesOf, RelativePose, ViewPair};
 use epiline::geometry::{Camera, Frame, Point, PointPair};
-use epiline::io::{CalibratedNote, Format, GeometryFile, ImageNote};
+use epiline::io::{CalibratedNote, Format, GeometryFile, ImageNote, Notation};
 use nalgebra::{Matrix3, Matrix6, Point3, Rotation3, SMatrix, Vector3};
 use serde_json::Value;
 use skipping::python;
@@ -45,10 +45,11 @@ fn example() -> GeometryFile {
             Matrix3::new(0.97, 0.0, 1e6, 0.03, 1.02, -4.0, 3e-7, 1e-6, 1.0),
         ]),
         pairs: (0..40).map(|k| pair(f64::from(k))).collect(),
-        images: Some([("l", 768, 576), ("it's <r> & \"co\" \\ é.png", 1024, 3)].map(
-            |(name, width, height)| ImageNote { name: name.to_owned(), frame: Frame::new(width, height) },
-        )),
-        ..GeometryFile::default()
+        images: Some(
+            [("l", 768, 576), ("it's <r> & \"co\" \\ é.png", 1024, 3)]
+                .map(|(name, width, height)| ImageNote::new(name.to_owned(), Frame::new(width, height))),
+        ),
+        ..GeometryFile::of(PicturesOf::Untold)
     }
 }
 
@@ -100,7 +101,7 @@ fn numpy_loads_the_array_of_f() {
     let folder = tempfile::tempdir().unwrap();
     let f = example().fundamental.unwrap();
     let path = folder.path().join("F.npy");
-    std::fs::write(&path, epiline::io::matrix_as_npy(f.matrix())).unwrap();
+    std::fs::write(&path, epiline::io::fundamental_as_npy(&f, &PicturesOf::Original).unwrap()).unwrap();
     let script = "import json, sys, numpy; F = numpy.load(sys.argv[1]); print(json.dumps([str(F.dtype), F.flags['C_CONTIGUOUS'], F.tolist()]))";
     let output = Command::new(python).args(["-c", script]).arg(&path).output().unwrap();
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -174,14 +175,72 @@ fn we_read_what_opencv_writes() {
         assert_eq!((a.0, a.1), (b.0, b.1));
         assert!((a.2 - b.2).abs() < 1e-5 && (a.3 - b.3).abs() < 1e-5, "{a:?} {b:?}");
     }
-    // Compressed files are not text, XML is refused, and infinite numbers are not JSON: each gives an
-    // error message.
-    for (name, words) in [
-        ("written.yml.gz", "not a text file"),
-        ("written.xml", "Convert it to YAML with OpenCV"),
-        ("written.json", "not valid JSON"),
-    ] {
+    assert_eq!(GeometryFile::read(&folder.path().join("written.xml")).unwrap().0, file);
+    // Compressed files are not text, and infinite numbers are not JSON: each gives an error message.
+    for (name, words) in [("written.yml.gz", "not a text file"), ("written.json", "not valid JSON")] {
         let message = GeometryFile::read(&folder.path().join(name)).unwrap_err().to_string();
         assert!(message.contains(words), "{message}");
+    }
+}
+
+/// The copied code, and the comments of exported YAML, lead true matches of the pictures onto their lines.
+#[test]
+fn copied_code_maps_matches_of_bent_pictures_onto_their_lines() {
+    let Some(python) = python("cv2") else { return };
+    let lenses: [(&str, &[f64]); 7] = [
+        ("none", &[]),
+        ("opencv", &[-0.28, 0.09, 1e-3, -5e-4]),
+        ("opencv", &[0.4, -0.1, 0.0, 0.0, 0.01, 0.5, 0.02, 0.0]),
+        ("opencv-fisheye", &[-0.02, 0.004, -0.003, 0.0005]),
+        ("thin-prism-fisheye", &[-0.02, 0.004, 1e-3, -5e-4, 0.001, 0.0, 2e-4, 1e-4]),
+        ("fov", &[0.9]),
+        ("division", &[-0.25]),
+    ];
+    let frame = Frame::new(640, 480);
+    // With a skew, the code does not use OpenCV's functions, which ignore it.
+    for (skew, (model, coefficients)) in
+        [0.0, 3.0].into_iter().flat_map(|skew| lenses.map(|lens| (skew, lens)))
+    {
+        let camera = |focal: f64, model: &str, coefficients: &[f64]| {
+            let k = Matrix3::new(focal, skew, 325.5, 0.0, 1.01 * focal, 236.0, 0.0, 0.0, 1.0);
+            CameraModel::new(&k, Lens::of_model(model, coefficients).unwrap()).unwrap()
+        };
+        // The two images have different lenses.
+        let cameras = [camera(420.0, model, coefficients), camera(431.0, "division", &[-0.1])];
+        let views = ViewPair::new(cameras.each_ref(), [frame; 2]).unwrap();
+        let rotation = Rotation3::from_euler_angles(0.02, -0.06, 0.03);
+        let pose = RelativePose { rotation, translation: Vector3::new(-0.96, 0.1, 0.26).normalize() };
+        let seen = |k: i32| {
+            let k = f64::from(k);
+            let place =
+                Vector3::new(3.0 * (1.7 * k).sin(), 2.2 * (2.3 * k).cos(), 4.0 + 2.0 * (0.9 * k).sin());
+            let point1 = cameras[0].image_from_ray(&place)?;
+            let point2 = cameras[1].image_from_ray(&(rotation * place + pose.translation))?;
+            let is_seen = frame.contains(point1) && frame.contains(point2);
+            is_seen.then_some([point1.x, point1.y, point2.x, point2.y])
+        };
+        let matches: Vec<[f64; 4]> = (0..200).filter_map(seen).collect();
+        let (f, pictures) =
+            (pose.fundamental(&views.calibrations()).unwrap(), PicturesOf::from(Some(&views)));
+        let copied = Notation::NumPy.text(&f, &pictures, None);
+        let file = GeometryFile { fundamental: Some(f), ..GeometryFile::of(pictures) };
+        let yaml = file.to_text(Format::OpencvYaml);
+        let start = yaml.find("# K1, D1").expect("the code of the mapping");
+        let start = yaml[..start].rfind("# import cv2").filter(|at| at + 13 == start).unwrap_or(start);
+        let code = yaml[start..].lines().take_while(|line| line.starts_with("# ") && !line.contains("x2'"));
+        let code = code.map(|line| &line[2..]).collect::<Vec<_>>().join("\n");
+        let rows = serde_json::to_string(&f.rows()).unwrap();
+        for (name, code) in [("copied", copied), ("yaml", format!("F = np.array({rows})\n{code}"))] {
+            let script = format!(
+                "import numpy as np\n{code}\nm = np.array({matches:?})\na, b = undistorted1(m[:, :2]), undistorted2(m[:, \
+                 2:])\na, b = [np.c_[p, np.ones(len(p))] for p in (a, b)]\nl, k = a @ F.T, b @ F\ne = np.abs(np.sum(b * l, \
+                 axis=1))\nprint(max((e / np.hypot(l[:, 0], l[:, 1])).max(), (e / np.hypot(k[:, 0], k[:, 1])).max()))"
+            );
+            let output = Command::new(&python).args(["-c", &script]).output().unwrap();
+            let error = String::from_utf8_lossy(&output.stderr);
+            let told = String::from_utf8_lossy(&output.stdout).trim().parse::<f64>();
+            let distance = told.unwrap_or_else(|_| panic!("{model} {name}: {error}\n{script}"));
+            assert!(distance < 0.1, "{model} {name}, skew {skew}: {distance} px");
+        }
     }
 }

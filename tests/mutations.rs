@@ -17,7 +17,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use epiline::camera::UndistortedView;
+use epiline::camera::{PicturesOf, UndistortedView};
 use epiline::geometry::{Frame, FundamentalMatrix, Point, PointPair};
 use epiline::image::{LoadOptions, Picture};
 use epiline::io::{
@@ -114,12 +114,12 @@ struct Sample {
 fn geometry() -> GeometryFile {
     let rows = [[0.0, -1e-4, 0.02], [1.2e-4, 1e-6, -0.3], [-0.03, 0.29, 1.0]];
     let pair = |t: f64| PointPair::new(t, t * 0.7, t + 3.0, t * 0.69);
-    let note = |name: &str| ImageNote { name: name.to_owned(), frame: FRAME };
+    let note = |name: &str| ImageNote::new(name.to_owned(), FRAME);
     GeometryFile {
         fundamental: FundamentalMatrix::nearest_rank_two(nalgebra::Matrix3::from_fn(|r, c| rows[r][c])),
         pairs: (0..6).map(|k| pair(f64::from(k) * 17.25)).collect(),
         images: Some([note("left.png"), note("right é.png")]),
-        ..GeometryFile::default()
+        ..GeometryFile::of(PicturesOf::Untold)
     }
 }
 
@@ -154,6 +154,8 @@ fn corpus() -> Vec<Sample> {
             }
         }
     }
+    add("zstd.tif", include_bytes!("mutations/zstd.tif").to_vec(), Reader::Picture);
+    add("BigTIFF with a palette", include_bytes!("mutations/palette.tif").to_vec(), Reader::Picture);
     add("photograph.jpg", include_bytes!("mutations/photograph.jpg").to_vec(), Reader::Picture);
     let file = geometry();
     for format in Format::ALL {

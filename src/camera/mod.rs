@@ -12,8 +12,10 @@
 mod cloud;
 mod doubt;
 mod lens;
+mod lens_model;
 mod model;
 mod names;
+mod pictures_of;
 mod pose;
 #[cfg(test)]
 mod tests;
@@ -23,10 +25,12 @@ mod view_pair;
 pub use cloud::{Baseline, CloudPoint, LengthUnit, PointCloud};
 pub use doubt::CameraDoubt;
 pub use lens::{Lens, Projection, Radial};
+pub use lens_model::LensModel;
 pub use model::{CameraModel, FocalLength};
 #[cfg(feature = "files")]
 pub(crate) use names::IMPOSSIBLE;
 pub use names::calibration;
+pub use pictures_of::PicturesOf;
 pub use pose::{PoseDifference, PoseFit, PoseUncertainty, RelativePose};
 pub use undistorted_view::UndistortedView;
 pub use view_pair::ViewPair;

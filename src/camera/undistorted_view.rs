@@ -1,9 +1,10 @@
 //! The picture that a camera would take without the distortion of its lens.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 use serde::Serialize;
 use serde::ser::{SerializeStruct, Serializer};
 
+use super::lens::Lens;
 use super::model::{CameraModel, FocalLength};
 use super::names::calibration;
 use crate::geometry::{Frame, Point};
@@ -29,6 +30,14 @@ const SAMPLES: u32 = 64;
 /// Largest number of pixels of the view, in multiples of the original: larger views are reduced.
 /// Usual lenses need 1.1 to 1.7.
 const MOST_PIXELS: f64 = 2.0;
+
+/// Largest distance between the places of a pixel by two lenses that count as the same, px. A coefficient
+/// rounded to four digits moves the corners of a picture of 20 megapixels by 0.2 px.
+const SAME_PLACE: f64 = 0.5;
+/// Steps along each side of the pixels that are compared.
+const GRID: u32 = 8;
+/// Offset of the central differences of [`UndistortedView::linear_part`], px.
+const DIFFERENCE: f64 = 0.01;
 
 impl UndistortedView {
     /// Plans the view of a camera with pictures of the size `original`. A camera without distortion
@@ -81,6 +90,20 @@ impl UndistortedView {
         );
         let inverse = calibration.try_inverse()?;
         Some(Self { camera: *camera, original, calibration, inverse, frame })
+    }
+
+    /// Returns a view that a file describes: its calibration matrix and its size, and the camera and the size
+    /// of its pictures. `None` for a matrix without an inverse or an image of less than 2×2 px.
+    pub fn described(
+        camera: CameraModel,
+        original: Frame,
+        calibration: Matrix3<f64>,
+        frame: Frame,
+    ) -> Option<Self> {
+        let is_sound = [original, frame].iter().all(|frame| frame.width > 1 && frame.height > 1);
+        let is_camera = CameraModel::new(&calibration, Lens::IDEAL).is_some();
+        let inverse = calibration.try_inverse().filter(|_| is_sound && is_camera)?;
+        Some(Self { camera, original, calibration, inverse, frame })
     }
 
     /// Returns the same view, by a camera with another focal length. `None` as for
@@ -136,6 +159,45 @@ impl UndistortedView {
         crate::geometry::finite_point(&(self.calibration * ray))
     }
 
+    /// Returns a view that a file describes, seen by the camera of this view. `None` if the camera has another
+    /// lens or other pictures than the described one.
+    pub(super) fn adopting(&self, described: &Self) -> Option<Self> {
+        let (right, bottom) = (self.original.right(), self.original.bottom());
+        let shares = (0..=GRID).map(|k| f64::from(k) / f64::from(GRID));
+        let mut places =
+            shares.clone().flat_map(|s| shares.clone().map(move |t| Point::new(s * right, t * bottom)));
+        // Without distortion, at the scale of the picture.
+        let flat = |view: &Self, place: Point| {
+            let ray = view.camera.ray_from_image(place).filter(|ray| ray.z > 0.0)?;
+            let own = view.camera.calibration();
+            Some(Vector2::new(own[(0, 0)] * ray.x / ray.z, own[(1, 1)] * ray.y / ray.z))
+        };
+        let is_near = |place: Point| match [self, described].map(|view| flat(view, place)) {
+            [Some(own), Some(other)] => (own - other).norm() < SAME_PLACE,
+            [None, None] => true,
+            _ => false,
+        };
+        if self.original != described.original || !places.all(is_near) {
+            return None;
+        }
+        // The same view belongs to a camera of any focal length.
+        let by = self.camera.calibration()[(0, 0)] / described.camera.calibration()[(0, 0)];
+        let calibration = described.calibration * Matrix3::from_diagonal(&Vector3::new(by, by, 1.0));
+        Self::described(self.camera, self.original, calibration, described.frame)
+    }
+
+    /// Returns the affine map from places in the picture near `at` to places in the view.
+    pub(super) fn linear_part(&self, at: Point) -> Option<Matrix3<f64>> {
+        let place = self.undistorted_from_original(at)?;
+        let along = |step: Vector2<f64>| {
+            let ends = [at + step, at - step].map(|p| self.undistorted_from_original(p));
+            Some((ends[0]? - ends[1]?) / (2.0 * DIFFERENCE))
+        };
+        let (by_x, by_y) = (along(Vector2::new(DIFFERENCE, 0.0))?, along(Vector2::new(0.0, DIFFERENCE))?);
+        let rest = place - (by_x * at.x + by_y * at.y);
+        Some(Matrix3::new(by_x.x, by_y.x, rest.x, by_x.y, by_y.y, rest.y, 0.0, 0.0, 1.0))
+    }
+
     /// Returns the place in the original picture whose value a pixel of the view takes. Outside the
     /// picture, the nearest pixel of its border is taken: a black edge would have false corners.
     pub fn source_of(&self, point: Point) -> Option<Point> {
@@ -146,17 +208,23 @@ impl UndistortedView {
 }
 
 impl Serialize for UndistortedView {
-    /// Writes the calibration matrix as nested rows, the size, the size and the camera of the original, and
-    /// the relative standard deviation of a guessed focal length.
+    /// Writes the calibration matrix as nested rows, the size, the size and the camera of the original with
+    /// the name and the coefficients of its lens model, and the relative standard deviation of a guessed focal
+    /// length.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let rows = |m: &Matrix3<f64>| m.transpose().data.0;
-        let mut state = serializer.serialize_struct("UndistortedView", 9)?;
+        let (model, coefficients) = self.camera.lens().named();
+        let original_matrix = self.camera.calibration();
+        let mut state = serializer.serialize_struct("UndistortedView", 12)?;
+        state.serialize_field("model", model.name())?;
+        state.serialize_field("coefficients", &coefficients)?;
+        state.serialize_field("centre", &[original_matrix[(0, 2)], original_matrix[(1, 2)]])?;
         state.serialize_field("matrix", &rows(&self.calibration))?;
         state.serialize_field("width", &self.frame.width)?;
         state.serialize_field("height", &self.frame.height)?;
         state.serialize_field("original_width", &self.original.width)?;
         state.serialize_field("original_height", &self.original.height)?;
-        state.serialize_field("original_matrix", &rows(&self.camera.calibration()))?;
+        state.serialize_field("original_matrix", &rows(&original_matrix))?;
         state.serialize_field("lens", self.camera.lens())?;
         state.serialize_field("is_original", &self.is_original())?;
         state.serialize_field("focal_deviation", &self.camera.focal_deviation())?;

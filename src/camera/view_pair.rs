@@ -49,6 +49,25 @@ impl ViewPair {
         ])
     }
 
+    /// Returns the views that a file describes, with these cameras. `None` if the file belongs to other lenses:
+    /// a place in the pictures differs by more than 0.5 px.
+    pub fn adopting(&self, described: &Self) -> Option<Self> {
+        let view = |k: usize| self.views[k].adopting(&described.views[k]);
+        Some(Self { views: [view(0)?, view(1)?] })
+    }
+
+    /// Returns the fundamental matrix for places in the pictures as they are, near a point pair of the
+    /// pictures: the lenses are replaced by their linear parts there. The matrix is exact at the pair, and
+    /// its error grows with the square of the distance. `None` where a lens has no inverse.
+    ///
+    /// With the places `u(p) ≈ u(p0) + J (p − p0)` in a view, `A = [J, u(p0) − J p0; 0 0 1]` and
+    /// `F_local = A2ᵀ F A1`.
+    pub fn linearised(&self, f: &FundamentalMatrix, at: &PointPair) -> Option<FundamentalMatrix> {
+        let first = self.views[0].linear_part(at.point1)?;
+        let second = self.views[1].linear_part(at.point2)?;
+        FundamentalMatrix::from_rank_two(second.transpose() * f.matrix() * first)
+    }
+
     /// Returns the sizes of the views.
     pub fn frames(&self) -> [Frame; 2] {
         self.views.each_ref().map(UndistortedView::frame)

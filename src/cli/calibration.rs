@@ -9,18 +9,19 @@ use super::CliError;
 use super::arguments::size;
 use super::console::tell;
 use crate::camera::{CameraModel, FocalLength, LengthUnit, ViewPair};
-use crate::estimate::Match;
+use crate::estimate::{Match, PreparedPair};
 use crate::foreign::shown_path;
 use crate::geometry::{Frame, PointPair};
 use crate::image::Picture;
-use crate::io::{CalibratedCamera, Calibration, focal_length_from_exif};
+use crate::io::{CalibratedCamera, Calibration, CameraReading, focal_length_from_exif};
 use crate::presentation::camera_doubts;
 
 /// Cameras of both images.
 #[derive(Debug, Args)]
 pub(super) struct CalibrationArguments {
-    /// Calibration of the cameras: one file for both images or one for each, of OpenCV, ROS, Kalibr,
-    /// KITTI, Middlebury, COLMAP (cameras.txt), caliscope or anipose
+    /// Calibration of the cameras: one file for both images, one for each, or one with the cameras and one
+    /// with their pose. OpenCV, ROS, Kalibr, KITTI, Middlebury, COLMAP (cameras.txt), ZED, MATLAB (JSON),
+    /// ORB-SLAM, VINS, caliscope, anipose and NumPy (.npz) write such files
     #[arg(long, num_args = 1..=2, value_name = "FILE")]
     calibration: Option<Vec<PathBuf>>,
     /// Names of the two cameras in the calibration, by default the first two
@@ -119,51 +120,73 @@ impl CalibrationArguments {
             Some([left, right]) => Some([left.as_str(), right.as_str()]),
             _ => None,
         };
-        let pair = |path: &PathBuf| {
-            let found = Calibration::read(path)?.pair(names);
-            found.map_err(|e| CliError::Arguments(format!("{}: {e}", shown_path(path))))
-        };
-        Ok(Some(match &files[..] {
-            [left, right] => [pair(left)?[0].clone(), pair(right)?[usize::from(names.is_some())].clone()],
-            _ => pair(&files[0])?,
-        }))
+        let paths: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
+        let found = Calibration::read_files(&paths)?.open_pair(names);
+        let pair = found.map_err(|e| CliError::Arguments(format!("{}: {e}", shown_path(&files[0]))))?;
+        tell_notes(&CalibratedCamera::notes_of(&pair));
+        Ok(Some(pair))
     }
 }
 
 impl CalibrationArguments {
-    /// Returns the cameras for images of these sizes: checked, or scaled if that is asked for.
-    pub(super) fn for_frames(
+    /// Returns the cameras scaled to images of these sizes, if that is asked for.
+    pub(super) fn scaled(
         &self,
-        cameras: [CalibratedCamera; 2],
+        mut cameras: [CalibratedCamera; 2],
         frames: Option<[Frame; 2]>,
     ) -> Result<[CalibratedCamera; 2], CliError> {
-        let Some(frames) = frames else {
-            let unknown =
-                "the sizes of the images are needed to scale the calibration. Give the images (--images)";
-            let is_scaled = self.scale_calibration.is_some();
-            return if is_scaled { Err(CliError::Arguments(unknown.into())) } else { Ok(cameras) };
-        };
-        let mut fitted = cameras;
-        for (camera, frame) in fitted.iter_mut().zip(frames) {
-            let is_resized = camera.is_resized_in(frame);
-            let checked = match self.scale_calibration {
-                Some(OwnSize(own)) => {
-                    camera.frame = own.or(camera.frame);
-                    camera.resized_to(frame).map(|scaled| *camera = scaled)
-                }
-                None => camera.check_frame(frame),
+        let Some(OwnSize(own)) = self.scale_calibration else { return Ok(cameras) };
+        let unknown =
+            "the sizes of the images are needed to scale the calibration. Give the images (--images)";
+        let frames = frames.ok_or_else(|| CliError::Arguments(unknown.into()))?;
+        for (camera, frame) in cameras.iter_mut().zip(frames) {
+            camera.frame = own.or(camera.frame);
+            let advice = match camera.frame {
+                None => ". Give it: --scale-calibration=WIDTHxHEIGHT",
+                Some(_) => "",
             };
-            let advice = match self.scale_calibration {
-                None if is_resized => ". If the image was resized, use --scale-calibration",
-                Some(OwnSize(None)) if camera.frame.is_none() => {
-                    ". Give it: --scale-calibration=WIDTHxHEIGHT"
-                }
-                _ => "",
-            };
-            checked.map_err(|problem| CliError::Arguments(format!("{problem}{advice}")))?;
+            let told = |problem| CliError::Arguments(format!("{problem}{advice}"));
+            *camera = camera.resized_to(frame).map_err(told)?;
         }
-        Ok(fitted)
+        Ok(cameras)
     }
+}
+
+fn tell_notes(notes: &[String]) {
+    for note in notes {
+        tell(format_args!("calibration: {note}"));
+    }
+}
+
+/// Chooses the cameras for the sizes of the pictures, and the models of their lenses where the file leaves
+/// these open: by given matches, or by matches of the pictures that are found without a geometry.
+pub(super) fn settled(
+    cameras: [CalibratedCamera; 2],
+    pictures: &[Picture; 2],
+    given: Option<&[Match]>,
+) -> Result<[CalibratedCamera; 2], CliError> {
+    let matches = || match given {
+        Some(given) => given.iter().map(|found| found.pair).collect(),
+        None => {
+            let prepared = PreparedPair::new(&pictures[0].gray, &pictures[1].gray);
+            prepared.putative_matches().iter().map(|found| found.pair).collect()
+        }
+    };
+    settled_by(cameras, pictures.each_ref().map(Picture::frame), matches)
+}
+
+/// Chooses the cameras as [`settled`] does, by point pairs.
+pub(super) fn settled_by(
+    cameras: [CalibratedCamera; 2],
+    frames: [Frame; 2],
+    pairs: impl FnOnce() -> Vec<PointPair>,
+) -> Result<[CalibratedCamera; 2], CliError> {
+    let before = CalibratedCamera::notes_of(&cameras);
+    let settled = CalibratedCamera::settled(cameras, frames, pairs).map_err(CliError::Arguments)?;
+    let mut notes = CalibratedCamera::notes_of(&settled);
+    notes.retain(|note| !before.contains(note));
+    tell_notes(&notes);
+    Ok(settled)
 }
 
 impl CameraArguments {
@@ -202,7 +225,7 @@ impl CameraArguments {
         fitted: Option<[f64; 2]>,
     ) -> Result<Option<[CalibratedCamera; 2]>, CliError> {
         if let Some(calibrated) = calibrated {
-            return self.calibration.for_frames(calibrated, Some(frames)).map(Some);
+            return self.calibration.scaled(calibrated, Some(frames)).map(Some);
         }
         let camera = |k: usize| -> Result<Option<CalibratedCamera>, CliError> {
             let frame = frames[k];
@@ -220,7 +243,8 @@ impl CameraArguments {
             };
             let name = SIDES[k].to_owned();
             let (frame, unit) = (Some(frame), LengthUnit::Baseline);
-            Ok(model.map(|model| CalibratedCamera { name, model, frame, pose: None, unit }))
+            let reading = CameraReading::default();
+            Ok(model.map(|model| CalibratedCamera { name, model, frame, pose: None, unit, reading }))
         };
         Ok(camera(0)?.zip(camera(1)?).map(<[_; 2]>::from))
     }
@@ -259,6 +283,13 @@ fn of_image<T: Copy>(values: Option<&[T]>, image: usize) -> Option<T> {
 
 /// Plans the views without distortion, and tells doubts about the cameras.
 pub(super) fn views(cameras: &[CalibratedCamera; 2], frames: [Frame; 2]) -> Result<ViewPair, CliError> {
+    CalibratedCamera::check_settled(cameras).map_err(CliError::Arguments)?;
+    for (camera, frame) in cameras.iter().zip(frames) {
+        let is_resized = camera.is_resized_in(frame);
+        let advice = if is_resized { ". If the image was resized, use --scale-calibration" } else { "" };
+        let told = |problem| CliError::Arguments(format!("{problem}{advice}"));
+        camera.check_frame(frame).map_err(told)?;
+    }
     let views = ViewPair::new(cameras.each_ref().map(|camera| &camera.model), frames);
     let problem = "the distortion of the lens cannot be undone: it folds back at the principal point";
     let views = views.ok_or_else(|| CliError::Arguments(problem.into()))?;

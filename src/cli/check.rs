@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::CliError;
 use super::geometry_file::{GeometryInput, GeometryOutput};
+use crate::camera::PicturesOf;
 use crate::convention::{ConventionCheck, RankedReading, Reading, check_convention};
 use crate::foreign::shown_path;
 use crate::geometry::FundamentalMatrix;
@@ -43,10 +44,16 @@ pub(super) struct CheckArguments {
 struct CheckFile<'a> {
     /// Fundamental matrix in the convention of this program; null if no reading fits.
     fundamental: Option<FundamentalMatrix>,
+    /// Pictures that F belongs to.
+    #[serde(flatten)]
+    pictures: &'a PicturesOf,
     reading: Option<Reading>,
     fits: bool,
     message: &'a str,
     format: Format,
+    /// How the file was read.
+    #[serde(skip_serializing_if = "<[String]>::is_empty")]
+    notes: &'a [String],
     #[serde(flatten)]
     check: &'a ConventionCheck,
     version: &'static str,
@@ -70,10 +77,12 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), CliError> {
     let believed = check.fits().then_some(best);
     let result = CheckFile {
         fundamental: believed.map(|b| b.fundamental),
+        pictures: &file.pictures,
         reading: believed.map(|b| b.reading),
         fits: check.fits(),
         message: &sentence,
         format,
+        notes: &file.notes,
         check: &check,
         version: env!("CARGO_PKG_VERSION"),
     };
@@ -84,7 +93,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), CliError> {
             fundamental: Some(best.fundamental),
             pairs: file.pairs,
             images: file.images,
-            ..GeometryFile::default()
+            ..GeometryFile::of(file.pictures.clone())
         };
         corrected.write(&file)?;
     }

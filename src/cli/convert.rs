@@ -8,8 +8,10 @@ use clap::Args;
 use super::CliError;
 use super::console::{print, tell};
 use super::geometry_file::{GeometryInput, GeometryOutput};
+use crate::camera::PicturesOf;
 use crate::foreign::{excerpt, shown_path};
 use crate::io::{Format, OutputFile, refuse_clashes};
+use crate::presentation::lenses_in_words;
 
 /// Convert F, cameras, homographies and point pairs between file formats and their conventions
 #[derive(Debug, Args)]
@@ -49,7 +51,12 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<(), CliError> {
     ];
     let parts: Vec<_> = parts.into_iter().flatten().collect();
     let read = shown_path(arguments.input.path());
-    let text = format!("{} from {read} ({}) to {}\n", parts.join(", "), format.label(), output.place());
+    let pictures = match &file.pictures {
+        PicturesOf::Untold | PicturesOf::Original => String::new(),
+        undistorted => format!(", all of pictures without distortion ({})", lenses_in_words(undistorted)),
+    };
+    let text =
+        format!("{}{pictures} from {read} ({}) to {}\n", parts.join(", "), format.label(), output.place());
     if output.is_piped() {
         tell(text.trim_end());
         return Ok(());

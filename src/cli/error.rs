@@ -50,6 +50,9 @@ pub enum CliError {
     /// The images do not show enough to judge a geometry. The judgement has been printed.
     #[error("the images do not show enough to judge the geometry")]
     Undecided,
+    /// The images do not show enough to judge whether they are rectified. The judgement has been printed.
+    #[error("the images do not show enough to judge whether they are rectified")]
+    RowsUndecided,
     /// A result without depth has no scene points to export. The result has been printed.
     #[error("the epipole is not determined, so there are no scene points. Export F instead, to a .json file")]
     NoDepth,

@@ -8,8 +8,11 @@ use clap::Args;
 
 use super::CliError;
 use super::arguments::{ImagePair, on_threads, point_pair, size, threads};
-use super::calibration::{CameraArguments, undistort_matches, undistorted, undistorted_pairs, views};
+use super::calibration::{
+    CameraArguments, settled, undistort_matches, undistorted, undistorted_pairs, views,
+};
 use super::console::tell;
+use super::geometry_file::read_matches;
 use super::overrides::Overrides;
 use super::points;
 use super::result_output::{Beside, ResultArguments};
@@ -19,7 +22,7 @@ use crate::estimate::{
 };
 use crate::geometry::{Frame, PointPair};
 use crate::image::Picture;
-use crate::io::{CalibratedCamera, read_matches};
+use crate::io::CalibratedCamera;
 use crate::presentation::lens_in_words;
 
 /// Estimate the fundamental matrix of two images from point pairs, or from none
@@ -66,6 +69,10 @@ pub(super) struct EstimateArguments {
     pub(super) sizes: Option<Vec<Frame>>,
     #[command(flatten)]
     pub(super) cameras: CameraArguments,
+    /// Draw both pictures without the distortion of their lens into a folder, with the geometry that belongs
+    /// to them: left.png, right.png and geometry.json. It needs --calibration or --division
+    #[arg(long, value_name = "DIR")]
+    pub(super) undistorted: Option<PathBuf>,
     #[command(flatten)]
     pub(super) result: ResultArguments,
     #[command(flatten)]
@@ -82,7 +89,12 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
         .files()
         .chain(arguments.cameras.calibration.files())
         .chain(arguments.matches.as_deref());
-    let output = arguments.result.prepare(&files.collect::<Vec<_>>())?;
+    let files = files.collect::<Vec<_>>();
+    let output = arguments.result.prepare(&files)?.with_undistorted(
+        arguments.undistorted.as_deref(),
+        arguments.cameras.is_given(),
+        &files,
+    )?;
     let mut parameters = arguments.overrides.parameters(arguments.preset)?;
     parameters.seed = arguments.seed.unwrap_or(parameters.seed);
     let fallback = match (arguments.pairs.len(), parameters.search) {
@@ -102,6 +114,8 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
         (first, lambdas) = (Some(found), lens.map(|lens| lens.lambdas));
     }
     let calibrated = arguments.cameras.of_pictures(calibrated, &pictures, lambdas)?;
+    let calibrated = calibrated.map(|cameras| settled(cameras, &pictures, given.as_deref())).transpose()?;
+    let notes = calibrated.as_ref().map(CalibratedCamera::notes_of).unwrap_or_default();
     let baseline = calibrated.as_ref().and_then(CalibratedCamera::baseline);
     let views =
         calibrated.map(|cameras| views(&cameras, pictures.each_ref().map(Picture::frame))).transpose()?;
@@ -128,7 +142,8 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
         tell("a lens may bend the images. Try --division auto");
     }
     let given: Vec<PointPair> = given.iter().flatten().map(|found| found.pair).collect();
-    let beside = Beside { views: views.as_ref(), baseline, given: &given, ..Beside::default() };
+    let beside =
+        Beside { views: views.as_ref(), baseline, given: &given, calibration: &notes, ..Beside::default() };
     output.write(&found, &pairs, &pictures, &parameters, beside)
 }
 

@@ -8,13 +8,16 @@ use super::CliError;
 use super::calibration::CalibrationArguments;
 use super::console::{print, tell};
 use super::output::Output;
+use crate::camera::PicturesOf;
+use crate::estimate::Match;
 use crate::foreign::shown_path;
-use crate::geometry::FundamentalMatrix;
+use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::image::Picture;
 use crate::io::{
-    Format, GeometryFile, GeometryNote, ImageNote, OutputFile, cloud_as_ply, matrix_as_npy, read_point_pairs,
-    refuse_clashes,
+    CalibratedCamera, Format, GeometryFile, ImageNote, MatchFile, OutputFile, cloud_as_ply,
+    fundamental_as_npy, refuse_clashes,
 };
+use crate::presentation::lenses_in_words;
 
 /// Source of a geometry.
 #[derive(Debug, Args)]
@@ -50,7 +53,16 @@ impl GeometryInput {
             },
             None => GeometryFile::read(&self.file)?,
         };
-        tell_notes(&self.file, &file);
+        tell_notes(&self.file, &file.notes);
+        if let Some(matches) = &self.matches {
+            let pairs = read_matches(matches)?.into_iter().map(|found| found.pair).collect();
+            file.pairs = in_pictures_of(&file.pictures, pairs)
+                .ok_or_else(|| CliError::Arguments(format!(
+                    "{} belongs to pictures without distortion, which it does not describe, so the matches of the \
+                     pictures have no place in it. Export it again",
+                    shown_path(&self.file)
+                )))?;
+        }
         if let Some([left, right]) = self.images.as_deref() {
             file.images = Some(image_notes(&[Picture::open(left)?, Picture::open(right)?]));
         }
@@ -62,12 +74,10 @@ impl GeometryInput {
                 ))
             };
             let frames = file.images.as_ref().map(|images| images.each_ref().map(|image| image.frame));
-            let cameras = self.calibration.for_frames(cameras, frames)?;
+            let cameras = self.calibration.scaled(cameras, frames)?;
+            CalibratedCamera::check_settled(&cameras).map_err(CliError::Arguments)?;
             file = file.calibrated_essential(&cameras).ok_or_else(missing)?;
-            tell_notes(&self.file, &file);
-        }
-        if let Some(matches) = &self.matches {
-            file.pairs = read_point_pairs(matches)?;
+            tell_notes(&self.file, &file.notes);
         }
         Ok((file, format))
     }
@@ -83,33 +93,51 @@ impl GeometryInput {
     }
 }
 
+/// Reads matches, and tells what was read and what was left out.
+pub(super) fn read_matches(path: &Path) -> Result<Vec<Match>, CliError> {
+    let file = MatchFile::read(path)?;
+    tell_notes(path, &file.notes);
+    Ok(file.matches)
+}
+
+/// Tells how a file was read.
+pub(super) fn tell_notes(path: &Path, notes: &[String]) {
+    for note in notes {
+        tell(format_args!("note: {}: {note}", shown_path(path)));
+    }
+}
+
+/// Returns point pairs of the pictures as they are in the pictures of a file. Pairs beyond the range of a lens
+/// are left out. `None` for unknown views.
+fn in_pictures_of(pictures: &PicturesOf, pairs: Vec<PointPair>) -> Option<Vec<PointPair>> {
+    if !pictures.is_undistorted() {
+        return Some(pairs);
+    }
+    let views = pictures.views()?;
+    Some(pairs.iter().filter_map(|pair| views.undistorted_from_original(pair)).collect())
+}
+
 /// Reads a geometry for pictures that keep their distortion. A geometry of views without distortion
-/// gets a note.
+/// is refused.
 pub(super) fn read_geometry(path: &Path) -> Result<(FundamentalMatrix, GeometryFile), CliError> {
     let (fundamental, file) = GeometryFile::read_geometry(path)?;
-    tell_notes(path, &file);
-    if file.is_undistorted && !file.notes.contains(&GeometryNote::OfCalibration { lens: true }) {
-        tell(format_args!(
-            "note: {} belongs to views without lens distortion. It fits only images without distortion",
-            shown_path(path)
-        ));
+    tell_notes(path, &file.notes);
+    if file.pictures.is_undistorted() {
+        return Err(CliError::Arguments(format!(
+            "{} belongs to pictures without distortion ({}), not to these. Draw such pictures with epiline estimate \
+             --undistorted DIR, and use them with the geometry beside them",
+            shown_path(path),
+            lenses_in_words(&file.pictures)
+        )));
     }
     Ok((fundamental, file))
 }
 
-/// Tells what a reader must know about a geometry.
-pub(super) fn tell_notes(path: &Path, file: &GeometryFile) {
-    for note in &file.notes {
-        let advice = match note {
-            GeometryNote::Essential => " Make F with: epiline convert FILE --calibration CALIBRATION",
-            _ => "",
-        };
-        tell(format_args!("note: {}: {note}{advice}", shown_path(path)));
-    }
-}
-
 pub(super) fn image_notes(pictures: &[Picture; 2]) -> [ImageNote; 2] {
-    [0, 1].map(|k| ImageNote { name: pictures[k].name.clone(), frame: pictures[k].frame() })
+    pictures.each_ref().map(|picture| ImageNote {
+        interpretation: picture.interpretation,
+        ..ImageNote::new(picture.name.clone(), picture.frame())
+    })
 }
 
 /// Destination of a geometry: a file, checked before the work, or standard output.
@@ -214,7 +242,7 @@ impl GeometryOutput {
             Content::Array => {
                 let missing = "there is no F, and a NumPy array holds nothing else";
                 let geometry = file.geometry().ok_or_else(|| CliError::Arguments(missing.into()))?;
-                matrix_as_npy(geometry.matrix())
+                fundamental_as_npy(&geometry, &file.pictures).map_err(CliError::Arguments)?
             }
             Content::Cloud => {
                 let missing = "there are no scene points. Make them with epiline estimate --calibration … --export cloud.ply";

@@ -10,19 +10,21 @@ use serde::Serialize;
 
 use super::CliError;
 use super::arguments::{ImagePair, on_threads, pixels, threads};
-use super::calibration::{CalibrationArguments, undistort_matches, undistorted, views};
+use super::calibration::{CalibrationArguments, settled, undistort_matches, undistorted, views};
 use super::estimate::watched;
-use super::geometry_file::{read_geometry, tell_notes};
+use super::geometry_file::{read_geometry, read_matches, tell_notes};
 use super::output::Output;
-use crate::camera::{PoseDifference, RelativePose, ViewPair};
-use crate::estimate::{Match, Monitor, Parameters, Uncertainty, Verdict, estimate, estimate_fundamental};
+use crate::camera::{PicturesOf, PoseDifference};
+use crate::estimate::{
+    Match, Monitor, Parameters, PreparedPair, Uncertainty, Verdict, estimate_fundamental, estimate_prepared,
+};
 use crate::foreign::{reason, shown_path};
 use crate::geometry::{Frame, FundamentalMatrix, Matrix9, PointPair};
 use crate::image::Picture;
-use crate::io::{CalibratedCamera, GeometryFile, read_matches, refuse_clashes};
+use crate::io::{CalibratedCamera, GeometryFile, refuse_clashes};
 use crate::judge::{
-    FEWEST_MATCHES, Finding, GivenGeometry, Judgement, LIMIT, ROW_LIMIT, Reference, RowJudgement, judge,
-    judge_rows,
+    FEWEST_MATCHES, Finding, GivenCalibration, GivenGeometry, Judgement, LIMIT, ROW_LIMIT, Reference,
+    RowJudgement, RowMatches, judge, judge_rows,
 };
 use crate::presentation::{NO_BASELINE, judgement_in_words, pose_difference_in_words, rows_in_words};
 
@@ -81,8 +83,14 @@ struct JudgeFile<'a, T: Serialize> {
     #[serde(skip_serializing_if = "Option::is_none")]
     pose_difference: Option<PoseDifference>,
     reference: FundamentalMatrix,
+    /// Pictures that the reference belongs to.
+    #[serde(flatten)]
+    pictures: &'a PicturesOf,
     /// Verdict on the reference; null for given matches.
     reference_verdict: Option<Verdict>,
+    /// How the calibration was read, and the numbers of it that were not understood.
+    #[serde(skip_serializing_if = "<[String]>::is_empty")]
+    calibration_notes: &'a [String],
     version: &'static str,
 }
 
@@ -90,10 +98,12 @@ struct JudgeFile<'a, T: Serialize> {
 struct Shown {
     fundamental: FundamentalMatrix,
     matches: Vec<PointPair>,
+    /// Matches that no search and no line has selected.
+    witnesses: Vec<PointPair>,
     /// Whether the matches can refute a geometry. True for matches that a person gives.
     is_trusted: bool,
-    /// Whether the verdict leaves the epipole open, and with it the pose.
-    is_open: bool,
+    /// Whether the matches determine the epipole, and with it the pose.
+    has_epipoles: bool,
     verdict: Option<Verdict>,
     covariance: Option<Matrix9>,
 }
@@ -110,21 +120,28 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     let mut matches = arguments.matches.as_deref().map(read_matches).transpose()?;
     let (mut pictures, _) = arguments.images.load()?;
     let mut stereo = None;
+    let mut notes = Vec::new();
     if let Some(calibrated) = calibrated {
-        let (pose, _) = CalibratedCamera::relative_pose(&calibrated).ok_or_else(no_pose)?;
         let frames = pictures.each_ref().map(Picture::frame);
-        let calibrated = arguments.calibration.for_frames(calibrated, Some(frames))?;
+        let calibrated = arguments.calibration.scaled(calibrated, Some(frames))?;
+        let calibrated = settled(calibrated, &pictures, matches.as_deref())?;
+        notes = CalibratedCamera::notes_of(&calibrated);
+        let (pose, _) = CalibratedCamera::relative_pose(&calibrated).ok_or_else(|| no_pose(&notes))?;
         let views = views(&calibrated, frames)?;
         undistort_matches(&mut matches, &views)?;
         pictures = undistorted(pictures, &views);
-        given = Some(of_pose(&pose, &views).ok_or_else(no_pose)?);
-        stereo = Some((pose, views));
+        let calibration = GivenCalibration { pose, views };
+        given = Some(of_calibration(&calibration).ok_or_else(|| no_pose(&notes))?);
+        stereo = Some(calibration);
     }
+    let pictures_of = PicturesOf::from(stereo.as_ref().map(|calibration| &calibration.views));
     let frames = pictures.each_ref().map(Picture::frame);
-    let shown = match matches {
-        Some(matches) => of_matches(&matches, frames, arguments.seed)?,
-        None => of_images(&pictures, arguments)?,
+    let prepared = PreparedPair::new(&pictures[0].gray, &pictures[1].gray);
+    let search = |seed: u64| match &matches {
+        Some(matches) => of_matches(matches, frames, seed),
+        None => of_images(&prepared, arguments, seed),
     };
+    let shown = search(arguments.seed)?;
     let too_few = || {
         let found = shown.matches.len();
         CliError::Arguments(if arguments.matches.is_some() {
@@ -136,36 +153,48 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
             )
         })
     };
+    let beside = Beside { shown: &shown, pictures: &pictures_of, notes: &notes };
     let Some(given) = given else {
         let limit = arguments.limit.unwrap_or(ROW_LIMIT);
-        let found = judge_rows(&shown.matches, frames[1], limit).ok_or_else(too_few)?;
+        let Shown { matches, witnesses, is_trusted, .. } = &shown;
+        let found = judge_rows(&RowMatches { matches, witnesses, is_trusted: *is_trusted }, frames[1], limit)
+            .ok_or_else(too_few)?;
         let words = rows_in_words(&found);
-        write(&output, &found, &words, None, &shown)?;
+        write(&output, &found, &words, None, &beside)?;
         if let Some(log) = &arguments.log {
             append(log, &pictures, &found)?;
         }
-        return if found.is_aligned { Ok(()) } else { Err(CliError::NotRectified) };
+        return match (found.is_aligned, found.doubt) {
+            (true, _) => Ok(()),
+            (false, None) => Err(CliError::NotRectified),
+            (false, Some(_)) => Err(CliError::RowsUndecided),
+        };
     };
-    let Shown { fundamental, matches, is_trusted, is_open, covariance, .. } = &shown;
-    let (fundamental, is_trusted) = (*fundamental, *is_trusted);
-    // Both geometries may be uncertain; without a covariance, the judged one counts as exact.
-    let covariance =
-        covariance.map(|covariance| covariance + own_covariance.flatten().unwrap_or_else(Matrix9::zeros));
-    let reference = Reference { fundamental, matches, frames, is_trusted, covariance };
-    let found: Judgement = judge(&given, &reference, arguments.limit.unwrap_or(LIMIT)).ok_or_else(too_few)?;
+    let limit = arguments.limit.unwrap_or(LIMIT);
+    let own_covariance = own_covariance.flatten();
+    let reference = shown.reference(frames, own_covariance);
+    let mut found: Judgement = judge(&given, &reference, limit).ok_or_else(too_few)?;
+    if found.finding == Finding::DoesNotFit {
+        // A finding that hangs on the random numbers of a search accuses nobody.
+        let again = search(arguments.seed.wrapping_add(1))?;
+        if let Some(other) = judge(&given, &again.reference(frames, own_covariance), limit) {
+            found = found.confirmed_by(&other, &reference);
+        }
+    }
     let mut words = judgement_in_words(&found);
-    let is_calibrated = stereo.is_some();
-    let difference = stereo.filter(|_| !is_open).and_then(|(pose, views)| {
-        let fit = views.fit_pose(&fundamental, matches)?;
+    // The lines of a geometry in doubt, and of one with a named mistake, tell no difference of poses.
+    let compares = found.finding != Finding::Undecided && found.change.is_none() && shown.is_trusted;
+    let calibration = stereo.as_ref().filter(|_| compares);
+    let difference = calibration.filter(|_| shown.has_epipoles).and_then(|calibration| {
         // Without parallax the matches determine no pose.
-        fit.difference(&pose).filter(|_| is_trusted)
+        calibration.views.fit_pose(&shown.fundamental, &shown.matches)?.difference(&calibration.pose)
     });
     if let Some(difference) = &difference {
         words = format!("{words}\n{}", pose_difference_in_words(difference));
-    } else if is_calibrated && *is_open {
+    } else if calibration.is_some() && !shown.has_epipoles {
         words = format!("{words}\nThe pose cannot be judged. {NO_BASELINE}");
     }
-    write(&output, &found, &words, difference, &shown)?;
+    write(&output, &found, &words, difference, &beside)?;
     match found.finding {
         Finding::Fits => Ok(()),
         Finding::DoesNotFit => Err(CliError::DoesNotFit),
@@ -188,7 +217,7 @@ impl JudgeArguments {
         let (fundamental, file) = match files[..] {
             [left, right] => {
                 let read = GeometryFile::read_cameras([left, right])?;
-                tell_notes(left, &read.1);
+                tell_notes(left, &read.1.notes);
                 read
             }
             [one, ..] => read_geometry(one)?,
@@ -199,48 +228,80 @@ impl JudgeArguments {
                 "there are no two cameras in the file (P1 and P2). Use --fundamental for a matrix".into(),
             ));
         }
-        Ok(Some((GivenGeometry { fundamental, cameras: file.cameras }, file.covariance)))
+        Ok(Some((GivenGeometry { cameras: file.cameras, ..fundamental.into() }, file.covariance)))
+    }
+}
+
+impl Shown {
+    /// Returns the reference of a judgement. Both geometries may be uncertain; without a covariance, the
+    /// judged one counts as exact.
+    fn reference(&self, frames: [Frame; 2], own_covariance: Option<Matrix9>) -> Reference<'_> {
+        let Self { fundamental, matches, witnesses, is_trusted, has_epipoles, covariance, .. } = self;
+        Reference {
+            fundamental: *fundamental,
+            matches,
+            witnesses,
+            frames,
+            is_trusted: *is_trusted,
+            has_epipoles: *has_epipoles,
+            covariance: covariance.map(|own| own + own_covariance.unwrap_or_else(Matrix9::zeros)),
+        }
     }
 }
 
 /// Estimates the geometry of the images without clicks.
-fn of_images(pictures: &[Picture; 2], arguments: &JudgeArguments) -> Result<Shown, CliError> {
-    let parameters = Parameters { seed: arguments.seed, ..Parameters::default() };
-    let [left, right] = pictures;
-    let compute = |monitor: &Monitor| estimate(&left.gray, &right.gray, &[], &parameters, monitor);
+fn of_images(prepared: &PreparedPair, arguments: &JudgeArguments, seed: u64) -> Result<Shown, CliError> {
+    let parameters = Parameters { seed, ..Parameters::default() };
+    let compute = |monitor: &Monitor| estimate_prepared(prepared, &[], &parameters, monitor);
     let found = on_threads(arguments.threads, || watched(compute))??;
     Ok(Shown {
         fundamental: *found.fundamental(),
         matches: found.matched_pairs(),
+        witnesses: found.assessment.distinctive.to_vec(),
         is_trusted: found.may_contradict(),
-        is_open: found.says_one_plane(),
+        has_epipoles: !found.says_one_plane(),
         verdict: found.assessment.trust.as_ref().map(|trust| trust.verdict),
         covariance: found.uncertainty().map(Uncertainty::covariance),
     })
 }
 
-/// Fits a geometry to given matches.
+/// Fits a geometry to given matches. All of them are witnesses.
 fn of_matches(matches: &[Match], frames: [Frame; 2], seed: u64) -> Result<Shown, CliError> {
     let fit = estimate_fundamental(matches, frames, seed)
         .map_err(|error| CliError::Arguments(format!("the matches cannot be used: {error}")))?;
+    let witnesses = matches.iter().map(|found| found.pair).collect();
     let right = matches.iter().zip(&fit.inlier_probabilities).filter(|(_, right)| **right > 0.5);
     let matches = right.map(|(found, _)| found.pair).collect();
     let covariance = fit.uncertainty.as_ref().map(Uncertainty::covariance);
     let fundamental = fit.fundamental;
-    Ok(Shown { fundamental, matches, is_trusted: true, is_open: false, verdict: None, covariance })
+    let (is_trusted, has_epipoles, verdict) = (true, true, None);
+    Ok(Shown { fundamental, matches, witnesses, is_trusted, has_epipoles, verdict, covariance })
 }
 
 /// Returns the geometry of a calibration in the views without distortion.
-fn of_pose(pose: &RelativePose, views: &ViewPair) -> Option<GivenGeometry> {
+fn of_calibration(calibration: &GivenCalibration) -> Option<GivenGeometry> {
+    let GivenCalibration { pose, views } = calibration;
     let fundamental = pose.fundamental(&views.calibrations())?;
-    Some(GivenGeometry { fundamental, cameras: Some(views.posed(pose)?) })
+    Some(GivenGeometry { fundamental, cameras: Some(views.posed(pose)?), calibration: Some(*calibration) })
 }
 
-fn no_pose() -> CliError {
-    CliError::Arguments(
-        "the calibration does not tell where the second camera is. To judge a matrix, use --fundamental"
-            .into(),
-    )
+/// Returns the refusal of a calibration without a pose. The notes of its reading may tell why.
+fn no_pose(notes: &[String]) -> CliError {
+    let told = if notes.is_empty() {
+        "the calibration does not tell where the second camera is.".to_owned()
+    } else {
+        format!("the calibration has no pose of the second camera. {}", notes.join(" "))
+    };
+    CliError::Arguments(format!("{told} To judge a matrix, use --fundamental"))
+}
+
+/// What a written judgement rests on.
+struct Beside<'a> {
+    shown: &'a Shown,
+    /// Pictures that the reference belongs to.
+    pictures: &'a PicturesOf,
+    /// How the calibration was read.
+    notes: &'a [String],
 }
 
 fn write(
@@ -248,14 +309,16 @@ fn write(
     judgement: &impl Serialize,
     words: &str,
     pose_difference: Option<PoseDifference>,
-    shown: &Shown,
+    beside: &Beside,
 ) -> Result<(), CliError> {
     let file = JudgeFile {
         message: words,
         judgement,
         pose_difference,
-        reference: shown.fundamental,
-        reference_verdict: shown.verdict,
+        reference: beside.shown.fundamental,
+        pictures: beside.pictures,
+        reference_verdict: beside.shown.verdict,
+        calibration_notes: beside.notes,
         version: env!("CARGO_PKG_VERSION"),
     };
     output.write(&file, &format!("{words}\n"))

@@ -4,15 +4,17 @@ use std::path::Path;
 
 use super::CliError;
 use super::arguments::on_threads;
-use super::calibration::{undistort_matches, views};
+use super::calibration::{settled_by, undistort_matches, views};
 use super::console::tell;
 use super::estimate::EstimateArguments;
+use super::geometry_file::read_matches;
 use super::result_output::with_views;
+use crate::camera::PicturesOf;
 use crate::estimate::{Match, PointEstimate, Preset, Uncertainty, check_inside, estimate_points};
 use crate::geometry::{Frame, PointPair};
 use crate::io::{
     CalibratedCamera, GeometryFile, ImageNote, PairLabel, PairOrigin, PointResultFile, TrustNote,
-    points_in_words, read_matches,
+    points_in_words,
 };
 use crate::presentation::{NO_BASELINE, pose_in_words};
 
@@ -40,7 +42,9 @@ pub(super) fn run(arguments: &EstimateArguments, path: &Path) -> Result<(), CliE
     if cameras.is_given() {
         let unknown = "the sizes of the images are needed for the cameras. Give them (--sizes WIDTHxHEIGHT)";
         let known = known.ok_or_else(|| CliError::Arguments(unknown.into()))?;
-        of_cameras = cameras.of_frames(calibrated, known, [None; 2], None)?;
+        let found = cameras.of_frames(calibrated, known, [None; 2], None)?;
+        let pairs = || given.iter().flatten().map(|m| m.pair).collect();
+        of_cameras = found.map(|found| settled_by(found, known, pairs)).transpose()?;
     }
     let baseline = of_cameras.as_ref().and_then(CalibratedCamera::baseline);
     let views = of_cameras.zip(known).map(|(cameras, known)| views(&cameras, known)).transpose()?;
@@ -82,7 +86,7 @@ pub(super) fn run(arguments: &EstimateArguments, path: &Path) -> Result<(), CliE
     }
     let pose = pose.filter(|_| !is_open);
     output.write_points(&result, &words, is_open, || {
-        let file = exported(&found, &pairs, frames);
+        let file = exported(&found, &pairs, frames, PicturesOf::from(views.as_ref()));
         let Some(views) = &views else { return file };
         with_views(file, views, pose.as_ref(), baseline, &matched, |_| GREY)
     })
@@ -102,6 +106,7 @@ fn refuse_pictures(arguments: &EstimateArguments) -> Result<(), CliError> {
             "--preset, --method, --refine and --set change the search in the images. Leave them out",
         ),
         (arguments.cameras.fits_lens(), "--division auto fits the lens to the images. Give a coefficient"),
+        (arguments.undistorted.is_some(), "--undistorted draws the images. Leave it out"),
         (
             arguments.cameras.asks_for_exif(),
             "--focal-length exif reads a photograph. Give a number of pixels",
@@ -121,11 +126,15 @@ fn sizes_of(cameras: &[CalibratedCamera; 2]) -> Option<[Frame; 2]> {
 }
 
 /// Returns the content of the export.
-fn exported(found: &PointEstimate, pairs: &[PointPair], sizes: Option<[Frame; 2]>) -> GeometryFile {
+fn exported(
+    found: &PointEstimate,
+    pairs: &[PointPair],
+    sizes: Option<[Frame; 2]>,
+    pictures: PicturesOf,
+) -> GeometryFile {
     let estimate = &found.estimate;
     let label = || PairLabel { origin: PairOrigin::Imported, ..PairLabel::default() };
-    let note =
-        |frames: [Frame; 2]| [0, 1].map(|k| ImageNote { name: format!("image {}", k + 1), frame: frames[k] });
+    let note = |frames: [Frame; 2]| [0, 1].map(|k| ImageNote::new(format!("image {}", k + 1), frames[k]));
     GeometryFile {
         fundamental: Some(*estimate.fundamental()),
         pairs: pairs.to_vec(),
@@ -134,6 +143,6 @@ fn exported(found: &PointEstimate, pairs: &[PointPair], sizes: Option<[Frame; 2]
         images: sizes.map(note),
         homography21: estimate.assessment.plane.map(|plane| plane.homography21),
         covariance: estimate.uncertainty().map(Uncertainty::covariance),
-        ..GeometryFile::default()
+        ..GeometryFile::of(pictures)
     }
 }

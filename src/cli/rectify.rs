@@ -8,18 +8,19 @@ use image::DynamicImage;
 
 use super::CliError;
 use super::arguments::{ImagePair, megapixels, on_threads, threads};
-use super::calibration::{CameraArguments, undistorted_pairs, views};
-use super::console::print;
-use super::geometry_file::tell_notes;
-use crate::camera::{RelativePose, ViewPair};
+use super::calibration::{CameraArguments, settled, undistorted_pairs, views};
+use super::console::{print, tell};
+use super::geometry_file::{read_matches, tell_notes};
+use crate::camera::{PicturesOf, RelativePose, ViewPair};
 use crate::cancel::CancelFlag;
 use crate::foreign::shown_path;
 use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::image::Picture;
 use crate::io::{
     CalibratedCamera, GeometryFile, PictureFormat, RectifiedFiles, RectifiedOptions, StereoPair,
-    StereoPairFiles, StereoProgram, read_matches,
+    StereoPairFiles, StereoProgram,
 };
+use crate::presentation::lenses_in_words;
 use crate::rectify::{Distortion, Limits, Rectification, RectifyMethod, rectify, rectify_calibrated};
 
 /// Redraw both images so that corresponding points are in the same row
@@ -78,20 +79,27 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let given = given.map(|given| given.iter().map(|found| found.pair).collect());
     let mut matches: Vec<PointPair> = given.or(known).unwrap_or_default();
     let calibrated = arguments.cameras.of_pictures(calibrated, &pictures, None)?;
-    let views = calibrated
+    let calibrated = calibrated.map(|cameras| settled(cameras, &pictures, None)).transpose()?;
+    let mut views = calibrated
         .as_ref()
         .map(|cameras| views(cameras, pictures.each_ref().map(Picture::frame)))
         .transpose()?;
+    if let (Some(views), Some((_, file)), Some(path)) = (&mut views, &result, &arguments.fundamental) {
+        *views = of_result(views, &file.pictures, path)?;
+    }
+    let (fundamental, found) = result
+        .map(|(fundamental, file)| {
+            let of_views = views.as_ref().and_then(|views| file.geometry_in(views));
+            (of_views.unwrap_or(fundamental), file.matches())
+        })
+        .unzip();
     if let Some(views) = &views {
         matches = undistorted_pairs(&matches, views)?;
     }
-    let fundamental = result.as_ref().and_then(|file| match &views {
-        Some(views) => file.geometry_in(views),
-        None => file.geometry(),
-    });
     if matches.is_empty() {
-        matches = result.map(GeometryFile::matches).unwrap_or_default();
+        matches = found.unwrap_or_default();
     }
+    let pictures_of = PicturesOf::from(views.as_ref());
     let posed = calibrated.zip(views).map(|(c, views)| posed(&c, &views, fundamental.as_ref(), &matches));
     let limits = arguments.max_megapixels.map_or_else(Limits::default, |pixels| Limits { pixels });
     let images = pictures.iter().filter_map(|picture| picture.path.as_deref());
@@ -104,7 +112,9 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
         let drawn = drawn(&made, &pictures, arguments.threads)?;
         let disparities = made.measures.rows.map(|rows| rows.disparity);
         let pair = StereoPair { rig: &rig, views, baseline, disparities };
-        files.write(&pair, [&drawn[0], &drawn[1]])?;
+        // These programs read 8 bits.
+        let shown = [0, 1].map(|k| pictures[k].displayed(&drawn[k]));
+        files.write(&pair, [&shown[0], &shown[1]])?;
         return print(&stereo_summary(&made, &pair, &files));
     }
     let fundamental = match (fundamental, posed, &views) {
@@ -127,7 +137,8 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let files = RectifiedFiles::prepare(&arguments.output, options, &inputs)?;
     let drawn = drawn(&rectification, &pictures, arguments.threads)?;
     let originals = [&pictures[0], &pictures[1]];
-    files.write(&rectification, &fundamental, originals, [&drawn[0], &drawn[1]], &mut |_| true)?;
+    let geometry = (&fundamental, &pictures_of);
+    files.write(&rectification, geometry, originals, [&drawn[0], &drawn[1]], &mut |_| true)?;
     print(&summary(&rectification, &files))
 }
 
@@ -142,18 +153,47 @@ fn drawn(
     on_threads(threads, || [0, 1].map(|k| made.warp(k, &pictures[k].pixels, &never).unwrap_or_default()))
 }
 
-/// Reads F and the matches of a result. A result for views without distortion needs a calibration.
-fn read_result(path: &Path, is_calibrated: bool) -> Result<GeometryFile, CliError> {
-    let (_, file) = GeometryFile::read_geometry(path)?;
-    tell_notes(path, &file);
-    if file.is_undistorted && !is_calibrated {
+/// Reads a result. A result for views without distortion needs a calibration.
+fn read_result(path: &Path, is_calibrated: bool) -> Result<(FundamentalMatrix, GeometryFile), CliError> {
+    let (fundamental, file) = GeometryFile::read_geometry(path)?;
+    tell_notes(path, &file.notes);
+    if file.pictures.is_undistorted() && !is_calibrated {
         return Err(CliError::Arguments(format!(
-            "{} belongs to views without distortion. Give the calibration or \
+            "{} belongs to pictures without distortion ({}). Give the calibration or \
              the distortion that it was made with (--calibration, --division)",
-            shown_path(path)
+            shown_path(path),
+            lenses_in_words(&file.pictures)
         )));
     }
-    Ok(file)
+    Ok((fundamental, file))
+}
+
+/// Returns the views that a result belongs to, with the given cameras. Refuses a result of other pictures.
+fn of_result(views: &ViewPair, of_file: &PicturesOf, path: &Path) -> Result<ViewPair, CliError> {
+    let path = shown_path(path);
+    let given = PicturesOf::from(Some(views));
+    match (of_file, of_file.views()) {
+        (PicturesOf::Untold | PicturesOf::Undistorted(None), _) if given.is_undistorted() => {
+            tell(format_args!(
+                "note: {path} does not tell its lens. It is read as a geometry of the pictures without distortion ({})",
+                lenses_in_words(&given)
+            ));
+            Ok(*views)
+        }
+        (PicturesOf::Original, _) if given.is_undistorted() => Err(CliError::Arguments(format!(
+            "{path} belongs to the pictures as they are, and not to pictures without distortion. Leave out the lens, or \
+             give a result that was made with it"
+        ))),
+        (_, Some(described)) => views.adopting(described).ok_or_else(|| {
+            let given = if given.is_undistorted() { lenses_in_words(&given) } else { "no distortion".to_owned() };
+            CliError::Arguments(format!(
+                "{path} was made with another lens: {}, and the given one has {given}. Give the calibration of the \
+                 result",
+                lenses_in_words(of_file)
+            ))
+        }),
+        _ => Ok(*views),
+    }
 }
 
 /// Returns the pose of F or, without F, the pose of the calibration. The length of the baseline is

@@ -5,15 +5,17 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::CliError;
+use super::console::tell;
 use super::geometry_file::{GeometryOutput, image_notes};
 use super::output::Output;
-use crate::camera::{Baseline, PointCloud, PoseFit, UndistortedView, ViewPair};
+use crate::camera::{Baseline, PicturesOf, PointCloud, PoseFit, UndistortedView, ViewPair};
 use crate::estimate::{Estimate, Parameters, Uncertainty};
+use crate::foreign::shown_path;
 use crate::geometry::{Point, PointPair, median, sampson_distance};
 use crate::image::Picture;
 use crate::io::{
     CalibratedNote, Format, GeometryFile, PairLabel, PairOrigin, PointResultFile, ResultFile, TrustNote,
-    result_in_words,
+    UndistortedFiles, result_in_words,
 };
 use crate::presentation::{NO_BASELINE, pose_in_words};
 
@@ -37,6 +39,7 @@ pub(super) struct ResultArguments {
 pub(super) struct ResultOutput {
     output: Output,
     export: Option<GeometryOutput>,
+    undistorted: Option<UndistortedFiles>,
 }
 
 /// Input of an estimate beside images and pairs.
@@ -50,6 +53,8 @@ pub(super) struct Beside<'a> {
     pub(super) baseline: Option<Baseline>,
     /// Matches from elsewhere.
     pub(super) given: &'a [PointPair],
+    /// How the calibration was read.
+    pub(super) calibration: &'a [String],
 }
 
 impl ResultArguments {
@@ -58,11 +63,25 @@ impl ResultArguments {
     pub(super) fn prepare(&self, inputs: &[&Path]) -> Result<ResultOutput, CliError> {
         let export = ("--export", self.export.as_deref(), self.format);
         let (output, export) = GeometryOutput::prepare_beside(self.json.as_deref(), export, inputs)?;
-        Ok(ResultOutput { output, export })
+        Ok(ResultOutput { output, export, undistorted: None })
     }
 }
 
 impl ResultOutput {
+    /// Adds a folder for the pictures without distortion. `has_lens` tells whether a lens is given.
+    pub(super) fn with_undistorted(
+        self,
+        folder: Option<&Path>,
+        has_lens: bool,
+        inputs: &[&Path],
+    ) -> Result<Self, CliError> {
+        let Some(folder) = folder else { return Ok(self) };
+        if !has_lens {
+            return Err(no_distortion());
+        }
+        Ok(Self { undistorted: Some(UndistortedFiles::prepare(folder, inputs)?), ..self })
+    }
+
     pub(super) fn write(
         self,
         found: &Estimate,
@@ -71,8 +90,9 @@ impl ResultOutput {
         parameters: &Parameters,
         beside: Beside,
     ) -> Result<(), CliError> {
-        let Beside { offset, views, baseline, given } = beside;
+        let Beside { offset, views, baseline, given, calibration } = beside;
         let matches = found.matched_pairs();
+        let pictures_of = PicturesOf::from(views);
         let mut pose = views.and_then(|views| views.fit_pose(found.fundamental(), &matches));
         if let Some(fit) = pose.as_mut().filter(|_| found.says_one_plane()) {
             // The covariance describes errors around this epipole, but other epipoles fit as well.
@@ -85,16 +105,29 @@ impl ResultOutput {
             let pose = pose.as_ref().filter(|_| !found.says_one_plane());
             let mut file = GeometryFile {
                 covariance: found.uncertainty().map(Uncertainty::covariance),
-                ..geometry_file(found, pairs, pictures)
+                ..geometry_file(found, pairs, pictures, pictures_of.clone())
             };
             if let Some(views) = views {
                 file = with_views(file, views, pose, baseline, &matches, |point| pictures[0].color_at(point));
             }
             export.write(&file)?;
         }
+        if let Some(files) = &self.undistorted {
+            if !pictures_of.is_undistorted() {
+                let missing =
+                    "there is no distortion to remove from the pictures, so --undistorted writes nothing";
+                return Err(CliError::Arguments(missing.into()));
+            }
+            files.write(pictures.each_ref(), geometry_file(found, pairs, pictures, pictures_of.clone()))?;
+            for path in files.paths() {
+                tell(format_args!("wrote {}", shown_path(&path)));
+            }
+        }
         let images = image_notes(pictures);
-        let mut result = ResultFile::new(found, pairs, &images, parameters).at_offset(offset);
-        let mut words = result_in_words(found, &images);
+        let mut result = ResultFile::new(found, pairs, &images, parameters, &pictures_of)
+            .at_offset(offset)
+            .with_notes(calibration);
+        let mut words = result_in_words(found, &images, &pictures_of);
         if !given.is_empty() {
             result = result.with_given(given);
             words += &given_in_words(found, given);
@@ -109,9 +142,6 @@ impl ResultOutput {
             };
             words += &of_pose;
             words += &guess_in_words(views);
-            if views.is_undistorted() {
-                words += "All coordinates belong to the views without distortion\n";
-            }
         }
         self.output.write(&result, &words)?;
         if lacks_depth { Err(CliError::NoDepth) } else { Ok(()) }
@@ -155,11 +185,16 @@ pub(super) fn with_views(
     });
     GeometryFile {
         cameras: pose.and_then(|fit| views.posed(&fit.pose)),
-        is_undistorted: views.is_undistorted(),
         calibrated: Some(CalibratedNote::new(pose)),
         cloud,
         ..file
     }
+}
+
+fn no_distortion() -> CliError {
+    let problem = "there is no distortion to remove from the pictures. Give their lens (--calibration, --division), or leave out \
+                   --undistorted";
+    CliError::Arguments(problem.into())
 }
 
 /// Describes how well matches from elsewhere fit the result.
@@ -190,7 +225,12 @@ fn guess_in_words(views: &ViewPair) -> String {
 
 /// Returns the content of the export: the clicks followed by the matches of the refinement. If the
 /// epipoles are undetermined, it includes the homography.
-fn geometry_file(found: &Estimate, pairs: &[PointPair], pictures: &[Picture; 2]) -> GeometryFile {
+fn geometry_file(
+    found: &Estimate,
+    pairs: &[PointPair],
+    pictures: &[Picture; 2],
+    pictures_of: PicturesOf,
+) -> GeometryFile {
     let label = |origin| PairLabel { origin, ..PairLabel::default() };
     let given = pairs.iter().map(|_| label(PairOrigin::Clicked));
     let matched = found.matches().iter().map(|_| label(PairOrigin::Automatic));
@@ -201,6 +241,6 @@ fn geometry_file(found: &Estimate, pairs: &[PointPair], pictures: &[Picture; 2])
         trust: found.assessment.trust.as_ref().map(TrustNote::from),
         images: Some(image_notes(pictures)),
         homography21: found.assessment.plane.map(|plane| plane.homography21),
-        ..GeometryFile::default()
+        ..GeometryFile::of(pictures_of)
     }
 }

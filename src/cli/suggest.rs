@@ -10,6 +10,7 @@ use super::CliError;
 use super::arguments::{ImagePair, on_threads, pixels, point, threads};
 use super::geometry_file::read_geometry;
 use super::output::Output;
+use crate::camera::PicturesOf;
 use crate::estimate::PreparedPair;
 use crate::geometry::{FundamentalMatrix, Point};
 use crate::io::refuse_clashes;
@@ -62,6 +63,7 @@ pub(super) fn run(arguments: &SuggestArguments) -> Result<(), CliError> {
         at: arguments.at,
         side: if clicked == ClickedImage::First { "left" } else { "right" },
         fundamental,
+        pictures: PicturesOf::ORIGINAL,
         clear: found.clear().is_some(),
         message: found.verdict.to_string(),
         suggestions: &found,
@@ -79,6 +81,8 @@ struct SuggestionFile<'a> {
     #[serde(rename = "in")]
     side: &'static str,
     fundamental: Option<FundamentalMatrix>,
+    /// Pictures that all coordinates belong to.
+    pictures: &'static str,
     clear: bool,
     message: String,
     #[serde(flatten)]

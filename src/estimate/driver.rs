@@ -60,14 +60,21 @@ fn run(
         record.counts.left_out = prepared.pyramids().left_out();
     }
     let input = SearchInput { prepared, clicks: &clicks, parameters };
-    let best = match (plan, prepared.given_alone(parameters)?) {
+    let found = match (plan, prepared.given_alone(parameters)?) {
         (SearchPlan::Barcodes, _) => barcodes::search(input, &mut record),
         (_, Some(given)) => given::search(input, given, &mut record),
         (SearchPlan::Published { .. }, _) => published::search(input, &mut record),
-        (SearchPlan::Patches { .. }, _) => features::search(input, &mut record),
-        (SearchPlan::Unclicked, _) => unclicked::search(input, &mut record),
+        (SearchPlan::Patches { .. }, _) => {
+            let found = features::search(input, &mut record);
+            given::compared(input, found, &mut record)
+        }
+        (SearchPlan::Unclicked, _) => {
+            let found = unclicked::search(input, &mut record);
+            given::compared(input, found, &mut record)
+        }
         (SearchPlan::LinesAlone { ranked_by }, _) => lines::search(input, ranked_by, &mut record),
-    }?;
+    };
+    let best = found?;
     record.finish()?;
     let trace = record.trace(&best.clicks, &best.pencils, &best.patches, best.hypotheses, parameters);
     Ok(Estimate { fundamental: best.fundamental, assessment: best.assessment, trace: Some(Arc::new(trace)) })

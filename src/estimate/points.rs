@@ -15,8 +15,8 @@ use super::fit::{
     Agreement, EpipoleBearing, FEWEST, Match, MatchFit, Uncertainty, estimate_fundamental, fit_few, widening,
 };
 use super::verdict::assessment::PointEvidence;
+use super::verdict::false_alarms::BY_CHANCE;
 use super::verdict::result::{Assessment, Determined, Estimate};
-use super::verdict::trust::BY_CHANCE;
 use crate::geometry::{Frame, FundamentalMatrix, Matrix9, Point, PointPair, Vector};
 
 /// Geometry of point pairs, without pictures.

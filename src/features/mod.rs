@@ -117,6 +117,13 @@ impl FeatureSet {
         self.descriptors.retain(|_| *flags.next().unwrap_or(&false));
     }
 
+    /// Keeps the features whose blob shows nothing but picture.
+    fn retain_clear(&mut self, plane: &GrayPlane) {
+        /// Radius of a blob, in units of its scale.
+        const BLOB: f64 = 3.0;
+        self.retain(|feature| plane.is_clear(feature.position, BLOB * feature.scale));
+    }
+
     /// Appends the features of another set.
     pub(crate) fn append(&mut self, mut other: Self) {
         self.features.append(&mut other.features);
@@ -172,6 +179,7 @@ pub fn find_features(plane: &GrayPlane, parameters: &FeatureParameters) -> Featu
     for (feature, descriptor) in described.into_iter().flatten().take(parameters.most) {
         set.push(feature, descriptor);
     }
+    set.retain_clear(plane);
     set
 }
 

@@ -116,6 +116,7 @@ pub fn find_slanted_features(plane: &GrayPlane, parameters: &FeatureParameters) 
             *feature = slant.feature_in_picture(feature);
         }
         set.retain(|feature| frame.contains(feature.position));
+        set.retain_clear(plane);
         all.append(set);
     }
     all

@@ -45,8 +45,8 @@ pub(crate) struct Alignment {
     largest_move: f64,
     /// Accepted determinants of the affine map; `None` accepts all.
     determinants: Option<Range<f64>>,
-    /// Minimum fraction of the samples inside both images; samples outside are ignored. `None`
-    /// keeps all samples and repeats the border intensities outside.
+    /// Minimum fraction of the samples inside both images; samples outside, or where there is no
+    /// picture, are ignored. `None` keeps all samples and repeats the border intensities outside.
     least_inside: Option<f64>,
     hold: Hold,
     /// Grey level subtracted from the intensities. `unit` is the unit of offsets from the centre,
@@ -105,14 +105,18 @@ type Matrix8 = SMatrix<f64, 8, 8>;
 
 /// Finds the placement near `start` that best aligns the surroundings of `point1` in the first
 /// plane with the second plane. Returns `None` when the placement diverges, does not converge, or
-/// lies too far outside.
+/// lies too far outside or where there is no picture.
 pub(crate) fn align(
     planes: [&GrayPlane; 2],
     point1: Point,
     start: Placement,
     how: &Alignment,
 ) -> Option<Placement> {
-    let counts = |image: usize, p: Point| how.least_inside.is_none() || planes[image].frame().contains(p);
+    let counts = |image: usize, p: Point| {
+        how.least_inside.is_none() || planes[image].frame().contains(p) && planes[image].is_clear(p, 0.0)
+    };
+    // Samples that count as they are must all be picture.
+    let clear = if how.least_inside.is_none() { HALF as f64 } else { 0.0 };
     let area = (2 * how.half + 1).pow(2);
     let least = how.least_inside.unwrap_or(0.0) * area as f64;
     let samples: Vec<Vector> = offsets(how.half).filter(|x| counts(0, point1 + x)).collect();
@@ -151,6 +155,7 @@ pub(crate) fn align(
         let determinant = placed.affine.determinant();
         if !far.is_finite()
             || far > how.largest_move
+            || !planes[1].is_clear(placed.at, clear)
             || how.determinants.as_ref().is_some_and(|allowed| !allowed.contains(&determinant))
         {
             return None;

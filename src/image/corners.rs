@@ -11,7 +11,7 @@ use crate::geometry::{Frame, Point};
 use crate::lanes::marked;
 
 /// Finds up to `count` corners at pixel positions, strongest first, at least `border` px from the
-/// edge of the image.
+/// edge of the image and from pixels that are no picture.
 ///
 /// A cell of an 8×8 grid holds at most four times its share of the corners, so that one busy region
 /// cannot take all of them.
@@ -48,6 +48,7 @@ pub fn find_corners(plane: &GrayPlane, count: usize, border: usize) -> Vec<Point
     let mut room = [(count / 16).max(4); 64];
     peaks
         .into_iter()
+        .filter(|(_, x, y)| plane.is_clear(Point::new(*x as f64, *y as f64), border as f64))
         .filter(|(_, x, y)| {
             let cell = &mut room[y * 8 / frame.height * 8 + x * 8 / frame.width];
             let free = *cell > 0;

@@ -6,19 +6,24 @@
 //! # Pitfalls
 //! - Not every decoder keeps to its limit, and the JPEG decoder fills in missing data.
 
-use std::io::{BufRead, ErrorKind, Seek};
+use std::io::{BufRead, ErrorKind, Read, Seek};
 
 use image::metadata::Orientation;
 use image::{
     ColorType, DynamicImage, ImageBuffer, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits,
 };
 
-use super::deep_tiff::{DeepTiff, within_unit};
-use super::tiff_header::lists_fit;
+use super::brightness::Decoded;
+use super::foreign_format::{CONVERT, ForeignFormat, START};
+use super::limit::WIDE_PIXEL;
+use super::tiff_file::{self, TiffFault};
+use super::tiff_header::TiffHeader;
+use super::tiff_tags::TiffTags;
 use super::webp::WebpClaims;
 use super::whole::what_is_missing;
 use super::{LoadError, LoadOptions};
 use crate::foreign::{excerpt, reason};
+use tiff::TiffError;
 
 /// Memory the decoders may use for texts, colour profiles and rows, bytes.
 const SLACK: u64 = 64 << 20;
@@ -38,16 +43,22 @@ pub(super) fn decode(
     mut reader: impl BufRead + Seek,
     path: &str,
     options: LoadOptions,
-) -> Result<DynamicImage, LoadError> {
+) -> Result<Decoded, LoadError> {
     let job = Job { path, options };
+    if let Some(foreign) = job.foreign_format(&mut reader)? {
+        return Err(foreign.error(path));
+    }
     // The content alone decides: a file with a misleading name is not damaged.
     let guessed = ImageReader::new(&mut reader).with_guessed_format().map_err(|e| job.io(&e))?;
-    let Some(format) = guessed.format() else {
+    let guessed = guessed.format();
+    let tiff = TiffHeader::read(&mut reader).map_err(|e| job.io(&e))?;
+    // The guess does not know BigTIFF.
+    let Some(format) = guessed.or(tiff.is_some().then_some(ImageFormat::Tiff)) else {
         return Err(LoadError::Format(job.path()));
     };
     if !KNOWN.contains(&format) {
         let format = format.extensions_str()[0].to_uppercase();
-        return Err(LoadError::OtherFormat { path: job.path(), format });
+        return Err(LoadError::OtherFormat { path: job.path(), format, way: CONVERT });
     }
     if let Some(missing) = what_is_missing(format, &mut reader).map_err(|e| job.io(&e))? {
         // A size above the limit is the more useful error.
@@ -57,23 +68,19 @@ pub(super) fn decode(
     if format == ImageFormat::Png {
         job.check_png(&mut reader)?;
     }
-    if format == ImageFormat::Tiff && !lists_fit(&mut reader).map_err(|e| job.io(&e))? {
-        return Err(job.damaged("a list in its header is longer than the file"));
+    let mut no_data = None;
+    if let Some(header) = tiff.filter(|_| format == ImageFormat::Tiff) {
+        let tags = job.tiff_tags(&header, &mut reader)?;
+        if !tags.is_ordinary() {
+            return job.special_tiff(&header, &tags, reader);
+        }
+        no_data = tags.no_data;
     }
     let mut says_which_way_is_up = true;
     if format == ImageFormat::WebP {
         let claims = WebpClaims::read(&mut reader).map_err(|e| job.io(&e))?;
         claims.pictures.iter().try_for_each(|[width, height]| job.check(*width, *height, 4))?;
         says_which_way_is_up = claims.metadata_is_there;
-    }
-    reader.rewind().map_err(|e| job.io(&e))?;
-    if format == ImageFormat::Tiff
-        && let Some(deep) = DeepTiff::open(&mut reader)
-    {
-        let [width, height] = deep.size;
-        job.check(width, height, deep.bytes_a_pixel)?;
-        let pixels = deep.read().map_err(|error| job.damaged(&error.to_string()))?;
-        return pixels.ok_or_else(|| LoadError::NotFinite(job.path()));
     }
     reader.rewind().map_err(|e| job.io(&e))?;
     let mut decoder = job.decoder(format, &mut reader)?;
@@ -87,7 +94,7 @@ pub(super) fn decode(
     let orientation = orientation.unwrap_or(Orientation::NoTransforms);
     let mut pixels = job.pixels(decoder, color)?;
     pixels.apply_orientation(orientation);
-    within_unit(pixels).ok_or_else(|| LoadError::NotFinite(job.path()))
+    Ok(Decoded { pixels, range: None, no_data, bands: None })
 }
 
 /// Name and options of the file being decoded, for checks and messages.
@@ -147,6 +154,62 @@ impl Job<'_> {
         let Ok(decoder) = self.decoder(format, reader) else { return Ok(()) };
         let (width, height) = decoder.dimensions();
         self.check(width, height, u64::from(decoder.color_type().bytes_per_pixel()))
+    }
+
+    /// Recognises a format that is not read by its first bytes.
+    fn foreign_format(&self, reader: &mut (impl BufRead + Seek)) -> Result<Option<ForeignFormat>, LoadError> {
+        let mut start = Vec::new();
+        reader.take(START as u64).read_to_end(&mut start).map_err(|e| self.io(&e))?;
+        reader.rewind().map_err(|e| self.io(&e))?;
+        Ok(ForeignFormat::recognise(&start))
+    }
+
+    /// Reads what a TIFF file says about its picture, and refuses kinds that are not read.
+    fn tiff_tags(
+        &self,
+        header: &TiffHeader,
+        reader: &mut (impl BufRead + Seek),
+    ) -> Result<TiffTags, LoadError> {
+        if !header.lists_fit() {
+            return Err(self.damaged("a list in its header is longer than the file"));
+        }
+        let tags = TiffTags::read(header, reader).map_err(|e| self.io(&e))?;
+        if let Some(raw) = tags.camera_raw() {
+            return Err(raw.error(self.path));
+        }
+        if let Some(name) = tags.unread_compression() {
+            return Err(LoadError::Compression { path: self.path(), name });
+        }
+        if !tags.webp_fits(header, reader).map_err(|e| self.io(&e))? {
+            return Err(self.damaged("a part of it is larger than the picture"));
+        }
+        Ok(tags)
+    }
+
+    /// Reads a TIFF file that the general decoder does not support.
+    fn special_tiff(
+        &self,
+        header: &TiffHeader,
+        tags: &TiffTags,
+        reader: impl BufRead + Seek,
+    ) -> Result<Decoded, LoadError> {
+        let [width, height] = tags.size;
+        self.check(width, height, tags.bytes_a_pixel())?;
+        let most_bytes = self.options.most_pixels.saturating_mul(WIDE_PIXEL);
+        let mut decoded = tiff_file::read(header, tags, reader, most_bytes).map_err(|fault| match fault {
+            TiffFault::Decoder(TiffError::UnsupportedError(error)) => {
+                LoadError::Unsupported(self.path(), plain(&error.to_string()))
+            }
+            TiffFault::Decoder(TiffError::LimitsExceeded) => LoadError::Memory(self.path()),
+            TiffFault::Decoder(TiffError::IoError(error)) => self.failed(ImageError::IoError(error)),
+            TiffFault::Decoder(error) => self.damaged(&error.to_string()),
+            TiffFault::Damaged(reason) => self.damaged(reason),
+            TiffFault::Pixels(kind) => LoadError::Unsupported(self.path(), kind),
+            TiffFault::NotFinite => LoadError::NotFinite(self.path()),
+        })?;
+        let upright = Orientation::from_exif(tags.orientation).unwrap_or(Orientation::NoTransforms);
+        decoded.pixels.apply_orientation(upright);
+        Ok(decoded)
     }
 
     /// Checks the size at the start of a PNG header, because the PNG decoder allocates its rows

@@ -14,12 +14,16 @@ pub enum LoadError {
     /// The content is not a picture in a known format.
     #[error("{0} is not an image in a known format (PNG, JPEG, TIFF, BMP, PNM or WebP)")]
     Format(String),
-    /// The content is a picture in an unsupported format. The format has a name such as EXR.
+    /// The content is a picture in an unsupported format. The format has a name such as EXR; `way` is what
+    /// to do, a sentence without a full stop.
+    #[error("the image {path} has the format {format}, which is not supported. {way}")]
+    OtherFormat { path: String, format: String, way: &'static str },
+    /// A TIFF file with a compression that is not read.
     #[error(
-        "the image {path} has the format {format}, which is not supported. Convert it to TIFF or PNG{}",
-        for_animations(format)
+        "the image {path} is a TIFF file with {name} compression, which is not read. Save it with another \
+         one, for example: gdal_translate -co COMPRESS=DEFLATE IN.tif OUT.tif"
     )]
-    OtherFormat { path: String, format: String },
+    Compression { path: String, name: String },
     /// The format is known, but this variant of it is not supported.
     #[error(
         "the image {0} has an unsupported kind of pixels ({1}). Save it with 8 or 16 bits, grey or colour"
@@ -45,16 +49,12 @@ pub enum LoadError {
     /// The image has no pixels.
     #[error("the image {0} has no pixels")]
     Empty(String),
-    /// Some pixels are infinite or NaN.
-    #[error("the image {0} has pixels that are not finite numbers (NaN or infinite). Replace them first")]
+    /// All pixels are missing data, infinite or NaN.
+    #[error("the image {0} has no pixels with a finite number: all are missing data, NaN or infinite")]
     NotFinite(String),
     /// The environment variable of this name has an invalid value.
     #[error("{name} is \"{value}\", expected {expected}")]
     Setting { name: &'static str, value: String, expected: &'static str },
-}
-
-fn for_animations(format: &str) -> &'static str {
-    if format == "GIF" { ", an animation to a video or to numbered pictures in a folder" } else { "" }
 }
 
 fn too_large(path: &str, width: u64, height: u64, bytes_a_pixel: u64, most_pixels: u64) -> String {

@@ -1,12 +1,19 @@
 //! Pictures in memory: loading, grey planes, pyramids and samples along lines.
 
 mod alignment;
+#[cfg(feature = "pictures")]
+mod brightness;
 mod corners;
 #[cfg(feature = "pictures")]
 mod decode;
 #[cfg(feature = "pictures")]
-mod deep_tiff;
+mod fill;
 mod fixed;
+#[cfg(feature = "pictures")]
+mod foreign_format;
+mod interpretation;
+#[cfg(all(test, feature = "pictures"))]
+mod kinds_tests;
 #[cfg(feature = "pictures")]
 mod limit;
 #[cfg(feature = "pictures")]
@@ -16,6 +23,8 @@ mod load_error;
 #[cfg(feature = "pictures")]
 mod luma;
 #[cfg(feature = "pictures")]
+mod numbers;
+#[cfg(feature = "pictures")]
 mod options;
 mod pair;
 mod patch;
@@ -24,7 +33,14 @@ mod plane;
 mod pyramid;
 mod sampling;
 #[cfg(feature = "pictures")]
+mod tiff_file;
+#[cfg(feature = "pictures")]
 mod tiff_header;
+#[cfg(feature = "pictures")]
+mod tiff_overlay;
+#[cfg(feature = "pictures")]
+mod tiff_tags;
+mod validity;
 #[cfg(feature = "pictures")]
 mod warp;
 #[cfg(feature = "pictures")]
@@ -34,6 +50,7 @@ mod whole;
 
 pub(crate) use alignment::{Alignment, LEAST_INSIDE, Placement, align};
 pub use corners::find_corners;
+pub use interpretation::Interpretation;
 #[cfg(feature = "pictures")]
 pub use limit::MEGAPIXELS_VARIABLE;
 #[cfg(feature = "pictures")]

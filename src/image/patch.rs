@@ -96,8 +96,11 @@ impl<'a> PatchSampler<'a> {
     }
 
     /// Returns the patch around a point, by bilinear interpolation. Returns `None` when the patch
-    /// is flat.
+    /// is flat or touches pixels that are no picture.
     pub(crate) fn patch(&self, centre: Point) -> Option<Patch> {
+        if !self.plane.is_clear(centre, self.reach[0].max(self.reach[1])) {
+            return None;
+        }
         let mut patch = [0.0; PADDED];
         if let Some(pixels) = self.pixels(centre) {
             let width = self.plane.frame().width;

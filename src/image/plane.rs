@@ -5,6 +5,7 @@ use std::sync::Arc;
 use multiversion::multiversion;
 use rayon::prelude::*;
 
+use super::validity::Validity;
 use crate::geometry::{Frame, Point};
 use crate::lanes::LANES;
 
@@ -14,6 +15,8 @@ use crate::lanes::LANES;
 pub struct GrayPlane {
     frame: Frame,
     values: Arc<[f32]>,
+    /// Distances from the pixels that are no picture; `None` if all are picture.
+    validity: Option<Arc<Validity>>,
 }
 
 impl GrayPlane {
@@ -28,7 +31,46 @@ impl GrayPlane {
     /// Creates a plane like [`GrayPlane::new`], from values that are already shared.
     pub(super) fn shared(frame: Frame, values: Arc<[f32]>) -> Self {
         assert_eq!(values.len(), frame.width * frame.height, "one value a pixel");
-        Self { frame, values }
+        Self { frame, values, validity: None }
+    }
+
+    /// Marks the pixels that are no picture. Their values are filled from their surroundings.
+    pub(super) fn with_validity(self, validity: Option<Validity>) -> Self {
+        Self { validity: validity.map(Arc::new), ..self }
+    }
+
+    /// Returns the fraction of the pixels that are no picture.
+    pub(super) fn masked(&self) -> f64 {
+        let Some(validity) = &self.validity else { return 0.0 };
+        let masked = (0..self.values.len()).filter(|k| !validity.is_picture(*k)).count();
+        masked as f64 / self.values.len() as f64
+    }
+
+    pub(super) fn validity(&self) -> Option<&Validity> {
+        self.validity.as_deref()
+    }
+
+    /// Returns whether all pixels are picture within a distance of a point, px.
+    pub(crate) fn is_clear(&self, point: Point, reach: f64) -> bool {
+        self.validity.as_ref().is_none_or(|validity| validity.is_clear(point, reach))
+    }
+
+    /// Returns the mean of a measure over the pixels that are picture in both planes; `None` without any.
+    ///
+    /// # Panics
+    /// Panics if the planes differ in size.
+    pub(crate) fn mean_with(&self, other: &Self, measure: impl Fn(f32, f32) -> f64) -> Option<f64> {
+        assert_eq!(self.frame, other.frame, "planes of one size");
+        let is_valid: Vec<_> = [self, other].into_iter().filter_map(Self::validity).collect();
+        let measures = self.values.iter().zip(&*other.values).map(|(a, b)| measure(*a, *b));
+        let [sum, count] = match is_valid[..] {
+            [] => [measures.sum(), self.values.len() as f64],
+            _ => measures
+                .enumerate()
+                .filter(|(k, _)| is_valid.iter().all(|validity| validity.is_picture(*k)))
+                .fold([0.0; 2], |[sum, count], (_, value)| [sum + value, count + 1.0]),
+        };
+        (count > 0.0).then(|| sum / count)
     }
 
     /// Computes a plane in place, on all threads, in strips of `rows` rows (at least one). `fill`
@@ -39,7 +81,7 @@ impl GrayPlane {
         // The values have a single owner here, so nothing is copied.
         let strips = Arc::make_mut(&mut values).par_chunks_mut((rows * frame.width).max(1));
         strips.enumerate().for_each(|(strip, pixels)| fill(strip * rows, pixels));
-        Self { frame, values }
+        Self { frame, values, validity: None }
     }
 
     /// Computes a plane pixel by pixel from `(x, y)`.
@@ -48,7 +90,7 @@ impl GrayPlane {
             .flat_map(|y| (0..frame.width).map(move |x| (x, y)))
             .map(|(x, y)| f(x, y))
             .collect();
-        Self { frame, values }
+        Self { frame, values, validity: None }
     }
 
     /// Returns width and height.
@@ -97,13 +139,11 @@ impl GrayPlane {
         a + (b - a) * fy
     }
 
-    /// Returns the standard deviation of all values, grey levels. A flat image has a value near
-    /// zero.
+    /// Returns the standard deviation of the values of the picture, grey levels. A flat image has a
+    /// value near zero.
     pub fn contrast(&self) -> f64 {
-        let n = self.values.len().max(1) as f64;
-        let mean = self.values.iter().map(|v| f64::from(*v)).sum::<f64>() / n;
-        let variance = self.values.iter().map(|v| (f64::from(*v) - mean).powi(2)).sum::<f64>() / n;
-        variance.sqrt()
+        let mean = self.mean_with(self, |v, _| f64::from(v)).unwrap_or(0.0);
+        self.mean_with(self, |v, _| (f64::from(v) - mean).powi(2)).unwrap_or(0.0).sqrt()
     }
 }
 

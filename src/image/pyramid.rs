@@ -1,6 +1,7 @@
 //! Image pyramids: one picture at successively smaller sizes.
 
 use super::GrayPlane;
+use super::validity::Validity;
 use crate::geometry::Frame;
 
 /// A picture halved repeatedly, finest level first.
@@ -42,12 +43,13 @@ impl Pyramid {
 /// Returns the 2×2 box average of a plane.
 fn halved(plane: &GrayPlane) -> GrayPlane {
     let frame = Frame::new(plane.frame().width / 2, plane.frame().height / 2);
-    GrayPlane::from_strips(frame, 1, |y, out| {
+    let half = GrayPlane::from_strips(frame, 1, |y, out| {
         let (top, bottom) = (plane.row(2 * y), plane.row(2 * y + 1));
         for (x, value) in out.iter_mut().enumerate() {
             *value = 0.25 * (top[2 * x] + top[2 * x + 1] + bottom[2 * x] + bottom[2 * x + 1]);
         }
-    })
+    });
+    half.with_validity(plane.validity().map(Validity::halved))
 }
 
 #[cfg(test)]

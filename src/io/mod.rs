@@ -11,9 +11,11 @@ mod geometry_file;
 mod ground_truth;
 mod hash;
 mod identity;
+mod match_arrays;
 mod match_file;
 mod npy;
 mod number;
+mod opencv_xml;
 mod output;
 mod pair_folder;
 mod part_file;
@@ -28,24 +30,25 @@ mod sequence_file;
 mod session;
 mod stereo_pair;
 mod truth_folder;
+mod undistorted;
 mod vgg;
 
-pub use calibration::{CalibratedCamera, Calibration, CameraPose};
+pub use calibration::{CalibratedCamera, Calibration, CameraPose, CameraReading};
 #[doc(hidden)]
 pub use camera_rig::CameraRig;
 #[cfg(feature = "colmap")]
 pub use colmap::{ColmapError, ColmapPair};
 pub use exif::focal_length_from_exif;
 pub use geometry_file::{
-    CalibratedNote, Format, GeometryFile, GeometryNote, ImageNote, Notation, PairLabel, PairOrigin,
-    TrustNote, read_fundamental, read_point_pairs,
+    CalibratedNote, Format, GeometryFile, ImageNote, Notation, PairLabel, PairOrigin, TrustNote,
+    read_fundamental, read_point_pairs,
 };
 #[doc(hidden)]
 pub use ground_truth::{GroundTruth, TruthError, TruthOrigin};
 #[doc(hidden)]
 pub use identity::refuse_clashes;
-pub use match_file::read_matches;
-pub use npy::matrix_as_npy;
+pub use match_file::{MatchFile, read_matches};
+pub use npy::fundamental_as_npy;
 #[doc(hidden)]
 pub use output::OutputFile;
 pub use output::WriteError;
@@ -71,6 +74,7 @@ pub use session::{
 pub use stereo_pair::{StereoPair, StereoPairFiles, StereoProgram};
 #[doc(hidden)]
 pub use truth_folder::TruthFolder;
+pub use undistorted::UndistortedFiles;
 #[doc(hidden)]
 pub use vgg::VggFolder;
 pub use vgg::read_camera;

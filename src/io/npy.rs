@@ -12,21 +12,44 @@ use zip::ZipWriter;
 use zip::result::ZipResult;
 use zip::write::SimpleFileOptions;
 
+use crate::camera::PicturesOf;
+use crate::geometry::FundamentalMatrix;
+use crate::presentation::lenses_in_words;
+
 /// Alignment of the first number, bytes.
 const ALIGNMENT: usize = 64;
 /// Bytes before the header: the mark, the version and the length.
 const BEFORE_HEADER: usize = 10;
 
+/// Returns the file of `F` as a 3×3 array of `float64` in C order.
+///
+/// # Errors
+/// A clause for the user if `F` belongs to views without distortion, which an array cannot tell.
+pub fn fundamental_as_npy(fundamental: &FundamentalMatrix, pictures: &PicturesOf) -> Result<Vec<u8>, String> {
+    if pictures.is_undistorted() {
+        return Err(format!(
+            "F belongs to pictures without distortion ({}), and an array has no room for their lens. Export JSON or an \
+             archive (.npz)",
+            lenses_in_words(pictures)
+        ));
+    }
+    Ok(matrix_as_npy(fundamental.matrix()))
+}
+
 /// Returns the file of a 3×3 array of `float64` in C order.
-pub fn matrix_as_npy(matrix: &Matrix3<f64>) -> Vec<u8> {
+fn matrix_as_npy(matrix: &Matrix3<f64>) -> Vec<u8> {
     // nalgebra stores columns; the transpose has the rows in that order.
     array_as_npy(&[3, 3], matrix.transpose().as_slice())
 }
 
-/// Returns an archive of arrays of `float64`: names, shapes, and numbers in C order.
-pub(super) fn arrays_as_npz(arrays: &[(&str, &[usize], &[f64])]) -> Vec<u8> {
+/// Returns an archive of texts, and of arrays of `float64`: names, shapes, and numbers in C order.
+pub(super) fn arrays_as_npz(texts: &[(&str, &str)], arrays: &[(&str, &[usize], &[f64])]) -> Vec<u8> {
     let packed = || -> ZipResult<Vec<u8>> {
         let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+        for (name, text) in texts {
+            archive.start_file(format!("{name}.npy"), SimpleFileOptions::default())?;
+            archive.write_all(&text_as_npy(text))?;
+        }
         for (name, shape, numbers) in arrays {
             archive.start_file(format!("{name}.npy"), SimpleFileOptions::default())?;
             archive.write_all(&array_as_npy(shape, numbers))?;
@@ -34,6 +57,13 @@ pub(super) fn arrays_as_npz(arrays: &[(&str, &[usize], &[f64])]) -> Vec<u8> {
         Ok(archive.finish()?.into_inner())
     };
     packed().expect("writing to memory does not fail")
+}
+
+/// Returns the file of a text: an array without dimensions, four bytes a character.
+fn text_as_npy(text: &str) -> Vec<u8> {
+    let mut file = header(&format!("<U{}", text.chars().count()), &[]);
+    file.extend(text.chars().flat_map(|c| u32::from(c).to_le_bytes()));
+    file
 }
 
 /// Returns the file of an array of `float64` in C order.
@@ -83,9 +113,7 @@ impl Array {
         let header = std::str::from_utf8(header).map_err(|_| damaged())?;
         let entry = |name: &str| header.split_once(&format!("'{name}':")).map(|(_, rest)| rest.trim_start());
         let kind = entry("descr").and_then(|rest| rest.split('\'').nth(1)).ok_or_else(damaged)?;
-        if entry("fortran_order").is_none_or(|rest| !rest.starts_with("False")) {
-            return Err("the array is in Fortran order. Save it with numpy.ascontiguousarray".into());
-        }
+        let order = entry("fortran_order").ok_or_else(damaged)?;
         let shape =
             entry("shape").and_then(|rest| rest.strip_prefix('(')?.split_once(')')).ok_or_else(damaged)?.0;
         let sides = shape.split(',').map(str::trim).filter(|side| !side.is_empty());
@@ -97,29 +125,56 @@ impl Array {
         if count.checked_mul(width).is_none_or(|bytes| bytes != data.len()) {
             return Err(damaged());
         }
-        Ok(Self { shape, numbers: data.chunks_exact(width).map(number).collect() })
+        let is_big = kind.starts_with('>');
+        let number = |bytes: &[u8]| {
+            let mut bytes = bytes.to_vec();
+            if is_big {
+                bytes.reverse();
+            }
+            number(&bytes)
+        };
+        let numbers: Vec<f64> = data.chunks_exact(width).map(number).collect();
+        match order {
+            _ if order.starts_with("False") => Ok(Self { shape, numbers }),
+            _ if order.starts_with("True") => Ok(Self::from_columns(shape, &numbers)),
+            _ => Err(damaged()),
+        }
+    }
+
+    /// Creates an array from numbers in Fortran order: the first index changes fastest.
+    fn from_columns(shape: Vec<usize>, numbers: &[f64]) -> Self {
+        let place = |mut at: usize| {
+            // The last index changes fastest in C order.
+            let (mut place, mut stride) = (0, numbers.len());
+            for side in shape.iter().rev() {
+                stride /= side;
+                place += at % side * stride;
+                at /= side;
+            }
+            place
+        };
+        let numbers = (0..numbers.len()).map(|at| numbers[place(at)]).collect();
+        Self { shape, numbers }
+    }
+
+    /// Returns the shape without sides of length 1 in front, down to two sides.
+    pub fn batchless(&self) -> &[usize] {
+        let mut shape = &self.shape[..];
+        while shape.len() > 2 && shape[0] == 1 {
+            shape = &shape[1..];
+        }
+        shape
+    }
+
+    /// Returns the rows of an array of two sides.
+    pub fn rows(&self, columns: usize) -> std::slice::ChunksExact<'_, f64> {
+        self.numbers.chunks_exact(columns.max(1))
     }
 }
 
-/// Returns the rows of an array of one or two dimensions as text. `None` for a file of another kind.
-///
-/// # Errors
-/// A clause for the user.
-pub(super) fn rows_as_text(file: &[u8]) -> Option<Result<String, String>> {
-    if !file.starts_with(b"\x93NUMPY") {
-        return None;
-    }
-    let text = |array: Array| match array.shape[..] {
-        [columns] | [_, columns] if columns > 0 => {
-            let row = |row: &[f64]| row.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
-            Ok(array.numbers.chunks_exact(columns).map(row).collect::<Vec<_>>().join("\n"))
-        }
-        _ => Err(format!(
-            "the array has the shape {:?}, expected 3×3 for a fundamental matrix or N×4 for point pairs",
-            array.shape
-        )),
-    };
-    Some(Array::parse(file).and_then(text))
+/// Returns whether a file is a NumPy array.
+pub(super) fn is_npy(file: &[u8]) -> bool {
+    file.starts_with(b"\x93NUMPY")
 }
 
 type Conversion = fn(&[u8]) -> f64;
@@ -131,9 +186,10 @@ fn number_of(kind: &str) -> Result<(usize, Conversion), String> {
             Ok((size_of::<$t>(), |bytes| $convert(<$t>::from_le_bytes(bytes.try_into().unwrap_or_default()))))
         };
     }
-    match kind {
+    match &*kind.replace(['>', '='], "<") {
         "<f8" => of!(f64, |v: f64| v),
         "<f4" => of!(f32, f64::from),
+        "<f2" => of!(u16, half),
         "<i8" => of!(i64, |v: i64| v as f64),
         "<u8" => of!(u64, |v: u64| v as f64),
         "<i4" => of!(i32, f64::from),
@@ -142,10 +198,25 @@ fn number_of(kind: &str) -> Result<(usize, Conversion), String> {
         "<u2" => of!(u16, f64::from),
         "|i1" => of!(i8, f64::from),
         "|u1" | "|b1" => of!(u8, f64::from),
+        other if other.contains('O') => {
+            Err("it holds Python objects (a pickle), which are not read. Save arrays of numbers".into())
+        }
         other => {
             let other = crate::foreign::excerpt(other);
             Err(format!("arrays of {other} are not read. Save it as float64"))
         }
+    }
+}
+
+/// Returns a number of half precision.
+fn half(bits: u16) -> f64 {
+    let sign = if bits >> 15 == 0 { 1.0 } else { -1.0 };
+    let (exponent, fraction) = (i32::from(bits >> 10 & 31), f64::from(bits & 1023) / 1024.0);
+    sign * match exponent {
+        0 => fraction * 2f64.powi(-14),
+        31 if fraction == 0.0 => f64::INFINITY,
+        31 => f64::NAN,
+        _ => (1.0 + fraction) * 2f64.powi(exponent - 15),
     }
 }
 
@@ -154,14 +225,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_are_read_as_text_and_other_shapes_are_refused() {
-        let text = |shape: &[usize], numbers: &[f64]| rows_as_text(&array_as_npy(shape, numbers)).unwrap();
+    fn other_orders_and_widths_give_the_same_numbers() {
+        let plain = array_as_npy(&[2, 3], &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        let mut columns = array_as_npy(&[2, 3], &[1.0, 4.0, 2.0, 5.0, 3.0, 6.0]);
+        let at = columns.windows(5).position(|part| part == b"False").unwrap();
+        columns.splice(at..at + 5, *b"True ");
+        assert_eq!(Array::parse(&columns), Array::parse(&plain));
+        let of = |kind: &str, data: &[u8]| Array::parse(&[&header(kind, &[2])[..], data].concat());
         assert_eq!(
-            text(&[2, 4], &[1.0, 2.5, -3.0, 4.0, 5.0, 6.0, 7.0, 1e-9]).unwrap(),
-            "1 2.5 -3 4\n5 6 7 0.000000001"
+            of(">f4", &[&1.5f32.to_be_bytes()[..], &(-2f32).to_be_bytes()].concat()).unwrap().numbers,
+            [1.5, -2.0]
         );
-        assert!(text(&[1, 2, 2], &[1.0; 4]).unwrap_err().contains("[1, 2, 2]"));
-        assert_eq!(rows_as_text(b"1 2 3"), None);
+        assert_eq!(of("<f2", &[0x00, 0x3e, 0x01, 0x80]).unwrap().numbers, [1.5, -(2f64.powi(-24))]);
+        assert!(of("|O", &[0; 16]).unwrap_err().contains("pickle"));
+        let batch = Array { shape: vec![1, 1, 4, 2], numbers: vec![0.0; 8] };
+        assert_eq!(batch.batchless(), [4, 2]);
     }
 
     #[test]
@@ -179,7 +257,7 @@ mod tests {
             Array::parse(&changed).unwrap_err()
         };
         assert!(text("<f8", "<c8").contains("float64"));
-        assert!(text("False", "True ").contains("Fortran"));
+        assert!(text("False", "Flase").contains("damaged"));
         assert!(text("(3, 3)", "(3, 4)").contains("damaged"));
     }
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::geometry_file::{Format, ImageNote};
 use super::result_file::{CalibratedFile, Told, camera_warnings, matrix_in_words, nested};
-use crate::camera::{Baseline, PoseFit, ViewPair};
+use crate::camera::{Baseline, PicturesOf, PoseFit, ViewPair};
 use crate::estimate::{
     Determined, EpipoleBearing, PlaneHomography, PointEstimate, Reason, Uncertainty, Verdict,
 };
@@ -18,6 +18,9 @@ use crate::presentation::{epipole_in_words, reason_in_words};
 #[derive(Serialize)]
 pub struct PointResultFile<'a> {
     convention: Vec<String>,
+    /// Pictures that the coordinates belong to.
+    #[serde(flatten)]
+    pictures: PicturesOf,
     /// Fundamental matrix as nested rows, `x2ᵀ F x1 = 0`.
     fundamental: &'a FundamentalMatrix,
     epipole1: [f64; 3],
@@ -77,9 +80,10 @@ impl<'a> PointResultFile<'a> {
         let plane = estimate.assessment.plane;
         let residual = |pair: &PointPair| sampson_distance(fundamental, pair);
         let agreeing = estimate.matches().iter().map(|m| m.pair);
-        let note = |k: usize| ImageNote { name: format!("image {}", k + 1), frame: frames[k] };
+        let note = |k: usize| ImageNote::new(format!("image {}", k + 1), frames[k]);
         Self {
             convention: Format::Json.convention(),
+            pictures: PicturesOf::Original,
             fundamental,
             epipole1: fundamental.epipole1().into(),
             epipole2: fundamental.epipole2().into(),
@@ -119,6 +123,7 @@ impl<'a> PointResultFile<'a> {
         let matches: Vec<PointPair> = self.matches.iter().map(|m| of(&m.pair)).collect();
         self.calibrated = Some(CalibratedFile::new(views, self.fundamental, [&[], &matches], pose, baseline));
         self.warnings.extend(camera_warnings(views));
+        self.pictures = PicturesOf::from(Some(views));
         self
     }
 }

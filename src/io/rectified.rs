@@ -12,9 +12,11 @@ use super::identity::refuse_clashes;
 use super::npy::header;
 use super::output::{OutputFile, WriteError};
 use super::picture_file::{PictureError, PictureFormat, encode_picture};
+use crate::camera::PicturesOf;
 use crate::foreign::{reason, shown_path};
 use crate::geometry::{FundamentalMatrix, Point};
 use crate::image::Picture;
+use crate::presentation::pictures_in_words;
 use crate::rectify::{Description, ImageMap, Rectification, side_by_side};
 
 /// Options of the files written beside the two pictures.
@@ -72,6 +74,10 @@ pub struct RectifiedFiles {
 struct Described<'a> {
     #[serde(flatten)]
     description: Description<'a>,
+    /// The pictures that `fundamental` and the maps belong to, in words.
+    coordinates: Vec<String>,
+    #[serde(flatten)]
+    pictures: &'a PicturesOf,
     #[serde(flatten)]
     trust: Option<&'a TrustNote>,
 }
@@ -117,7 +123,8 @@ impl RectifiedFiles {
         self
     }
 
-    /// Writes all files; `rectified` are the drawn pictures. `go_on` is called before each file
+    /// Writes all files; `rectified` are the drawn pictures. `F` and the maps of the rectification belong to
+    /// `pictures`. `go_on` is called before each file
     /// with its index in [`RectifiedFiles::paths`]; returning `false` stops the writing.
     ///
     /// New files are complete before an older pair is replaced. `rectification.json` is removed
@@ -125,7 +132,7 @@ impl RectifiedFiles {
     pub fn write(
         &self,
         rectification: &Rectification,
-        fundamental: &FundamentalMatrix,
+        (fundamental, pictures): (&FundamentalMatrix, &PicturesOf),
         originals: [&Picture; 2],
         rectified: [&DynamicImage; 2],
         go_on: &mut dyn FnMut(usize) -> bool,
@@ -150,7 +157,8 @@ impl RectifiedFiles {
         }
         next()?;
         let description = rectification.description(fundamental, originals.map(Picture::frame));
-        let described = Described { description, trust: self.trust.as_ref() };
+        let coordinates = pictures_in_words(pictures, 0.0);
+        let described = Described { description, coordinates, pictures, trust: self.trust.as_ref() };
         let mut text =
             serde_json::to_string_pretty(&described).map_err(|e| RectifiedError::Encode(e.to_string()))?;
         text.push('\n');

@@ -5,8 +5,8 @@ use std::fmt::Write;
 use nalgebra::SMatrix;
 use serde::Serialize;
 
-use super::geometry_file::{Format, ImageNote, PairLabel};
-use crate::camera::{Baseline, CameraDoubt, PoseFit, UndistortedView, ViewPair};
+use super::geometry_file::{Format, ImageNote, PairLabel, TrustNote};
+use crate::camera::{Baseline, CameraDoubt, PicturesOf, PoseFit, UndistortedView, ViewPair};
 use crate::estimate::{
     BarcodeFigures, Determined, EpipoleBearing, Estimate, Method, Parameters, PatchSupport, PlaneHomography,
     Preset, Reason, SearchCounts, StageTiming, Verdict, Warning,
@@ -16,7 +16,8 @@ use crate::geometry::{
     symmetric_epipolar_distance,
 };
 use crate::presentation::{
-    camera_doubts, epipole_in_words, probability_in_words, reason_in_words, warning_in_words,
+    camera_doubts, epipole_in_words, interpretation_in_words, pictures_in_words, probability_in_words,
+    reason_in_words, warning_in_words,
 };
 
 /// Content of a result file. As JSON it is also a geometry file ([`Format::Json`]).
@@ -24,6 +25,10 @@ use crate::presentation::{
 pub struct ResultFile<'a> {
     /// Convention of the numbers.
     convention: Vec<String>,
+    /// Pictures that the coordinates belong to. `calibrated` has the views without distortion.
+    pictures: Option<&'static str>,
+    /// What the geometry is.
+    geometry: &'static str,
     /// Fundamental matrix as nested rows, `x2ᵀ F x1 = 0`.
     fundamental: &'a FundamentalMatrix,
     epipole1: [f64; 3],
@@ -98,6 +103,9 @@ pub struct ResultFile<'a> {
     /// without distortion.
     #[serde(skip_serializing_if = "Option::is_none")]
     calibrated: Option<CalibratedFile<'a>>,
+    /// How the calibration was read, and the numbers of it that were not understood.
+    #[serde(skip_serializing_if = "<[String]>::is_empty")]
+    calibration_notes: &'a [String],
     parameters: &'a Parameters,
     version: &'static str,
 }
@@ -179,19 +187,23 @@ pub(super) fn camera_warnings<'a>(views: &ViewPair) -> impl Iterator<Item = Told
 }
 
 impl<'a> ResultFile<'a> {
-    /// Creates the file of a result. `pairs` may contain more pairs than the estimate used.
+    /// Creates the file of a result for coordinates of these pictures. `pairs` may contain more pairs than the
+    /// estimate used.
     pub fn new(
         found: &'a Estimate,
         pairs: &[PointPair],
         images: &'a [ImageNote; 2],
         parameters: &'a Parameters,
+        pictures: &PicturesOf,
     ) -> Self {
         let (assessment, trace) = (&found.assessment, found.trace.as_deref());
         let trust = assessment.trust.as_ref();
         let refinement = assessment.refinement.as_ref();
         let frames = images.each_ref().map(|image| image.frame);
         Self {
-            convention: Format::Json.convention(),
+            convention: [Format::Json.convention(), pictures_in_words(pictures, 0.0)].concat(),
+            pictures: pictures.name(),
+            geometry: TrustNote::RESULT,
             fundamental: found.fundamental(),
             epipole1: found.fundamental().epipole1().into(),
             epipole2: found.fundamental().epipole2().into(),
@@ -249,6 +261,7 @@ impl<'a> ResultFile<'a> {
             pair_names: Vec::new(),
             pair_origins: Vec::new(),
             calibrated: None,
+            calibration_notes: &[],
             parameters,
             version: env!("CARGO_PKG_VERSION"),
         }
@@ -283,6 +296,13 @@ impl<'a> ResultFile<'a> {
         self.calibrated =
             Some(CalibratedFile::new(views, self.fundamental, [&pairs, &matches], pose, baseline));
         self.warnings.extend(camera_warnings(views));
+        self
+    }
+
+    /// Adds sentences about how the calibration was read.
+    #[must_use]
+    pub fn with_notes(mut self, notes: &'a [String]) -> Self {
+        self.calibration_notes = notes;
         self
     }
 
@@ -379,9 +399,12 @@ fn place_in_words(epipole: &HomogeneousPoint, frame: Frame) -> String {
 }
 
 /// Describes a result in words. F has all its digits, so that it can be copied.
-pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
+pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2], pictures: &PicturesOf) -> String {
     let mut text = String::from("Fundamental matrix F (x2ᵀ F x1 = 0):\n");
     text += &matrix_in_words(found.fundamental().rows());
+    if pictures.is_undistorted() {
+        let _ = writeln!(text, "{}", pictures_in_words(pictures, 0.0).join("\n"));
+    }
     text += &epipoles_in_words(found, images);
     let assessment = &found.assessment;
     if let Some(trust) = &assessment.trust {
@@ -465,6 +488,11 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
             "Left out: {} corners at the same position in both images, such as captions or a logo",
             counts.left_out
         );
+    }
+    for (k, image) in images.iter().enumerate() {
+        if let Some(words) = interpretation_in_words(&image.interpretation) {
+            let _ = writeln!(text, "Image {}: {words}", k + 1);
+        }
     }
     let stages: Vec<_> = trace
         .timings

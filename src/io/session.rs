@@ -17,6 +17,7 @@ use super::hash::sha256_of_file;
 use super::output::{OutputFile, WriteError, folder_of};
 use super::read::{ReadError, limited, read_text};
 use super::sequence_file::folder_sha256;
+use crate::camera::PicturesOf;
 use crate::foreign::shown_path;
 use crate::geometry::{Frame, FundamentalMatrix};
 
@@ -98,6 +99,8 @@ pub struct SessionFile<T> {
     pub images: [ImageReference; 2],
     /// Result at the time of saving.
     pub fundamental: Option<FundamentalMatrix>,
+    /// Pictures that the result belongs to; written only.
+    pub pictures: PicturesOf,
     /// Verdict on the result; written only.
     pub trust: Option<TrustNote>,
     /// Content defined by the window.
@@ -114,6 +117,8 @@ struct WrittenSession<'a, T> {
     images: &'a [ImageReference; 2],
     #[serde(skip_serializing_if = "Option::is_none")]
     fundamental: Option<FundamentalMatrix>,
+    #[serde(flatten)]
+    pictures: &'a PicturesOf,
     #[serde(flatten)]
     trust: Option<&'a TrustNote>,
     content: &'a T,
@@ -138,6 +143,7 @@ impl<T: Serialize> SessionFile<T> {
             convention: CONVENTION,
             images: &self.images,
             fundamental: self.fundamental,
+            pictures: &self.pictures,
             trust: self.trust.as_ref(),
             content: &self.content,
         };
@@ -193,7 +199,7 @@ impl<T: DeserializeOwned> SessionFile<T> {
             let problem = "the path of an image is longer than any valid path".into();
             return Err(SessionError::Damaged(shown(), problem));
         }
-        Ok(Self { images, fundamental, trust: None, content })
+        Ok(Self { images, fundamental, pictures: PicturesOf::Untold, trust: None, content })
     }
 }
 
@@ -291,6 +297,7 @@ mod tests {
             images: [image("a.png", b"one"), image("b.png", b"two")],
             fundamental: FundamentalMatrix::from_rows([[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
                 .ok(),
+            pictures: PicturesOf::Untold,
             trust: None,
             content: vec![0.1, 2.5e-300, 3.0],
         }

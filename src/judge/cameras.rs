@@ -39,6 +39,29 @@ impl DecomposedCamera {
         Some(Self { calibration: k / scale, rotation: r * sign, translation })
     }
 
+    /// Takes apart a camera whose calibration matrix is transposed, `Kᵀ [R | t]`. `None` for a camera at
+    /// infinity.
+    pub fn of_transposed(camera: &Camera) -> Option<Self> {
+        let p = camera.matrix();
+        let m: Matrix3<f64> = p.fixed_columns::<3>(0).into();
+        // A lower triangular matrix before a rotation: QR of the transpose.
+        let qr = m.transpose().qr();
+        let (mut k, mut rotation) = (qr.r(), qr.q().transpose());
+        for n in 0..3 {
+            if k[(n, n)] < 0.0 {
+                k.row_mut(n).neg_mut();
+                rotation.row_mut(n).neg_mut();
+            }
+        }
+        let scale = k[(2, 2)];
+        if (0..3).any(|n| k[(n, n)] < 1e-12 * k.amax()) {
+            return None;
+        }
+        let sign = rotation.determinant().signum();
+        let translation = k.transpose().try_inverse()? * p.column(3) * sign;
+        Some(Self { calibration: k / scale, rotation: rotation * sign, translation })
+    }
+
     /// Returns the projection matrix.
     pub fn composed(&self) -> Option<Camera> {
         Camera::posed(&self.calibration, &self.rotation, &self.translation)
@@ -67,6 +90,17 @@ mod tests {
             let [a, b] = [*camera.matrix(), *parts.composed().unwrap().matrix()].map(|m| m / m.norm());
             assert!((a - b).norm().min((a + b).norm()) < 1e-12);
         }
+    }
+
+    #[test]
+    fn a_camera_with_its_calibration_transposed_is_mended() {
+        let (camera, _) = Camera::example_pair();
+        let DecomposedCamera { calibration, rotation, translation } = DecomposedCamera::new(&camera).unwrap();
+        let wrong = Camera::posed(&calibration.transpose(), &rotation, &translation).unwrap();
+        let mended = DecomposedCamera::of_transposed(&wrong).unwrap();
+        assert!((mended.calibration - calibration).norm() < 1e-9 * calibration.norm());
+        assert!((mended.rotation - rotation).norm() < 1e-9);
+        assert!((mended.translation - translation).norm() < 1e-9);
     }
 
     #[test]

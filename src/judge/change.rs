@@ -3,9 +3,10 @@
 use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
 
+use super::calibration::CalibrationChange;
 use super::cameras::DecomposedCamera;
 use crate::convention::Reading;
-use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair, Vector, rescaling, scaling};
+use crate::geometry::{Camera, Frame, FundamentalMatrix, Point, PointPair, Vector, rescaling, scaling};
 
 /// Images that a change affects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -81,21 +82,27 @@ named! {
         PrincipalPointExchanged,
         /// Calibrations of the two cameras exchanged.
         CalibrationsExchanged,
+        /// Calibration matrices transposed.
+        CalibrationTransposed,
     }
 }
 
 impl CameraChange {
     /// Returns the cameras after the change.
-    pub(super) fn apply(self, cameras: &[DecomposedCamera; 2]) -> [DecomposedCamera; 2] {
+    pub(super) fn apply(self, cameras: &[Camera; 2]) -> Option<[DecomposedCamera; 2]> {
+        let [a, b] = cameras;
+        if self == Self::CalibrationTransposed {
+            return Some([DecomposedCamera::of_transposed(a)?, DecomposedCamera::of_transposed(b)?]);
+        }
+        let [a, b] = [DecomposedCamera::new(a)?, DecomposedCamera::new(b)?];
         if self == Self::CalibrationsExchanged {
-            let [a, b] = *cameras;
-            return [
+            return Some([
                 DecomposedCamera { calibration: b.calibration, ..a },
                 DecomposedCamera { calibration: a.calibration, ..b },
-            ];
+            ]);
         }
-        cameras.each_ref().map(|camera| {
-            let DecomposedCamera { calibration: mut k, rotation: r, translation: t } = *camera;
+        Some([a, b].map(|camera| {
+            let DecomposedCamera { calibration: mut k, rotation: r, translation: t } = camera;
             let axes = |signs: [f64; 3]| {
                 let signs = Matrix3::from_diagonal(&Vector3::from(signs));
                 (signs * r, signs * t)
@@ -115,10 +122,10 @@ impl CameraChange {
                     (k[(0, 2)], k[(1, 2)]) = (k[(1, 2)], k[(0, 2)]);
                     (r, t)
                 }
-                Self::CalibrationsExchanged => (r, t),
+                Self::CalibrationsExchanged | Self::CalibrationTransposed => (r, t),
             };
             DecomposedCamera { calibration: k, rotation: r, translation: t }
-        })
+        }))
     }
 }
 
@@ -136,6 +143,15 @@ pub enum Change {
         /// The mistake.
         mistake: CameraChange,
     },
+    /// Mistake with a stereo calibration.
+    Calibration(CalibrationChange),
+    /// The matrix is an essential matrix: it is `F` with calibration matrices of this focal length.
+    Essential {
+        /// Focal length of both images, px. The principal points are in the middle.
+        focal: f64,
+    },
+    /// The translation between the cameras has the opposite sign. `F` is the same.
+    TranslationReversed,
     /// Mirrored or turned images.
     Mirrored {
         /// The images.
@@ -189,17 +205,62 @@ impl Change {
             Self::Convention { .. }
             | Self::Cameras { .. }
             | Self::Mirrored { .. }
+            | Self::TranslationReversed
             | Self::HalfPixel { .. } => 0,
-            Self::Resized { .. } | Self::FocalLength { .. } | Self::Distortion { .. } => 1,
+            Self::Calibration(change) => usize::from(matches!(change, CalibrationChange::OtherSize { .. })),
+            Self::Essential { .. }
+            | Self::Resized { .. }
+            | Self::FocalLength { .. }
+            | Self::Distortion { .. } => 1,
             Self::Moved { .. } => 2,
+        }
+    }
+
+    /// Returns whether the change leaves the directions of the epipoles. Others fit easily where the images leave
+    /// the epipoles open.
+    pub(super) fn keeps_epipoles(&self) -> bool {
+        matches!(self, Self::Calibration(CalibrationChange::EquidistantLens | CalibrationChange::RadialLens))
+    }
+
+    /// Returns whether two changes are the same mistake: of one kind, in the same images, in the same
+    /// direction. Other pixel origins in addition make no other mistake of a convention.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        let grows = |factor: f64| factor > 1.0;
+        match (self, other) {
+            (Self::Resized { images: a, factor: f }, Self::Resized { images: b, factor: g })
+            | (Self::FocalLength { images: a, factor: f }, Self::FocalLength { images: b, factor: g }) => {
+                a == b && grows(*f) == grows(*g)
+            }
+            (Self::Moved { images: a, x, y }, Self::Moved { images: b, x: u, y: v }) => {
+                a == b && x * u + y * v > 0.0
+            }
+            (Self::Convention { reading: a }, Self::Convention { reading: b }) => {
+                (a.transposed, a.axes_exchanged) == (b.transposed, b.axes_exchanged)
+            }
+            (Self::Distortion { k }, Self::Distortion { k: other }) => k * other > 0.0,
+            (Self::Essential { .. }, Self::Essential { .. }) => true,
+            (
+                Self::Calibration(CalibrationChange::OtherSize { factor: f }),
+                Self::Calibration(CalibrationChange::OtherSize { factor: g }),
+            ) => grows(*f) == grows(*g),
+            _ => self == other,
         }
     }
 
     /// Returns `F` after the change, for changes of pixel coordinates. `None` for others, and on
     /// overflow.
     pub(super) fn apply(&self, given: &FundamentalMatrix, frames: [Frame; 2]) -> Option<FundamentalMatrix> {
-        if let Self::Convention { reading } = self {
-            return reading.apply(given);
+        match self {
+            Self::Convention { reading } => return reading.apply(given),
+            Self::TranslationReversed => return Some(*given),
+            Self::Essential { focal } => {
+                let [k1, k2] = frames.map(|frame| {
+                    let middle = frame.centre();
+                    scaling(focal.recip(), -middle.x / focal, -middle.y / focal)
+                });
+                return FundamentalMatrix::from_rank_two(k2.transpose() * given.matrix() * k1);
+            }
+            _ => {}
         }
         // The map takes pixels of the images to those of the geometry.
         let of = |image: usize| {
@@ -212,7 +273,12 @@ impl Change {
     /// Returns the changed images and the map of their pixels, for images of a size.
     fn map(&self, frame: Frame) -> Option<(Affected, Matrix3<f64>)> {
         Some(match *self {
-            Self::Convention { .. } | Self::Cameras { .. } | Self::Distortion { .. } => return None,
+            Self::Convention { .. }
+            | Self::Cameras { .. }
+            | Self::Calibration(_)
+            | Self::Essential { .. }
+            | Self::TranslationReversed
+            | Self::Distortion { .. } => return None,
             Self::Mirrored { images, mirror } => (images, mirror.map(frame)),
             Self::Resized { images, factor } => (images, rescaling(factor)),
             Self::FocalLength { images, factor } => {

@@ -11,19 +11,26 @@
 //! - Different mistakes may change `F` in the same way. Each [`Change`] names the mistakes it
 //!   stands for.
 
+mod calibration;
 mod cameras;
 mod change;
+mod contest;
+mod depth;
 mod rows;
 mod search;
 mod significance;
 
+pub use calibration::{CalibrationChange, GivenCalibration};
 pub use change::{Affected, CameraChange, Change, Mirror};
-pub use rows::{ROW_LIMIT, RowJudgement, judge_rows};
+pub use contest::Contest;
+pub use rows::{ROW_LIMIT, RowJudgement, RowMatches, judge_rows};
 pub use significance::Significance;
 
 use serde::Serialize;
 
-use crate::geometry::{Camera, Frame, FundamentalMatrix, Line, Matrix9, Point, PointPair, median};
+use crate::geometry::{
+    Camera, Frame, FundamentalMatrix, Line, Matrix9, Point, PointPair, median, symmetric_epipolar_distance,
+};
 
 /// Geometry to be judged.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,6 +39,16 @@ pub struct GivenGeometry {
     pub fundamental: FundamentalMatrix,
     /// Cameras, if the source has any. With them, mistakes with poses and calibrations are tried, too.
     pub cameras: Option<[Camera; 2]>,
+    /// Calibration, if the matrix belongs to views without distortion. With it, mistakes with lenses and
+    /// picture sizes are tried, too.
+    pub calibration: Option<GivenCalibration>,
+}
+
+/// Gives a matrix without cameras.
+impl From<FundamentalMatrix> for GivenGeometry {
+    fn from(fundamental: FundamentalMatrix) -> Self {
+        Self { fundamental, cameras: None, calibration: None }
+    }
 }
 
 /// Geometry that the images show, with its matches.
@@ -41,10 +58,17 @@ pub struct Reference<'a> {
     pub fundamental: FundamentalMatrix,
     /// Matches of the images, px.
     pub matches: &'a [PointPair],
+    /// Matches found without any geometry, by appearance in the whole of both images, that no other place
+    /// resembles. They alone refute: the other matches agree with the matrix by construction, or lie on a
+    /// repeated pattern.
+    pub witnesses: &'a [PointPair],
     /// Sizes of the images.
     pub frames: [Frame; 2],
     /// False if the matches are too few or too doubtful to contradict a geometry.
     pub is_trusted: bool,
+    /// False if the matches leave the epipoles open. Then many changes of a geometry explain them, and no change
+    /// that moves the epipoles is named.
+    pub has_epipoles: bool,
     /// Covariance of the nine entries of the matrix with norm 1, row by row, if it is known. A
     /// covariance of the judged geometry is added to it.
     pub covariance: Option<Matrix9>,
@@ -58,8 +82,32 @@ pub enum Finding {
     Fits,
     /// The lines are too far from the lines of the images.
     DoesNotFit,
-    /// The lines disagree, but the images do not show enough to say which are wrong.
+    /// The images do not show enough to say whether the geometry is right.
     Undecided,
+}
+
+/// Why a geometry is neither found right nor wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+pub enum Doubt {
+    /// The geometry of the images is itself in doubt.
+    Reference,
+    /// Too few distinctive matches contradict the geometry, or as many contradict the reference. They lie in
+    /// few places, or the images show a repeated pattern.
+    FewWitnesses {
+        /// Places whose distinctive matches only the reference explains (first), and only the geometry
+        /// (second).
+        places: Contest,
+    },
+    /// The distinctive matches agree with the geometry, and contradict the reference.
+    WitnessesAgree {
+        /// Places as for [`Doubt::FewWitnesses`].
+        places: Contest,
+    },
+    /// Most scene points lie behind both cameras, by matches that are not distinctive.
+    Depth,
+    /// Another search for the geometry of the images gives another finding.
+    OtherSearch,
 }
 
 /// Distances over all matches, px.
@@ -89,6 +137,12 @@ pub struct FittingChange {
 pub struct Judgement {
     /// Whether the geometry fits.
     pub finding: Finding,
+    /// Why nothing is found; `None` for the other findings.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub doubt: Option<Doubt>,
+    /// Whether the matrix has two equal singular values, as an essential matrix does. Matrices of rectified
+    /// pictures have them, too, so it says little about a geometry that fits.
+    pub looks_essential: bool,
     /// Distances between the lines of the given geometry and those of the reference, at the matches.
     pub lines_apart: Distances,
     /// Distances of the matches from the lines of the given geometry.
@@ -99,8 +153,8 @@ pub struct Judgement {
     pub limit: f64,
     /// Number of matches.
     pub matches: usize,
-    /// The simplest change after which the geometry fits; `None` if no change helps. For a geometry
-    /// that fits, a shift by half a pixel that explains a significant difference.
+    /// The change after which the geometry fits; `None` if no change helps, or if several help alike. For a
+    /// geometry that fits, a shift by half a pixel that explains a significant difference.
     pub change: Option<FittingChange>,
     /// Whether the geometry differs from the reference by more than the errors of the matches explain.
     /// `None` without a covariance, and if the reference is in doubt.
@@ -113,6 +167,10 @@ pub const FEWEST_MATCHES: usize = 14;
 /// Usual limit of [`judge`], px. Sound calibrations of four sets of pairs are up to 0.8 px off; lines
 /// that are a pixel off already spoil dense matching.
 pub const LIMIT: f64 = 1.0;
+/// Degrees of freedom of a fundamental matrix.
+const FREEDOM: usize = 7;
+/// Relative difference between equal singular values of a matrix that is printed with four digits.
+const EQUAL: f64 = 1e-3;
 /// Largest number of matches used. More add no certainty.
 const MOST_MATCHES: usize = 2000;
 
@@ -135,18 +193,36 @@ pub fn judge(given: &GivenGeometry, reference: &Reference, limit: f64) -> Option
         significance::significance(f, own, covariance, reference.frames)
     });
     let is_significant = significance.is_some_and(|found| found.is_significant);
-    let change = match covariance {
-        _ if !fits => search::simplest(given, &reference, limit),
-        Some(covariance) if is_significant => search::half_pixel(&given.fundamental, &reference, &covariance),
-        _ => None,
-    };
-    let finding = match (fits, reference.is_trusted) {
-        (true, _) => Finding::Fits,
-        (false, true) => Finding::DoesNotFit,
-        (false, false) => Finding::Undecided,
+    let (verdict, change) = if fits {
+        let verdict = reference.depth(given, limit);
+        let change = match (verdict, covariance) {
+            (Ok(Finding::DoesNotFit), _) => Some(FittingChange {
+                change: Change::TranslationReversed,
+                median: lines_apart.median,
+                fundamental: Some(given.fundamental),
+            }),
+            (Ok(_), Some(covariance)) if is_significant => {
+                search::half_pixel(&given.fundamental, &reference, &covariance)
+            }
+            _ => None,
+        };
+        (verdict, change)
+    } else {
+        let verdict = reference.refuted(given, limit);
+        let is_tried = matches!(verdict, Ok(_) | Err(Doubt::FewWitnesses { .. }));
+        let change = if is_tried { search::clearest(given, &reference, limit) } else { None };
+        match (verdict, change) {
+            (Ok(finding), change) => (Ok(finding), change),
+            (Err(_), Some(found)) if search::refutes(&found, given, &reference, limit) == Some(true) => {
+                (Ok(Finding::DoesNotFit), Some(found))
+            }
+            (Err(doubt), _) => (Err(doubt), None),
+        }
     };
     Some(Judgement {
-        finding,
+        finding: verdict.unwrap_or(Finding::Undecided),
+        doubt: verdict.err(),
+        looks_essential: looks_essential(&given.fundamental),
         lines_apart,
         residuals: residuals(&given.fundamental, &matches),
         reference_residuals: residuals(&reference.fundamental, &matches),
@@ -157,7 +233,72 @@ pub fn judge(given: &GivenGeometry, reference: &Reference, limit: f64) -> Option
     })
 }
 
+impl Judgement {
+    /// Returns this judgement as far as another search for the geometry of the same images confirms it: without
+    /// a change that the other judgement does not name, and undecided if the other one finds something else.
+    #[must_use]
+    pub fn confirmed_by(self, other: &Self, reference: &Reference) -> Self {
+        if self.finding != other.finding {
+            let (finding, doubt) = (Finding::Undecided, Some(Doubt::OtherSearch));
+            return Self { finding, doubt, change: None, ..self };
+        }
+        let is_same = |a: &FittingChange, b: &FittingChange| {
+            a.change.is_like(&b.change)
+                && match (a.fundamental, b.fundamental) {
+                    (Some(a), Some(b)) => {
+                        Reference { fundamental: a, ..*reference }.lines_apart(&b).median <= self.limit
+                    }
+                    _ => true,
+                }
+        };
+        let change = self.change.filter(|own| other.change.is_some_and(|its| is_same(own, &its)));
+        Self { change, ..self }
+    }
+}
+
+/// Returns whether two singular values of a matrix are equal, to the four digits that are often printed.
+fn looks_essential(f: &FundamentalMatrix) -> bool {
+    let mut values = f.matrix().singular_values();
+    values.as_mut_slice().sort_by(f64::total_cmp);
+    values[1] > (1.0 - EQUAL) * values[2]
+}
+
 impl Reference<'_> {
+    /// Returns whether the witnesses refute a geometry whose lines are far from those of the reference.
+    fn refuted(&self, given: &GivenGeometry, limit: f64) -> Result<Finding, Doubt> {
+        if !self.is_trusted {
+            return Err(Doubt::Reference);
+        }
+        let explained =
+            |f: &FundamentalMatrix, pair: &PointPair| symmetric_epipolar_distance(f, pair) <= limit;
+        let vote = |pair: &PointPair| {
+            let by = [&self.fundamental, &given.fundamental].map(|f| i32::from(explained(f, pair)));
+            (pair.point1, by[0] - by[1])
+        };
+        let places = Contest::of(self.witnesses.iter().map(vote), self.frames[0]);
+        if places.first_wins(FREEDOM) {
+            return Ok(Finding::DoesNotFit);
+        }
+        let other = Contest { first: places.second, second: places.first };
+        Err(if other.first_wins(0) {
+            Doubt::WitnessesAgree { places }
+        } else {
+            Doubt::FewWitnesses { places }
+        })
+    }
+
+    /// Returns whether a geometry whose lines agree has the scene in front of its cameras.
+    fn depth(&self, given: &GivenGeometry, limit: f64) -> Result<Finding, Doubt> {
+        let behind = |matches: &[PointPair]| {
+            let places = depth::behind(given.cameras.as_ref()?, matches, self.frames[0], limit)?;
+            Some(places.first_wins(0))
+        };
+        if behind(self.witnesses) == Some(true) {
+            return Ok(Finding::DoesNotFit);
+        }
+        if behind(self.matches) == Some(true) { Err(Doubt::Depth) } else { Ok(Finding::Fits) }
+    }
+
     /// Returns the distance of a geometry from the reference, px: of its lines at the matches, or of
     /// the matches from its lines if that is larger. It is larger where a lens bends the lines of the
     /// images.
@@ -196,7 +337,7 @@ impl Distances {
 
 /// Returns the symmetric epipolar distances of the matches.
 fn residuals(f: &FundamentalMatrix, matches: &[PointPair]) -> Distances {
-    Distances::of(matches.iter().map(|pair| crate::geometry::symmetric_epipolar_distance(f, pair)))
+    Distances::of(matches.iter().map(|pair| symmetric_epipolar_distance(f, pair)))
 }
 
 #[cfg(test)]

@@ -7,8 +7,9 @@
 use nalgebra::{DMatrix, DVector, Matrix3};
 use serde::Serialize;
 
-use super::FEWEST_MATCHES;
-use crate::geometry::{Frame, PointPair, median};
+use super::contest::Contest;
+use super::{Doubt, FEWEST_MATCHES};
+use crate::geometry::{Frame, Point, PointPair, median};
 
 /// Terms of the offset: 1, u, v, u², u v, v², with u and v from −1 to 1 over the picture.
 const TERMS: usize = 6;
@@ -24,6 +25,9 @@ pub const ROW_LIMIT: f64 = 0.5;
 pub struct RowJudgement {
     /// True if the typical offset is within the limit.
     pub is_aligned: bool,
+    /// Why nothing is found; `None` if the pair is found rectified or not rectified.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub doubt: Option<Doubt>,
     /// Right row less left row in the middle of the picture, px.
     pub constant: f64,
     /// Change of the offset from the left edge to the right one, px.
@@ -60,11 +64,43 @@ impl RowJudgement {
     }
 }
 
-/// Measures how far matches are from common rows. The offset is a function of the position in image 2,
+/// Matches by which rows are judged.
+#[derive(Debug, Clone, Copy)]
+pub struct RowMatches<'a> {
+    /// All matches of the images, px.
+    pub matches: &'a [PointPair],
+    /// Matches found without any geometry, as in [`Reference::witnesses`](super::Reference::witnesses).
+    pub witnesses: &'a [PointPair],
+    /// False if the matches are too few or too doubtful to confirm that a pair is rectified.
+    pub is_trusted: bool,
+}
+
+/// Measures how far a pair is from common rows. The offset is a function of the position in image 2,
 /// which has the size `frame`.
 ///
+/// The witnesses decide, since no search and no seed has selected them. If they are too few, the other
+/// matches may confirm that the pair is rectified, but they do not contradict it.
+///
 /// `None` for fewer than [`FEWEST_MATCHES`] matches.
-pub fn judge_rows(matches: &[PointPair], frame: Frame, limit: f64) -> Option<RowJudgement> {
+pub fn judge_rows(by: &RowMatches, frame: Frame, limit: f64) -> Option<RowJudgement> {
+    let witnessed = measured(by.witnesses, frame, limit);
+    if let Some(found) = witnessed.filter(|found| found.is_aligned || found.doubt.is_none()) {
+        return Some(RowJudgement { doubt: None, ..found });
+    }
+    let found = measured(by.matches, frame, limit)?;
+    let doubt = match (found.is_aligned, by.is_trusted) {
+        (true, true) => None,
+        (_, false) => Some(Doubt::Reference),
+        (false, true) => {
+            let places = Contest::default();
+            Some(witnessed.and_then(|found| found.doubt).unwrap_or(Doubt::FewWitnesses { places }))
+        }
+    };
+    Some(RowJudgement { is_aligned: found.is_aligned && doubt.is_none(), doubt, ..found })
+}
+
+/// Measures matches. The doubt is the one about a pair that is not rectified: too few places need the offset.
+fn measured(matches: &[PointPair], frame: Frame, limit: f64) -> Option<RowJudgement> {
     if matches.len() < FEWEST_MATCHES {
         return None;
     }
@@ -116,8 +152,16 @@ pub fn judge_rows(matches: &[PointPair], frame: Frame, limit: f64) -> Option<Row
     let (a, b) = (fit[1] / half[0], fit[2] / half[1]);
     let c = constant - a * middle.x - b * middle.y;
     let correction2 = Matrix3::new(1.0, 0.0, 0.0, -a, 1.0 - b, -c, 0.0, 0.0, 1.0);
+    let vote = |k: usize, at: Point| {
+        let off = [offsets[k] - design.row(k).transpose().dot(&fit), offsets[k]];
+        let by = off.map(|off| i32::from(off.abs() <= limit));
+        (at, by[0] - by[1])
+    };
+    let votes = matches.iter().enumerate().map(|(k, pair)| vote(k, pair.point2));
+    let places = Contest::of(votes, frame);
     Some(RowJudgement {
         is_aligned: typical <= limit,
+        doubt: (!places.first_wins(TERMS)).then_some(Doubt::FewWitnesses { places }),
         constant,
         across: 2.0 * fit[1],
         down: 2.0 * fit[2],
@@ -153,25 +197,58 @@ mod tests {
             .collect()
     }
 
+    fn judged(all: &[PointPair]) -> Option<RowJudgement> {
+        let by = RowMatches { matches: all, witnesses: all, is_trusted: true };
+        let found = judge_rows(&by, FRAME, ROW_LIMIT)?;
+        assert!(found.doubt.is_none(), "{found:?}");
+        Some(found)
+    }
+
     #[test]
     fn a_rectified_pair_is_aligned() {
-        let found = judge_rows(&matches(|_, _| 0.0), FRAME, ROW_LIMIT).unwrap();
+        let found = judged(&matches(|_, _| 0.0)).unwrap();
         assert!(found.is_aligned && found.largest < 0.2, "{found:?}");
-        assert!(judge_rows(&matches(|_, _| 0.0)[..13], FRAME, ROW_LIMIT).is_none());
+        assert!(judged(&matches(|_, _| 0.0)[..13]).is_none());
         // All matches in one place determine nothing but the offset there.
         let one = vec![PointPair::new(100.0, 100.0, 80.0, 100.0); 20];
-        assert!(judge_rows(&one, FRAME, ROW_LIMIT).unwrap().constant.abs() < 1.0);
+        assert!(judged(&one).unwrap().constant.abs() < 1.0);
+    }
+
+    #[test]
+    fn only_witnesses_in_many_places_contradict() {
+        let off = matches(|_, _| 3.0);
+        let at = |by: &RowMatches| judge_rows(by, FRAME, ROW_LIMIT).unwrap();
+        // A board: its matches were found along wrong lines, and nothing else is to be seen.
+        let board = at(&RowMatches { matches: &off, witnesses: &[], is_trusted: true });
+        assert_eq!(
+            (board.is_aligned, board.doubt),
+            (false, Some(Doubt::FewWitnesses { places: Contest::default() }))
+        );
+        let few: Vec<PointPair> =
+            off.iter().filter(|m| m.point2.x < 200.0 && m.point2.y < 200.0).copied().collect();
+        let found = at(&RowMatches { matches: &off, witnesses: &few, is_trusted: true });
+        assert!(
+            !found.is_aligned
+                && matches!(found.doubt, Some(Doubt::FewWitnesses { places }) if places.first > 0)
+        );
+        // Witnesses outvote the matches.
+        let right = matches(|_, _| 0.0);
+        let found = at(&RowMatches { matches: &off, witnesses: &right, is_trusted: true });
+        assert!(found.is_aligned && found.doubt.is_none());
+        // A doubtful geometry of the images confirms nothing.
+        let found = at(&RowMatches { matches: &right, witnesses: &[], is_trusted: false });
+        assert_eq!((found.is_aligned, found.doubt), (false, Some(Doubt::Reference)));
     }
 
     #[test]
     fn shift_turn_and_curvature_are_told_with_their_size() {
-        let shifted = judge_rows(&matches(|_, _| 1.0), FRAME, ROW_LIMIT).unwrap();
+        let shifted = judged(&matches(|_, _| 1.0)).unwrap();
         assert!(!shifted.is_aligned && (shifted.constant - 1.0).abs() < 0.05, "{shifted:?}");
         let slope = 0.2_f64.to_radians();
-        let turned = judge_rows(&matches(|x, _| slope * (x - 319.5)), FRAME, ROW_LIMIT).unwrap();
+        let turned = judged(&matches(|x, _| slope * (x - 319.5))).unwrap();
         assert!(!turned.is_aligned && (turned.roll_degrees + 0.2).abs() < 0.01, "{turned:?}");
         let bent = |x: f64, y: f64| 2.0 * ((x - 319.5) / 319.5) * ((y - 239.5) / 239.5);
-        let curved = judge_rows(&matches(bent), FRAME, ROW_LIMIT).unwrap();
+        let curved = judged(&matches(bent)).unwrap();
         assert!(!curved.is_aligned && (curved.curved - 2.0).abs() < 0.2, "{curved:?}");
         assert!(curved.across.abs() < 0.1 && curved.down.abs() < 0.1, "{curved:?}");
     }
@@ -179,12 +256,12 @@ mod tests {
     #[test]
     fn the_correction_aligns_the_rows() {
         let mut all = matches(|x, y| 1.5 + 0.004 * (x - 300.0) - 0.006 * (y - 200.0));
-        let correction2 = judge_rows(&all, FRAME, ROW_LIMIT).unwrap().correction2;
+        let correction2 = judged(&all).unwrap().correction2;
         for pair in &mut all {
             let [_, [a, b, c], _] = correction2;
             pair.point2.y = a * pair.point2.x + b * pair.point2.y + c;
         }
-        let after = judge_rows(&all, FRAME, ROW_LIMIT).unwrap();
+        let after = judged(&all).unwrap();
         assert!(after.largest < 0.1, "{after:?}");
     }
 }

@@ -33,28 +33,13 @@ impl Scene {
         };
         let cameras =
             [camera(-0.6, [820.0, 740.0], [402.0, 262.0]), camera(0.6, [700.0, 790.0], [371.0, 310.0])];
-        let both = cameras.map(|camera| camera.composed().unwrap());
-        let mut matches = Vec::new();
-        while matches.len() < 250 {
-            let mut along = |by: f64| random.random_range(-by..by);
-            let point = Point3::new(along(4.0), along(3.0), 6.5 + along(2.5));
-            let mut seen = both.map(|camera| camera.project(&point));
-            for seen in seen.iter_mut().flatten() {
-                *seen += crate::geometry::Vector::new(along(0.3), along(0.3));
-            }
-            if let [Some(point1), Some(point2)] = seen
-                && FRAMES[0].contains(point1)
-                && FRAMES[1].contains(point2)
-            {
-                matches.push(PointPair { point1, point2 });
-            }
-        }
+        let matches = of_cameras(&cameras, seed);
         Self { cameras, matches }
     }
 
     fn geometry(cameras: &[DecomposedCamera; 2]) -> GivenGeometry {
         let [a, b] = cameras.each_ref().map(|camera| camera.composed().unwrap());
-        GivenGeometry { fundamental: Camera::fundamental(&a, &b).unwrap(), cameras: Some([a, b]) }
+        GivenGeometry { cameras: Some([a, b]), ..Camera::fundamental(&a, &b).unwrap().into() }
     }
 
     fn truth(&self) -> GivenGeometry {
@@ -63,17 +48,50 @@ impl Scene {
 
     fn judged(&self, given: &GivenGeometry, matches: &[PointPair]) -> Judgement {
         let fundamental = self.truth().fundamental;
-        let (is_trusted, covariance) = (true, None);
-        let reference = Reference { fundamental, matches, frames: FRAMES, is_trusted, covariance };
-        judge(given, &reference, LIMIT).unwrap()
+        judge(given, &reference(fundamental, matches), LIMIT).unwrap()
+    }
+}
+
+/// Returns matches of two cameras with some noise.
+fn of_cameras(cameras: &[DecomposedCamera; 2], seed: u64) -> Vec<PointPair> {
+    let both = cameras.map(|camera| camera.composed().unwrap());
+    let mut random = Pcg64Mcg::seed_from_u64(1000 + seed);
+    let mut matches = Vec::new();
+    while matches.len() < 250 {
+        let mut along = |by: f64| random.random_range(-by..by);
+        let point = Point3::new(along(4.0), along(3.0), 6.5 + along(2.5));
+        let mut seen = both.map(|camera| camera.project(&point));
+        for seen in seen.iter_mut().flatten() {
+            *seen += crate::geometry::Vector::new(along(0.3), along(0.3));
+        }
+        if let [Some(point1), Some(point2)] = seen
+            && FRAMES[0].contains(point1)
+            && FRAMES[1].contains(point2)
+        {
+            matches.push(PointPair { point1, point2 });
+        }
+    }
+    matches
+}
+
+/// Returns a trusted reference, all of whose matches are witnesses.
+fn reference(fundamental: FundamentalMatrix, matches: &[PointPair]) -> Reference<'_> {
+    let (is_trusted, has_epipoles) = (true, true);
+    Reference {
+        fundamental,
+        matches,
+        witnesses: matches,
+        frames: FRAMES,
+        is_trusted,
+        has_epipoles,
+        covariance: None,
     }
 }
 
 /// Returns `F` for mapped pixels of both images.
 fn mapped(f: &FundamentalMatrix, maps: [Matrix3<f64>; 2]) -> GivenGeometry {
     let [m1, m2] = maps.map(|map| map.try_inverse().unwrap());
-    let fundamental = FundamentalMatrix::from_rank_two(m2.transpose() * f.matrix() * m1).unwrap();
-    GivenGeometry { fundamental, cameras: None }
+    FundamentalMatrix::from_rank_two(m2.transpose() * f.matrix() * m1).unwrap().into()
 }
 
 /// A mistake: the wrong geometry of a scene, and whether a change names it.
@@ -90,10 +108,10 @@ fn is_camera(change: &Change, wanted: CameraChange) -> bool {
     matches!(change, Change::Cameras { mistake } if *mistake == wanted)
 }
 
-const MISTAKES: [Mistake; 17] = [
+const MISTAKES: [Mistake; 18] = [
     (
         "transposed",
-        |s| GivenGeometry { fundamental: s.truth().fundamental.swapped(), cameras: None },
+        |s| s.truth().fundamental.swapped().into(),
         |c| {
             matches!(
                 c,
@@ -180,6 +198,11 @@ const MISTAKES: [Mistake; 17] = [
             ])
         },
         |c| is_camera(c, CameraChange::CalibrationsExchanged),
+    ),
+    (
+        "calibration matrices transposed",
+        |s| wrong(s, |camera| camera.calibration.transpose_mut()),
+        |c| is_camera(c, CameraChange::CalibrationTransposed),
     ),
     (
         "axes of OpenGL",
@@ -288,13 +311,7 @@ fn distortion_that_is_left_out_is_named_with_its_size() {
                 })
                 .collect();
             // An estimate bends with the matches.
-            let reference = Reference {
-                fundamental: crate::geometry::eight_point(&bent).unwrap(),
-                matches: &bent,
-                frames: FRAMES,
-                is_trusted: true,
-                covariance: None,
-            };
+            let reference = reference(crate::geometry::eight_point(&bent).unwrap(), &bent);
             let judged = judge(&scene.truth(), &reference, LIMIT).unwrap();
             if judged.finding == Finding::Fits {
                 continue;
@@ -314,14 +331,101 @@ fn distortion_that_is_left_out_is_named_with_its_size() {
 fn an_untrusted_reference_confirms_but_does_not_contradict() {
     let scene = Scene::new(3);
     let fundamental = scene.truth().fundamental;
-    let (matches, covariance) = (&scene.matches[..], None);
-    let reference = Reference { fundamental, matches, frames: FRAMES, is_trusted: false, covariance };
+    let reference = Reference { is_trusted: false, ..reference(fundamental, &scene.matches) };
     let judged = judge(&scene.truth(), &reference, LIMIT).unwrap();
-    assert_eq!(judged.finding, Finding::Fits);
-    let transposed = GivenGeometry { fundamental: fundamental.swapped(), cameras: None };
-    assert_eq!(judge(&transposed, &reference, LIMIT).unwrap().finding, Finding::Undecided);
+    assert_eq!((judged.finding, judged.doubt), (Finding::Fits, None));
+    let transposed = fundamental.swapped().into();
+    let judged = judge(&transposed, &reference, LIMIT).unwrap();
+    assert_eq!((judged.finding, judged.doubt), (Finding::Undecided, Some(Doubt::Reference)));
     let few = Reference { matches: &scene.matches[..FEWEST_MATCHES - 1], ..reference };
     assert!(judge(&transposed, &few, LIMIT).is_none());
+}
+
+/// On a chessboard, a search may match each corner with a neighbour of its partner. The lines through such
+/// matches are no evidence.
+#[test]
+fn a_reference_on_a_shifted_pattern_does_not_accuse() {
+    let scene = Scene::new(4);
+    let truth = scene.truth();
+    let shifted: Vec<PointPair> = scene
+        .matches
+        .iter()
+        .map(|pair| PointPair { point2: pair.point2 + crate::geometry::Vector::new(3.0, 21.0), ..*pair })
+        .collect();
+    let wrong = reference(crate::geometry::eight_point(&shifted).unwrap(), &shifted);
+    let judged = |witnesses: &[PointPair]| judge(&truth, &Reference { witnesses, ..wrong }, LIMIT).unwrap();
+    let board = judged(&[]);
+    assert_eq!((board.finding, board.change), (Finding::Undecided, None));
+    assert_eq!(board.doubt, Some(Doubt::FewWitnesses { places: Contest::default() }));
+    // Wrong matches of one place, such as the edge of the board.
+    let edge: Vec<PointPair> =
+        shifted.iter().filter(|m| m.point1.x < 230.0 && m.point1.y < 230.0).copied().collect();
+    assert!(edge.len() > 5);
+    assert_eq!(judged(&edge).finding, Finding::Undecided);
+    // The distinctive points of the background know better.
+    let right: Vec<PointPair> = scene.matches.iter().step_by(2).copied().collect();
+    assert!(matches!(judged(&right).doubt, Some(Doubt::WitnessesAgree { places }) if places.first == 0));
+    assert_eq!(judged(&shifted).finding, Finding::DoesNotFit);
+}
+
+#[test]
+fn no_change_is_named_if_the_epipoles_are_open_or_another_search_disagrees() {
+    let scene = Scene::new(3);
+    let fundamental = scene.truth().fundamental;
+    let transposed: GivenGeometry = fundamental.swapped().into();
+    let reference = reference(fundamental, &scene.matches);
+    let found = judge(&transposed, &reference, LIMIT).unwrap();
+    assert!(found.change.is_some());
+    let open = judge(&transposed, &Reference { has_epipoles: false, ..reference }, LIMIT).unwrap();
+    assert_eq!((open.finding, open.change), (Finding::DoesNotFit, None));
+    assert_eq!(found.clone().confirmed_by(&found, &reference), found);
+    assert_eq!(found.clone().confirmed_by(&open, &reference), open);
+    let fits = judge(&fundamental.into(), &reference, LIMIT).unwrap();
+    let undecided = found.confirmed_by(&fits, &reference);
+    assert_eq!((undecided.finding, undecided.doubt), (Finding::Undecided, Some(Doubt::OtherSearch)));
+    assert!(undecided.change.is_none());
+}
+
+#[test]
+fn a_translation_with_the_wrong_sign_puts_the_scene_behind_both_cameras() {
+    let scene = Scene::new(6);
+    let [first, mut second] = scene.cameras;
+    // The second camera as seen from the first, with the baseline reversed.
+    let rotation = second.rotation * first.rotation.transpose();
+    let baseline = second.translation - rotation * first.translation;
+    second.translation = rotation * first.translation - baseline;
+    let reversed = Scene::geometry(&[first, second]);
+    let judged = scene.judged(&reversed, &scene.matches);
+    assert!(judged.lines_apart.median < 1e-6, "F is the same: {:?}", judged.lines_apart);
+    assert_eq!((judged.finding, judged.doubt), (Finding::DoesNotFit, None));
+    assert_eq!(judged.change.unwrap().change, Change::TranslationReversed);
+    let few = Reference { witnesses: &[], ..reference(scene.truth().fundamental, &scene.matches) };
+    let judged = judge(&reversed, &few, LIMIT).unwrap();
+    assert_eq!((judged.finding, judged.doubt), (Finding::Undecided, Some(Doubt::Depth)));
+    // Cameras of a mirrored scene, or with a matrix times −1, have no certain sign.
+    let negative = |camera: Camera| Camera::from_matrix(-camera.matrix()).unwrap();
+    let open = GivenGeometry { cameras: reversed.cameras.map(|both| both.map(negative)), ..reversed };
+    assert_eq!(scene.judged(&open, &scene.matches).finding, Finding::Fits);
+}
+
+#[test]
+fn an_essential_matrix_is_told_with_a_focal_length() {
+    let k = scaling(900.0, 383.5, 287.5);
+    for seed in 0..SCENES {
+        let scene = Scene::new(seed);
+        let cameras = scene.cameras.map(|camera| DecomposedCamera { calibration: k, ..camera });
+        let seen = of_cameras(&cameras, seed);
+        let truth = Scene::geometry(&cameras).fundamental;
+        let essential = FundamentalMatrix::from_rank_two(k.transpose() * truth.matrix() * k).unwrap();
+        let judged = judge(&essential.into(), &reference(truth, &seen), LIMIT).unwrap();
+        assert!(judged.looks_essential && judged.finding == Finding::DoesNotFit, "scene {seed}");
+        assert!(
+            matches!(judged.change.unwrap().change, Change::Essential { focal } if (focal - 900.0).abs() < 20.0),
+            "scene {seed}: {:?}",
+            judged.change
+        );
+        assert!(!judge(&truth.into(), &reference(truth, &seen), LIMIT).unwrap().looks_essential);
+    }
 }
 
 /// Returns the fit to pairs with noise of the standard deviation `sigma`, and its covariance.
@@ -356,7 +460,7 @@ fn half_a_pixel_is_significant_and_named() {
         let (fundamental, covariance) = fitted(&truth.fundamental, &scene.matches, sigma);
         let covariance = Some(covariance);
         let matches = &scene.matches[..];
-        let reference = Reference { fundamental, matches, frames: FRAMES, is_trusted: true, covariance };
+        let reference = Reference { covariance, ..reference(fundamental, matches) };
         let judged = judge(&truth, &reference, LIMIT).unwrap();
         assert!(!judged.significance.unwrap().is_significant && judged.change.is_none(), "scene {seed}");
         let doubtful = Reference { is_trusted: false, ..reference };

@@ -1,7 +1,8 @@
 //! Words for judgements of geometries from elsewhere.
 
 use crate::judge::{
-    Affected, CameraChange, Change, Finding, FittingChange, Judgement, Mirror, RowJudgement, Significance,
+    Affected, CalibrationChange, CameraChange, Change, Doubt, Finding, FittingChange, Judgement, Mirror,
+    RowJudgement, Significance,
 };
 
 /// Describes a judgement: whether the geometry fits the images, and which change would correct it.
@@ -16,10 +17,21 @@ pub fn judgement_in_words(judgement: &Judgement) -> String {
                 .significance
                 .map_or_else(String::new, |found| difference_in_words(&found, change.as_ref()))
         ),
-        Finding::Undecided => format!(
-            "The geometry cannot be judged. Half of its lines are more than {apart} px from the lines of the \
-             best geometry of the images, which is itself in doubt. Give point pairs or matches of your own."
-        ),
+        Finding::Undecided => {
+            let doubt = judgement.doubt.as_ref();
+            format!(
+                "The images cannot tell whether the geometry is right: {}{}",
+                doubt.map_or_else(String::new, |doubt| doubt_in_words(doubt, &apart)),
+                essential_in_words(judgement)
+            )
+        }
+        Finding::DoesNotFit if change.is_some_and(|found| found.change == Change::TranslationReversed) => {
+            format!(
+                "The geometry does not fit. Its lines are within {apart} px of the lines that the images show, but the \
+                 scene lies behind both cameras. It fits if the translation T has the opposite sign: negate it. F \
+                 stays the same."
+            )
+        }
         Finding::DoesNotFit => {
             let wrong = if lines_apart.median > *limit {
                 format!("Half of its lines are more than {apart} px from the lines that the images show")
@@ -27,11 +39,52 @@ pub fn judgement_in_words(judgement: &Judgement) -> String {
                 format!("Half of the matches are more than {} px from its lines", px(residuals.median))
             };
             let mended = change.as_ref().map_or_else(
-                || "No simple change makes it fit.".to_owned(),
+                || format!("No simple change clearly makes it fit.{}", essential_in_words(judgement)),
                 |found| format!("It fits to {} px if {}.", px(found.median), change_in_words(&found.change)),
             );
             format!("The geometry does not fit. {wrong}, at {matches} matches. {mended}")
         }
+    }
+}
+
+/// Describes why nothing is found, and what to do. Half of the lines are `apart` px from those of the
+/// reference.
+fn doubt_in_words(doubt: &Doubt, apart: &str) -> String {
+    let far = format!("half of its lines are more than {apart} px from the best lines of the images, but");
+    match doubt {
+        Doubt::Reference => format!(
+            "{far} these are in doubt themselves. Use pictures that overlap more or show more texture, or give matches of \
+             your own."
+        ),
+        Doubt::FewWitnesses { .. } => {
+            format!("{far} too few distinctive points show which lines are right. {PATTERNS_SHOW_NOTHING}")
+        }
+        Doubt::WitnessesAgree { .. } => format!(
+            "{far} the distinctive points agree with the geometry. The images probably show a repeated pattern. Give \
+             matches of your own."
+        ),
+        Doubt::Depth => {
+            "its lines fit, but most points lie behind both cameras, and these points are not distinctive. \
+                         Check the sign of the translation T, or give matches of your own."
+                .to_owned()
+        }
+        Doubt::OtherSearch => format!(
+            "{far} a second search finds other lines. Use pictures that overlap more, or give matches of your own."
+        ),
+    }
+}
+
+/// Why few distinctive points are found on a board, and what to do.
+const PATTERNS_SHOW_NOTHING: &str = "Boards and other repeated patterns do not show it. Use pictures of a scene with more \
+                                     distinctive points, or give matches of your own.";
+
+/// Tells that a matrix looks like an essential matrix.
+fn essential_in_words(judgement: &Judgement) -> &'static str {
+    if judgement.looks_essential {
+        " The matrix has two equal singular values, like an essential matrix E. F of the pictures is K2⁻ᵀ E K1⁻¹: \
+         give that."
+    } else {
+        ""
     }
 }
 
@@ -75,8 +128,30 @@ fn change_in_words(change: &Change) -> String {
             CameraChange::FocalLengthsExchanged => "the focal lengths in x and y are exchanged",
             CameraChange::PrincipalPointExchanged => "x and y of the principal points are exchanged",
             CameraChange::CalibrationsExchanged => "the calibrations of the two cameras are exchanged",
+            CameraChange::CalibrationTransposed => "the calibration matrices K are transposed",
         }
         .to_owned(),
+        Change::Calibration(change) => match change {
+            CalibrationChange::PicturesExchanged => {
+                "the two pictures are exchanged: the first camera took the right picture".to_owned()
+            }
+            CalibrationChange::EquidistantLens => {
+                "the lens is a fisheye: its coefficients are k1 to k4 of the equidistant model".to_owned()
+            }
+            CalibrationChange::RadialLens => {
+                "the lens is no fisheye: its coefficients are k1, k2, p1, p2".to_owned()
+            }
+            CalibrationChange::OtherSize { factor } => format!(
+                "the calibration is for pictures of another size, {:.1} % of these: divide the focal lengths and the \
+                 principal points by {factor:.3}",
+                100.0 * factor
+            ),
+        },
+        Change::Essential { focal } => format!(
+            "the matrix is an essential matrix E, not F, with a focal length of about {focal:.0} px: give \
+             F = K2⁻ᵀ E K1⁻¹"
+        ),
+        Change::TranslationReversed => "the translation has the opposite sign".to_owned(),
         Change::Mirrored { images, mirror } => {
             let are = if images == Affected::Both { "are" } else { "is" };
             let images = format!("{} {are}", of_images(images));
@@ -104,7 +179,8 @@ fn change_in_words(change: &Change) -> String {
             }
         }
         Change::Moved { images, x, y } => format!(
-            "({x:.1}, {y:.1}) px is added to the coordinates of {}: cropped images, or a wrong principal point",
+            "({x:.1}, {y:.1}) px is added to the coordinates of {}: cropped images, a wrong principal point, or a \
+             camera that has turned a little",
             of_images(images)
         ),
         Change::Distortion { k } => format!(
@@ -124,6 +200,19 @@ pub fn rows_in_words(judgement: &RowJudgement) -> String {
     );
     if judgement.is_aligned {
         return format!("The images are rectified: rows agree to {typical:.2} px. {parts}");
+    }
+    if let Some(doubt) = &judgement.doubt {
+        return match doubt {
+            Doubt::Reference => {
+                "The images cannot tell whether they are rectified: the matches are in doubt. Use pictures \
+                                 that overlap more or show more texture, or give matches of your own."
+                    .to_owned()
+            }
+            _ => format!(
+                "The images cannot tell whether they are rectified: too few distinctive points show which rows \
+                 correspond. {PATTERNS_SHOW_NOTHING}"
+            ),
+        };
     }
     let cause = if judgement.is_far_off() {
         "The pair was never rectified, or it was rectified for other cameras. Rectify it.".to_owned()

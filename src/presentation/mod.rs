@@ -7,6 +7,7 @@
 mod cameras;
 mod epipoles;
 mod errors;
+mod interpretation;
 mod judgement;
 mod lens;
 mod parameters;
@@ -18,8 +19,9 @@ mod scale;
 pub use cameras::camera_doubts;
 pub use epipoles::{NOT_DETERMINED, epipole_in_words, interval_in_words};
 pub use errors::error_in_words;
+pub use interpretation::interpretation_in_words;
 pub use judgement::{judgement_in_words, rows_in_words};
-pub use lens::lens_in_words;
+pub use lens::{lens_in_words, lenses_in_words, pictures_in_words};
 #[doc(hidden)]
 pub use parameters::{ShownParameter, shown_parameters};
 pub use pose::{NO_BASELINE, pose_difference_in_words, pose_in_words};

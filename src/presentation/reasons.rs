@@ -37,6 +37,20 @@ pub fn reason_in_words(reason: &Reason) -> String {
             "Only {agreeing} of {matches} given matches agree on this geometry, which chance explains: any seven fit one. \
              Give more matches, or the pictures."
         ),
+        Reason::GivenAlone { matches } => format!(
+            "{matches} given matches agree with each other, but the matches found in the images do not confirm them. \
+             This geometry rests on the given matches alone. \
+             Check that they belong to these images and to their size."
+        ),
+        Reason::GivenContradict { contradicting, matches, distance } => format!(
+            "{contradicting} of {matches} given matches are off their epipolar lines, by {distance:.1} px (median). \
+             The given matches or this geometry must be wrong. \
+             Check that the matches belong to these images and to their size."
+        ),
+        Reason::ByChance { agreeing, matches } => format!(
+            "Only {agreeing} of {matches} distinctive matches are on their epipolar lines, as chance may explain. \
+             The geometry may be wrong. Add point pairs, or use images that overlap more."
+        ),
         Reason::FewMatches { matches } => format!(
             "Only {matches} image patches match along the epipolar lines. \
              Fewer than {ENOUGH_MATCHES} can match by chance. \
@@ -80,6 +94,12 @@ pub fn reason_in_words(reason: &Reason) -> String {
              if the lens bends straight lines. \
              The epipole is then uncertain. Remove the lens distortion, or use views farther apart."
         ),
+        Reason::Fisheye => {
+            "A strong lens, such as a fisheye, explains the matches clearly better than straight epipolar lines. \
+             Points between the matches may be far off their lines. \
+             Use the calibration of the lens, or undistort the images first."
+                .into()
+        }
         Reason::Pattern { size } => format!(
             "Neighbouring matches are off their epipolar lines by the same distance, about {size:.1} px. \
              A lens bends the images, something moves, or the geometry is only approximate. \
@@ -197,7 +217,10 @@ mod tests {
             Reason::ClicksAlone,
             Reason::PointsAlone { agreeing: 11, matches: 12 },
             Reason::PointsByChance { agreeing: 8, matches: 20 },
+            Reason::GivenAlone { matches: 16 },
+            Reason::GivenContradict { contradicting: 54, matches: 54, distance: 8.4 },
             Reason::FewMatches { matches: 17 },
+            Reason::ByChance { agreeing: 9, matches: 140 },
             Reason::BarcodesByChance { correlation: 0.21, by_chance: 0.21 },
             Reason::FewBarcodes { lines: 11 },
             Reason::LooseBarcodes { deviation: 2.7 },
@@ -205,6 +228,7 @@ mod tests {
             Reason::ClickOff { pair: 2, distance: 40.0, suspect: Suspect::Geometry },
             Reason::Contradicted { contradicting: 17, matches: 180 },
             Reason::Bent { percent: 98 },
+            Reason::Fisheye,
             Reason::Pattern { size: 0.8 },
             Reason::Ambiguous { margin: 0.02 },
             Reason::OnePlane { percent: 98, groups: 13, agreeing: 4, is_still: false },

@@ -6,10 +6,12 @@ use super::{Measures, PolarTable, Rectification, RectifyMethod, RectifyWarning};
 use crate::geometry::{Frame, FundamentalMatrix};
 
 const PLANAR: &str = "Pixels are (x, y), x right, y down, the centre of the top-left pixel is (0, 0). homography1 and \
-    homography2 are nested rows: rectified ~ H original, homogeneous. Corresponding points have the same rectified y.";
+    homography2 are nested rows: rectified ~ H original, homogeneous. Where pictures is undistorted, original is a place in the view without \
+    distortion. Corresponding points have the same rectified y.";
 const POLAR: &str = "Pixels are (x, y), x right, y down, the centre of the top-left pixel is (0, 0). Rectified pixel \
     (column, row) of an image is at epipole + (radius + column * radius_step) * (cos a, sin a) of the original, a = \
-    angles[row] in radians. Corresponding points are in the same row.";
+    angles[row] in radians. Where pictures is undistorted, original is a place in the view without distortion. \
+    Corresponding points are in the same row.";
 
 /// Content of a description file. Lengths in px.
 #[derive(Debug, Clone, PartialEq, Serialize)]

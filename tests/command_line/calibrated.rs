@@ -2,6 +2,7 @@
 
 use epiline::camera::{CameraModel, Lens, UndistortedView};
 use epiline::geometry::{FundamentalMatrix, Point, PointPair, finite_point, sampson_distance};
+use epiline::io::GeometryFile;
 use epiline::synthetic::Sample;
 use nalgebra::{Matrix3, Rotation3};
 
@@ -138,6 +139,62 @@ fn clicks_in_bent_pictures_give_the_geometry_of_straight_ones_and_a_pose() {
     let output = lens.command("rectify", &["--fundamental", &result, "--output", &folder, "--maps"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     assert!(text(&output.stdout).contains("Row error of"), "{}", text(&output.stdout));
+    let described = std::fs::read(Path::new(&folder).join("rectification.json")).unwrap();
+    let described: Value = serde_json::from_slice(&described).unwrap();
+    assert_eq!(described["pictures"], "undistorted");
+    assert_eq!(described["views"][1]["coefficients"][0], DISTORTION);
+}
+
+#[test]
+fn a_geometry_of_a_lens_goes_nowhere_without_the_lens() {
+    let lens = LensPair::new();
+    let [near, far, json, yaml, array, flat] =
+        ["near.png", "far.png", "result.json", "result.yml", "F.npy", "flat"]
+            .map(|name| lens.pictures.text(name));
+    let result = lens.result("result.json", &["--export", &yaml, "--undistorted", &flat]);
+    assert_eq!((&result["pictures"], &result["geometry"]), (&"undistorted".into(), &"result".into()));
+    // Other formats carry the lens on, and an array is refused.
+    let (exported, _) = GeometryFile::read(Path::new(&yaml)).unwrap();
+    let again = lens.pictures.text("again.txt");
+    assert!(run(&["convert", &yaml, "--output", &again]).status.success());
+    let (converted, _) = GeometryFile::read(Path::new(&again)).unwrap();
+    assert_eq!(converted.pictures, exported.pictures);
+    let (views, f) = (converted.pictures.views().unwrap(), converted.fundamental.unwrap());
+    let placed = lens.matches.iter().map(|pair| views.undistorted_from_original(pair).unwrap());
+    let mut distances: Vec<f64> = placed.map(|pair| sampson_distance(&f, &pair)).collect();
+    distances.sort_by(f64::total_cmp);
+    assert!(distances[distances.len() / 2] < 0.2, "{distances:?}");
+    fails(&["convert", &json, "--output", &array], 2, "no room for their lens");
+    // Pictures with distortion refuse it, and name the lens.
+    let named = "lens model opencv k1 -0.15";
+    fails(&["judge", &near, &far, "--fundamental", &yaml], 2, named);
+    fails(&["suggest", &near, &far, "--at", "100,100", "--fundamental", &json], 2, named);
+    let folder = lens.pictures.text("rectified");
+    fails(&["rectify", &near, &far, "--fundamental", &yaml, "--output", &folder], 2, named);
+    let other = std::fs::read_to_string(lens.pictures.path("cameras.txt")).unwrap();
+    lens.pictures.write("other.txt", &other.replace("-0.15", "-0.1"));
+    let other = lens.pictures.text("other.txt");
+    let rectify = ["rectify", &near, &far, "--output", &folder, "--calibration"];
+    fails(&[&rectify[..], &[&other, "--fundamental", &json]].concat(), 2, "made with another lens");
+    let changed =
+        std::fs::read_to_string(&yaml).unwrap().replace("pictures: undistorted", "pictures: original");
+    lens.pictures.write("original.yml", &changed);
+    let (original, cameras) = (lens.pictures.text("original.yml"), lens.pictures.text("cameras.txt"));
+    fails(
+        &[&rectify[..], &[&cameras, "--fundamental", &original]].concat(),
+        2,
+        "belongs to the pictures as they are",
+    );
+    // The drawn pictures take their geometry as it is.
+    let [left, right, geometry] =
+        ["left.png", "right.png", "geometry.json"].map(|name| format!("{flat}/{name}"));
+    let output = run(&["judge", &left, &right, "--fundamental", &geometry]);
+    assert!(output.status.success(), "{}", text_of(&output));
+    fails(&["estimate", &near, &far, "--undistorted", &flat], 2, "no distortion to remove");
+}
+
+fn text_of(output: &Output) -> String {
+    format!("{}{}", text(&output.stdout), text(&output.stderr))
 }
 
 #[test]

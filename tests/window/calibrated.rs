@@ -1,13 +1,17 @@
 //! A calibration in the window: pictures as they are, lines as curves.
 
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Shape, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
+use epiline::camera::PicturesOf;
 use epiline::estimate::DivisionFit;
-use epiline::geometry::{Frame, Point, PointPair};
+use epiline::geometry::{Frame, Point, PointPair, symmetric_epipolar_distance};
 use epiline::internals::app::model::document::Side;
 use epiline::internals::app::model::suggesting::LensQuestion;
 use epiline::internals::app::{Opening, Services, Start};
+use epiline::io::GeometryFile;
 
+use crate::clipboard::copied;
+use crate::exchange::{export, type_into};
 use crate::support::{
     ESTIMATED, Files, Window, click, click_at, drag, drop_files, pane, press, press_with, save_as, services,
     settle, tap, undo, window,
@@ -273,4 +277,126 @@ fn a_lens_that_explains_the_matches_better_is_offered_used_and_removed() {
     let document = window.state().document();
     assert_eq!(document.frame(Side::Left), Some(FRAME));
     assert!(document.pairs.iter().zip(&pairs()).all(|(found, given)| is_near(found, given, 1e-6)));
+}
+
+/// Largest distance of the placed pairs, as they are in the pictures, from the lines of a file, px.
+fn largest(window: &Window, file: &GeometryFile) -> f64 {
+    let (views, f) = (file.pictures.views().expect("the lens is described"), file.geometry().unwrap());
+    let in_pictures = window.state().model().pairs_in_pictures();
+    let placed = in_pictures.iter().map(|pair| views.undistorted_from_original(pair).unwrap());
+    placed.map(|pair| symmetric_epipolar_distance(&f, &pair)).fold(0.0, f64::max)
+}
+
+#[test]
+fn everything_that_leaves_names_the_lens_and_fits_after_the_mapping() {
+    let files = Files::new();
+    let mut window = calibrated(&files);
+    let json = copied(&mut window, "Copy F as JSON").unwrap();
+    assert!(largest(&window, &GeometryFile::parse(&json).unwrap().0) < 0.1, "{json}");
+    settle(&mut window);
+    window.get_by_label("Copied F of the pictures without distortion as JSON");
+    for (command, code) in [
+        ("Copy F as NumPy", "cv2.undistortPoints"),
+        ("Copy F as C++", "cv::undistortPoints("),
+        ("Copy F as MATLAB", "undistorted1 = "),
+        ("Copy F as LaTeX", "lens model opencv k1 -0.2"),
+    ] {
+        let text = copied(&mut window, command).unwrap();
+        assert!(text.contains(code) && text.contains("lens model opencv k1 -0.2"), "{command}: {text}");
+    }
+    settle(&mut window);
+    for (kind, name) in
+        [("Geometry", "g.json"), ("Report", "r.txt"), ("Table", "t.csv"), ("Profile", "p.csv")]
+    {
+        let path = files.0.path().join(name);
+        if kind == "Profile" {
+            press(&mut window, Key::Num1);
+        }
+        export(&mut window, &[kind], &path);
+        let text = std::fs::read_to_string(&path).unwrap();
+        let words =
+            if kind == "Table" { "belong to the pictures as they are" } else { "model opencv k1 -0.2" };
+        assert!(text.contains(words), "{kind}: {text}");
+        if kind == "Geometry" {
+            assert!(largest(&window, &GeometryFile::parse(&text).unwrap().0) < 0.1);
+        }
+    }
+    // An array has no room for a lens.
+    press_with(&mut window, Modifiers::COMMAND, Key::E);
+    assert!(window.get_by_label("NumPy array").accesskit_node().is_disabled());
+    press(&mut window, Key::Escape);
+    let session = files.0.path().join("s.json");
+    save_as(&mut window, &session);
+    let (file, _) = GeometryFile::read(&session).unwrap();
+    assert!(largest(&window, &file) < 0.1);
+}
+
+#[test]
+fn f_near_a_pair_belongs_to_the_pictures_as_they_are() {
+    let files = Files::new();
+    let mut window = calibrated(&files);
+    let text = copied(&mut window, "Copy F near the pair, with lens distortion, as JSON").unwrap();
+    let (file, _) = GeometryFile::parse(&text).unwrap();
+    assert_eq!(file.pictures, PicturesOf::Original);
+    let distance = symmetric_epipolar_distance(&file.geometry().unwrap(), &pairs()[0]);
+    assert!(text.contains("valid_near") && distance < 0.1, "{distance} px: {text}");
+}
+
+#[test]
+fn pictures_without_distortion_are_written_with_their_own_geometry() {
+    let files = Files::new();
+    let mut window = calibrated(&files);
+    let folder = files.0.path().join("flat");
+    press_with(&mut window, Modifiers::COMMAND, Key::E);
+    tap(&mut window, "Without distortion");
+    type_into(&mut window, "Folder", &folder);
+    tap(&mut window, "Export pictures");
+    settle(&mut window);
+    let views = window.state().model().open.views().unwrap();
+    let (file, _) = GeometryFile::read(&folder.join("geometry.json")).unwrap();
+    assert_eq!(file.pictures, PicturesOf::Original);
+    for (name, frame) in ["left.png", "right.png"].iter().zip(views.frames()) {
+        let picture = epiline::image::Picture::open(&folder.join(name)).unwrap();
+        assert_eq!(picture.frame(), frame);
+    }
+    assert_eq!(file.images.unwrap()[0].name, "left.png");
+    let text = std::fs::read_to_string(folder.join("geometry.json")).unwrap();
+    assert!(
+        text.contains("drawn_from") && text.contains("\"a.png\"") && text.contains("\"opencv\""),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_geometry_of_other_pictures_is_refused_with_its_lens() {
+    let files = Files::new();
+    let mut window = calibrated(&files);
+    let [of_views, of_pictures] = ["views.json", "pictures.json"].map(|name| files.0.path().join(name));
+    export(&mut window, &["Geometry"], &of_views);
+    let text = std::fs::read_to_string(&of_views).unwrap();
+    std::fs::write(&of_pictures, text.replace("\"undistorted\"", "\"original\"")).unwrap();
+    let refusal = |window: &mut Window, path: &std::path::PathBuf, words: &str| {
+        drop_files(window, std::slice::from_ref(path));
+        settle(window);
+        let told: Vec<String> = window.state().messages().map(str::to_owned).collect();
+        assert!(told.iter().any(|text| text.contains(words)), "{words}: {told:?}");
+        assert!(window.query_by_label_contains("Which convention").is_none());
+    };
+    refusal(
+        &mut window,
+        &of_pictures,
+        "belongs to the pictures as they are, and the lens of these is corrected",
+    );
+    let opening = Opening::Files(files.image("a.png", 320, 240), files.image("b.png", 320, 240));
+    let mut bare = crate::support::window(Start { opening, ..Start::default() }, services());
+    refusal(&mut bare, &of_views, "lens model opencv k1 -0.2");
+    // In the same pictures its pairs come back to their places.
+    drop_files(&mut window, &[of_views]);
+    settle(&mut window);
+    tap(&mut window, "Import matrix");
+    for (found, given) in window.state().model().pairs_in_pictures().iter().zip(&pairs()) {
+        assert!(is_near(found, given, 1e-6), "{found:?}");
+    }
+    let copied = copied(&mut window, "Copy F as JSON").unwrap();
+    assert!(copied.contains("imported from views.json, as read, not the result"), "{copied}");
 }

@@ -10,7 +10,7 @@ use epiline::internals::app::model::document::Side;
 use epiline::io::GeometryFile;
 
 /// Runs a command of the palette, and returns the text that it copies.
-fn copied(window: &mut Window, command: &str) -> Option<String> {
+pub fn copied(window: &mut Window, command: &str) -> Option<String> {
     press_with(window, Modifiers::COMMAND, Key::K);
     window.get_by_label("Search commands").type_text(command);
     settle(window);
@@ -47,7 +47,7 @@ fn f_is_copied_as_code_with_its_verdict() {
         ("Copy F as LaTeX", "\\begin{bmatrix}"),
     ] {
         let text = copied(&mut window, command).unwrap();
-        assert!(text.contains(begin) && text.contains("This geometry is "), "{command}: {text}");
+        assert!(text.contains(begin) && text.contains("The geometry is "), "{command}: {text}");
     }
 }
 

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex};
 
 use egui::{ColorImage, Key, Modifiers, ViewportCommand};
 use egui_kittest::kittest::{NodeT, Queryable};
+use epiline::camera::PicturesOf;
 use epiline::geometry::{FundamentalMatrix, PointPair};
 use epiline::internals::app::model::comparison::{Contestant, PointSet};
 use epiline::internals::app::model::document::Side;
@@ -179,7 +180,7 @@ fn own_files_come_back_with_their_pairs_and_cameras_count_too() {
     let whole = GeometryFile {
         fundamental: Some(sample_pair.fundamental),
         pairs: pairs.clone(),
-        ..GeometryFile::default()
+        ..GeometryFile::of(PicturesOf::Untold)
     };
     for format in Format::ALL.into_iter().filter(|format| *format != Format::Matlab) {
         let mut window = sample();
@@ -352,7 +353,7 @@ fn matches_of_another_program_are_searched_with_shown_and_kept() {
     assert_eq!((asked.lock().unwrap().last(), given(&window)), (Some(&None), None));
 }
 
-fn type_into(window: &mut Window, label: &str, path: &Path) {
+pub fn type_into(window: &mut Window, label: &str, path: &Path) {
     window.get_by_label(label).focus();
     settle(window);
     window.key_press_modifiers(Modifiers::COMMAND, Key::A);
@@ -405,7 +406,7 @@ fn exports_can_be_read_again() {
     press(&mut window, Key::Num2);
     export(&mut window, &["Profile"], &path);
     let text = std::fs::read_to_string(&path).unwrap();
-    assert!(text.contains("# The geometry shown is "), "{text}");
+    assert!(text.contains("# The geometry is "), "{text}");
     let mut rows = text.lines().filter(|line| !line.starts_with('#'));
     assert_eq!(rows.next(), Some("distance,x1,y1,left,right_unmatched,shift,x2,y2,right_matched,cost"));
     assert!(rows.clone().count() > 100 && rows.all(|row| row.split(',').count() == 10));
@@ -511,7 +512,7 @@ fn f_is_exported_for_numpy() {
     export(&mut window, &["NumPy array"], &path);
     window.get_by_label_contains("Exported F as a NumPy array to");
     let written = std::fs::read(&path).unwrap();
-    assert_eq!(written, epiline::io::matrix_as_npy(f.matrix()));
+    assert_eq!(written, epiline::io::fundamental_as_npy(f, &PicturesOf::Original).unwrap());
     // It can be read again, like an array of point pairs.
     assert_eq!(epiline::io::read_fundamental(&path).unwrap(), f);
     drop_files(&mut window, &[path]);

@@ -47,6 +47,12 @@ fn choosing_a_hypothesis_changes_the_lines_until_the_result_is_wanted_again() {
     // A wrong hypothesis never has the green of a reliable result.
     assert!(shows(&window, third, OTHER) && lines(&window, Side::Right, ESTIMATED).is_empty());
     window.get_by_label_contains("The images show hypothesis 3, not the result");
+    let named = format!("hypothesis 3 of {}, not the result", estimate.hypotheses().len());
+    for notation in ["JSON", "NumPy", "MATLAB", "LaTeX"] {
+        let text = crate::clipboard::copied(&mut window, &format!("Copy F as {notation}")).unwrap();
+        assert!(text.contains(&named), "{text}");
+    }
+    settle(&mut window);
     press(&mut window, Key::R);
     assert!(shows(&window, estimate.fundamental(), ESTIMATED));
     // A new result has other hypotheses.

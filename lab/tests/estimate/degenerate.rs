@@ -1,5 +1,6 @@
 //! Degenerate input: an error or a warning, never a panic.
 
+use epiline::camera::PicturesOf;
 use epiline::estimate::{
     Estimate, EstimateError, Method, Monitor, Parameters, Preset, Verdict, Warning, estimate,
 };
@@ -168,13 +169,16 @@ fn a_turned_camera_is_not_trusted() {
         // everywhere.
         assert!(off < 1.0, "{off} px at {p}");
     }
-    let images = ["left.png", "right.png"].map(|name| ImageNote { name: name.into(), frame: image.frame() });
+    let images = ["left.png", "right.png"].map(|name| ImageNote::new(name.into(), image.frame()));
     let parameters = Parameters::default();
-    let file = ResultFile::new(&found, &clicks, &images, &parameters);
+    let file = ResultFile::new(&found, &clicks, &images, &parameters, &PicturesOf::Original);
     let text = serde_json::to_string(&file).unwrap();
     assert!(text.contains("\"plane\":{\"matches\":"), "{text}");
     assert_eq!(GeometryFile::parse(&text).unwrap().0.homography21, Some(h));
-    assert!(result_in_words(&found, &images).contains("Homography of the plane (x2 ∝ H x1), "));
+    assert!(
+        result_in_words(&found, &images, &PicturesOf::Original)
+            .contains("Homography of the plane (x2 ∝ H x1), ")
+    );
 }
 
 #[test]

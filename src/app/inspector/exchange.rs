@@ -9,7 +9,7 @@ use crate::app::model::comparison::Contestant;
 use crate::app::model::document::{AS_READ, Checked, GIVEN_FIT, Given, Imported, counted};
 use crate::app::model::exchange::{
     ExportContent, ExportKind, ExportOrder, ImportFound, ImportQuestion, ImportSource, ImportedFile,
-    ImportedMatrix, PendingImport, ViewPart, content, sources, trust_note,
+    ImportedMatrix, PendingImport, ViewPart, content, sources, trust_note, undistorted,
 };
 use crate::app::model::messages::{MessageAction, MessageKind};
 use crate::app::model::rectified::{Blink, RectifiedCommand, RectifiedLayout, RectifyOrder};
@@ -33,8 +33,17 @@ impl Inspector {
             ExchangeCommand::Export(order) => self.export_file(order),
             ExchangeCommand::CopyFundamental(notation) => {
                 if let Some(shown) = self.model.shown() {
-                    ctx.copy_text(notation.text(shown.fundamental, trust_note(&self.model).as_ref()));
-                    self.model.open.done.tell(format!("Copied F as {}", notation.name()));
+                    let (pictures, trust) = (self.model.open.pictures_of(), trust_note(&self.model));
+                    ctx.copy_text(notation.text(shown.fundamental, &pictures, trust.as_ref()));
+                    let of =
+                        if pictures.is_undistorted() { " of the pictures without distortion" } else { "" };
+                    self.model.open.done.tell(format!("Copied F{of} as {}", notation.name()));
+                }
+            }
+            ExchangeCommand::CopyFundamentalNear(notation) => {
+                if let Some((local, at)) = self.model.local_fundamental() {
+                    ctx.copy_text(notation.text_near(&local, &at, trust_note(&self.model).as_ref()));
+                    self.model.open.done.tell(format!("Copied F near the pair as {}", notation.name()));
                 }
             }
             ExchangeCommand::Import(paths) => self.import(paths),
@@ -64,6 +73,12 @@ impl Inspector {
         }
         if order.what == ExportKind::Rectified {
             return self.export_rectified(order.path, order.rectified);
+        }
+        if order.what == ExportKind::Undistorted {
+            return match undistorted(&self.model, order.path.clone()) {
+                Some(work) => self.tasks.saver.ask(saver::export_folder(order.path, work)),
+                None => self.model.messages.tell(NOTHING_TO_EXPORT),
+            };
         }
         if order.what == ExportKind::Figure {
             let panes = self.view.panes.each_ref().map(ImagePane::place);
@@ -151,7 +166,8 @@ impl Inspector {
         let matches = self.model.matches_for_import();
         let shown = self.model.open.pictures.as_ref();
         let shown = shown.map_or(frames, |pictures| pictures.each_ref().map(|opened| opened.shown().frame()));
-        self.tasks.importing.ask(ImportQuestion { pending, frames, shown, matches });
+        let views = self.model.open.undistorted();
+        self.tasks.importing.ask(ImportQuestion { pending, frames, shown, views, matches });
     }
 
     /// Applies a command about the rectified pair.
@@ -215,8 +231,6 @@ impl Inspector {
         if found.pairs.is_empty() {
             return;
         }
-        // Pairs of a file are places in the pictures.
-        found.pairs = found.pairs.iter().filter_map(|pair| self.model.open.points_of(pair)).collect();
         let count = counted(found.pairs.len());
         self.model.edit(|document| document.set_pairs(found.pairs, PairOrigin::Imported));
         self.model.open.done.tell(format!("Imported {count} from {}", found.name));
@@ -224,10 +238,7 @@ impl Inspector {
 
     /// Searches with matches of another program, without clicks if there are too few.
     fn take_given(&mut self, name: String, matches: Vec<Match>) {
-        let open = &self.model.open;
-        // Matches of a file are places in the pictures.
-        let placed = |found: Match| Some(Match { pair: open.points_of(&found.pair)?, ..found });
-        let given = Given::new(name, matches.into_iter().filter_map(placed).collect());
+        let given = Given::new(name, matches);
         let count = given.matches.len();
         let text =
             format!("{count} matches from {}: blue rings fit to {GIVEN_FIT} px, red ones do not", given.file);

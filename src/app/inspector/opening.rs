@@ -216,6 +216,9 @@ impl Inspector {
             cameras: Some(cameras.each_ref().map(|camera| camera.model)),
             pose: CalibratedCamera::relative_pose(cameras).map(|(pose, _)| pose),
         };
+        for note in CalibratedCamera::notes_of(cameras) {
+            self.model.messages.tell(format!("{name}: {note}"));
+        }
         self.open(Wanted::Calibrated(Box::new((pictures, calibration))));
     }
 

@@ -107,6 +107,7 @@ impl Inspector {
         // The question whether to replace the file is answered.
         self.model.messages.settle(MessageKind::Replace);
         session.fundamental = self.estimate().map(|estimate| *estimate.fundamental());
+        session.pictures = self.model.open.pictures_of();
         session.trust = result_note(&self.model);
         self.tasks.saver.ask(saver::save(path, session, work, self.image_files()));
     }

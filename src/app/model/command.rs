@@ -161,6 +161,8 @@ pub enum ExchangeCommand {
     ShowPlaneExport,
     Export(ExportOrder),
     CopyFundamental(Notation),
+    /// Copies F for the pictures with their distortion, valid near the selected pair.
+    CopyFundamentalNear(Notation),
     Import(Vec<PathBuf>),
     Accept {
         /// Reading to use, by its place in the list of the convention check. `None` takes the

@@ -82,11 +82,15 @@ pub struct ComparisonQuestion {
     pub excluded: Vec<usize>,
     pub used: Vec<PointPair>,
     pub matches: Vec<PointPair>,
+    /// Distinctive matches, found without a geometry.
+    pub distinctive: Vec<PointPair>,
     /// Matches from elsewhere.
     pub given: Option<Shared<Vec<Match>>>,
     pub covariance: Option<Matrix9>,
     /// Whether the result may contradict an imported geometry.
     pub is_trusted: bool,
+    /// Whether the matches determine the epipoles.
+    pub has_epipoles: bool,
     pub frames: [Frame; 2],
     /// Ground truth, if known and in use.
     pub truth: Option<Shared<GroundTruth>>,
@@ -205,8 +209,10 @@ impl ComparisonQuestion {
         let reference = Reference {
             fundamental,
             matches: &self.matches,
+            witnesses: &self.distinctive,
             frames: self.frames,
             is_trusted: self.is_trusted,
+            has_epipoles: self.has_epipoles,
             covariance: self.covariance,
         };
         judge(&given, &reference, LIMIT).map(|judgement| (given.fundamental, judgement))
@@ -284,14 +290,16 @@ mod tests {
         ComparisonQuestion {
             result: Some(sample.truth.fundamental),
             shown: Some(sample.truth.fundamental),
-            imported: Some(GivenGeometry { fundamental: sample.truth.fundamental, cameras: None }),
+            imported: Some(sample.truth.fundamental.into()),
             pairs: sample.show_me.to_vec(),
             excluded: Vec::new(),
             used: sample.show_me.to_vec(),
             matches: Vec::new(),
+            distinctive: Vec::new(),
             given: None,
             covariance: None,
             is_trusted: true,
+            has_epipoles: true,
             frames: sample.pictures.each_ref().map(|opened| opened.picture.frame()),
             truth: Some(Shared::new(sample.truth)),
             subject: Subject::default(),
@@ -346,12 +354,14 @@ mod tests {
         question.subject.fitted = PointSet::Pairs;
         let asked = question.answer();
         assert_eq!((asked.measured, asked.fitted), (PointSet::Matches, PointSet::Pairs));
-        // They judge what was imported.
+        // They judge what was imported, and the distinctive ones alone refute it.
         let finding = |question: &ComparisonQuestion| question.answer().judgement.unwrap().1.finding;
         assert_eq!(finding(&question), Finding::Fits);
         question.imported = question
             .imported
             .map(|given| GivenGeometry { fundamental: given.fundamental.swapped(), ..given });
+        assert_eq!(finding(&question), Finding::Undecided);
+        question.distinctive = question.matches.clone();
         assert_eq!(finding(&question), Finding::DoesNotFit);
         question.is_trusted = false;
         assert_eq!(finding(&question), Finding::Undecided);

@@ -92,7 +92,7 @@ use truth::KnownTruth;
 
 use crate::estimate::Preset;
 use crate::geometry::{PointPair, Vector};
-use crate::judge::{ROW_LIMIT, judge_rows};
+use crate::judge::{ROW_LIMIT, RowMatches, judge_rows};
 use crate::presentation::rows_in_words;
 use crate::similarity::LineMeasure;
 
@@ -283,13 +283,18 @@ impl Model {
     /// offsets of their rows are small enough for a map.
     pub fn judged_rows(&self) -> (String, bool) {
         let matches: Vec<PointPair> = self.matched_pairs().map(|pair| self.open.pixels_of(&pair)).collect();
+        let found = self.result();
+        let distinctive = found.iter().flat_map(|found| found.assessment.distinctive.iter());
+        let witnesses: Vec<PointPair> = distinctive.map(|pair| self.open.pixels_of(pair)).collect();
+        let is_trusted = found.is_some_and(Estimate::may_contradict);
+        let by = RowMatches { matches: &matches, witnesses: &witnesses, is_trusted };
         let frame = self.open.shown_frame(Side::Right);
-        let Some(judgement) = frame.and_then(|frame| judge_rows(&matches, frame, ROW_LIMIT)) else {
+        let Some(judgement) = frame.and_then(|frame| judge_rows(&by, frame, ROW_LIMIT)) else {
             let text = "There are too few matches to compare rows. Click two point pairs, or find the geometry \
                         without clicks; then ask again.";
             return (text.to_owned(), false);
         };
-        if judgement.is_far_off() {
+        if judgement.doubt.is_none() && judgement.is_far_off() {
             let text = format!(
                 "These pictures were not rectified: rows of matching points differ by {:.0} px. The stage \
                  Rectified (6) shows them with common rows.",

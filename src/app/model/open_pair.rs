@@ -18,7 +18,7 @@ use super::scene::{Orbit, Scene};
 use super::suggesting::{LensQuestion, PlaceFound, PlacesQuestion, Suggested};
 use super::tones::{Tones, TonesCommand};
 use super::truth::{KnownTruth, NO_TRUTH};
-use crate::camera::{CameraModel, FocalLength, ViewPair};
+use crate::camera::{CameraModel, FocalLength, PicturesOf, ViewPair};
 use crate::estimate::{DivisionFit, Estimate};
 use crate::geometry::{Frame, Point, PointPair};
 use crate::suggest::NextClick;
@@ -158,6 +158,11 @@ impl OpenPair {
     /// Returns the views without distortion, if the coordinates of the window differ from the pixels.
     pub fn undistorted(&self) -> Option<ViewPair> {
         self.views().filter(ViewPair::is_undistorted)
+    }
+
+    /// Returns the pictures that the coordinates of the window belong to.
+    pub fn pictures_of(&self) -> PicturesOf {
+        PicturesOf::from(self.views().as_ref())
     }
 
     /// Returns the views without distortion, if both pictures have a calibrated camera.

@@ -1,6 +1,7 @@
 //! An open picture: its pixels, a reduced copy for the screen, and its sequence if it is a first
 //! frame.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use image::DynamicImage;
@@ -119,7 +120,7 @@ pub struct Overview {
     pub pixels: Vec<u8>,
     /// Overview pixels per picture pixel; 1 for small pictures.
     pub scale: f64,
-    /// The reduced picture in the depth of the file; `None` if the picture is not reduced.
+    /// The reduced picture in the depth of the file, as it is shown; `None` if it is not reduced.
     pub reduced: Option<DynamicImage>,
 }
 
@@ -136,9 +137,11 @@ impl Overview {
         let reduced = |v: u32| ((f64::from(v) * scale).round() as u32).clamp(1, side);
         let reduced =
             (scale < 1.0).then(|| whole.thumbnail_exact(reduced(whole.width()), reduced(whole.height())));
-        let pixels = reduced.as_ref().unwrap_or(whole);
+        let reduced = reduced.map(|reduced| picture.displayed(&reduced).into_owned());
+        let pixels = reduced.as_ref().map_or_else(|| picture.displayed(whole), Cow::Borrowed);
         let size = [pixels.width(), pixels.height()].map(|v| v as usize);
-        Self { size, pixels: multiplied(pixels), scale, reduced }
+        let pixels = multiplied(&pixels);
+        Self { size, pixels, scale, reduced }
     }
 }
 

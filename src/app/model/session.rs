@@ -14,6 +14,7 @@ use super::pane_view::PaneView;
 use super::picture::Opened;
 use super::sample::SAMPLE_SEQUENCES;
 use crate::camera::CameraModel;
+use crate::camera::PicturesOf;
 use crate::geometry::Frame;
 use crate::io::{ImageReference, ImageSource, SessionFile, has_extension, relative, resolve};
 use crate::synthetic::Sample;
@@ -79,6 +80,7 @@ impl Work {
         Some(SessionFile {
             images: [reference(&pictures[0])?, reference(&pictures[1])?],
             fundamental: None,
+            pictures: PicturesOf::Untold,
             trust: None,
             content,
         })

@@ -66,6 +66,19 @@ pub fn export(path: PathBuf, what: String, content: ExportContent, inputs: Vec<P
     })
 }
 
+/// Writes a folder. `work` returns a description of it.
+pub fn export_folder(
+    path: PathBuf,
+    work: impl FnOnce() -> Result<String, String> + Send + 'static,
+) -> SaveJob {
+    Box::new(move || {
+        let result = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|payload| {
+            Err(format!("writing the folder failed ({})", panic_text(payload.as_ref())))
+        });
+        Some(Written::Export { path, result })
+    })
+}
+
 /// Refuses a path that is one of the open files.
 fn apart(path: &Path, inputs: &[PathBuf]) -> Result<(), WriteError> {
     refuse_clashes(&[path], &inputs.iter().map(PathBuf::as_path).collect::<Vec<_>>())

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::task::{Task, Waiting};
 use super::waker::Waker;
 use crate::app::model::rectified::{RectifyOrder, WritingProgress};
+use crate::camera::PicturesOf;
 use crate::cancel::CancelFlag;
 use crate::io::{RectifiedError, RectifiedFiles};
 use crate::rectify::Limits;
@@ -94,16 +95,19 @@ impl RectifyOrder {
         step(2, "Drawing the right picture");
         let right = rectification.warp(1, &pictures[1].pixels, cancel).ok_or_else(stopped)?;
         let originals = pictures.each_ref().map(|picture| &**picture);
+        let views = self.question.bent.as_ref().map(|(_, views)| views);
+        let pictures_of = PicturesOf::from(views);
+        let geometry = (&self.question.fundamental, &pictures_of);
         let mut go_on = |file: usize| {
             step(STEPS_BEFORE + file, "Writing the files");
             !cancel.is_cancelled()
         };
-        files
-            .write(&rectification, &self.question.fundamental, originals, [&left, &right], &mut go_on)
-            .map_err(|error| match error {
+        files.write(&rectification, geometry, originals, [&left, &right], &mut go_on).map_err(|error| {
+            match error {
                 RectifiedError::Cancelled => stopped(),
                 error => failed(&error),
-            })?;
+            }
+        })?;
         let names = paths.iter().filter_map(|path| path.file_name()).map(|name| name.to_string_lossy());
         let names = names.collect::<Vec<_>>().join(", ");
         Ok(format!("The rectified pair is in {place}: {names}."))

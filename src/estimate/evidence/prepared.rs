@@ -8,7 +8,7 @@ use crate::estimate::evidence::features::{MatchedFeatures, putative};
 use crate::estimate::evidence::lazy::Lazy;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::PatchLevels;
-use crate::estimate::fit::{Match, MatchFitError, Uncertainty, estimate_fundamental};
+use crate::estimate::fit::{Match, MatchFit, MatchFitError, Uncertainty, estimate_fundamental};
 use crate::estimate::{CancelFlag, EstimateError, Parameters, PencilParameters};
 use crate::features::FeatureViews;
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
@@ -28,16 +28,25 @@ pub struct PreparedPair {
     views: Mutex<VecDeque<Arc<PatchLevels>>>,
     pencils: PencilCache,
     silhouettes: Option<[Arc<Silhouettes>; 2]>,
-    given: Option<Result<GivenMatches, MatchFitError>>,
+    given: Option<GivenMatches>,
 }
 
-/// Matches from elsewhere, with the geometry that they agree on.
+/// Matches from elsewhere.
 #[derive(Debug)]
 pub(in crate::estimate) struct GivenMatches {
+    pub all: Vec<Match>,
+    /// Geometry on which they agree.
+    pub fit: Result<GivenFit, MatchFitError>,
+}
+
+/// Geometry on which matches from elsewhere agree.
+#[derive(Debug)]
+pub(in crate::estimate) struct GivenFit {
     pub fundamental: FundamentalMatrix,
     /// Matches that the geometry explains.
     pub inliers: Vec<PointPair>,
-    pub all: Vec<Match>,
+    /// Distance below which 95 % of the right matches lie, px.
+    pub reach: f64,
     pub uncertainty: Option<Uncertainty>,
 }
 
@@ -74,22 +83,25 @@ impl PreparedPair {
     /// The errors of [`estimate_fundamental`]. The matches take no part then, and an estimate from them alone
     /// fails.
     pub fn add_matches(&mut self, matches: &[Match], seed: u64) -> Result<(), MatchFitError> {
-        let fit = match estimate_fundamental(matches, self.frames(), seed) {
-            Ok(fit) => fit,
-            Err(error) => {
-                self.given = Some(Err(error));
-                return Err(error);
-            }
-        };
-        let inliers = matches.iter().zip(&fit.inlier_probabilities).filter(|(_, right)| **right > 0.5);
-        let inliers = inliers.map(|(found, _)| found.pair).collect();
-        let (fundamental, uncertainty) = (fit.fundamental, fit.uncertainty);
-        self.given = Some(Ok(GivenMatches { fundamental, inliers, all: matches.to_vec(), uncertainty }));
-        Ok(())
+        let fit = estimate_fundamental(matches, self.frames(), seed);
+        let outcome = fit.as_ref().map(|_| ()).map_err(|error| *error);
+        let fit = fit.map(|MatchFit { fundamental, noise, inlier_probabilities, uncertainty }| {
+            let inliers = matches.iter().zip(&inlier_probabilities).filter(|(_, right)| **right > 0.5);
+            let inliers = inliers.map(|(found, _)| found.pair).collect();
+            GivenFit { fundamental, inliers, reach: noise.reach(), uncertainty }
+        });
+        self.given = Some(GivenMatches { all: matches.to_vec(), fit });
+        outcome
     }
 
+    /// Returns the matches from elsewhere.
     pub(in crate::estimate) fn given(&self) -> Option<&GivenMatches> {
-        self.given.as_ref()?.as_ref().ok()
+        self.given.as_ref()
+    }
+
+    /// Returns the geometry on which the matches from elsewhere agree.
+    pub(in crate::estimate) fn given_fit(&self) -> Option<&GivenFit> {
+        self.given.as_ref()?.fit.as_ref().ok()
     }
 
     /// Returns the matches from elsewhere if the geometry is fitted to them alone. Fails if they agree on
@@ -97,9 +109,9 @@ impl PreparedPair {
     pub(in crate::estimate) fn given_alone(
         &self,
         parameters: &Parameters,
-    ) -> Result<Option<&GivenMatches>, MatchFitError> {
+    ) -> Result<Option<&GivenFit>, MatchFitError> {
         let wanted = self.given.as_ref().filter(|_| parameters.features.given_alone);
-        wanted.map(|given| given.as_ref().map_err(|error| *error)).transpose()
+        wanted.map(|given| given.fit.as_ref().map_err(|error| *error)).transpose()
     }
 
     /// Adds the silhouettes of moving objects in front of two static cameras. Both sequences have
@@ -162,7 +174,7 @@ impl PreparedPair {
 
     /// Returns the matches of covariant features as observations for a fit. They were found without any
     /// geometry, and many may be wrong.
-    pub(in crate::estimate) fn putative_matches(&self) -> Vec<Match> {
+    pub fn putative_matches(&self) -> Vec<Match> {
         let MatchedFeatures { sets, matches } = self.features(FeatureViews::Frontal);
         putative(sets.each_ref(), matches, self.frames())
     }

@@ -53,6 +53,8 @@ pub(in crate::estimate) struct Evidence<'a> {
     pub frames: [Frame; 2],
     /// Width of the band around epipolar lines in which outliers lie, px.
     pub spread: f64,
+    /// Smallest scale of the noise of `matches`, px.
+    pub least_scale: f64,
 }
 
 /// A geometry fitted to matches, with their noise.
@@ -96,11 +98,13 @@ impl Evidence<'_> {
 
     /// Returns a geometry as it is, with the noise of the matches.
     pub fn explained(&self, f: &FundamentalMatrix) -> Fitted {
-        let [(noise, of_matches), (given_noise, of_given)] = [self.matches, self.given].map(|matches| {
+        let of = |matches, least| {
             let residuals = residuals(f, matches);
-            let noise = Noise::of(&residuals, self.spread);
+            let noise = Noise::at_least(least, &residuals, self.spread);
             (noise, noise.log_likelihood(&residuals))
-        });
+        };
+        let (noise, of_matches) = of(self.matches, self.least_scale);
+        let (given_noise, of_given) = of(self.given, LEAST_SCALE);
         let cost = |c: &Observation| (0.5 * (sampson_distance(f, &c.pair) / c.sigma).powi(2)).ln_1p();
         let of_clicks: f64 = self.clicks.iter().map(cost).sum();
         Fitted { fundamental: *f, noise, given_noise, log_likelihood: of_matches + of_given - of_clicks }

@@ -14,6 +14,7 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use super::matches::estimate_fundamental;
 use super::noise::{Noise, Residual};
 use super::{Match, climbed};
 use crate::geometry::{
@@ -56,6 +57,12 @@ const BAND: f64 = 0.03;
 const CLEAR: f64 = 5.0;
 /// Gain in log-likelihood at which a lens is clear: the matches are ten thousand times as likely.
 const CLEAR_GAIN: f64 = 9.0;
+/// Coefficients beyond [`LIMITS`], as of fisheye lenses. At −2, what lies 90° aside is at 0.7 half diagonals.
+const STRONG: [f64; 4] = [-0.8, -1.2, -1.6, -2.0];
+/// Smallest `1 + λ r²` of a point that such a lens shows.
+const LEAST_FACTOR: f64 = 0.05;
+/// Largest share of the matches outside the picture of such a lens: one in this many may be wrong.
+const MAY_BE_OUTSIDE: usize = 20;
 /// Directions in which the coefficients change: together, and each by itself.
 const TOGETHER: &[[f64; 2]] = &[[1.0, 1.0]];
 const EACH: &[[f64; 2]] = &[[1.0, 0.0], [0.0, 1.0]];
@@ -231,6 +238,40 @@ pub(in crate::estimate) fn fit_division(
         fundamental: bent.fundamental,
         gain,
     })
+}
+
+/// Returns whether a lens stronger than [`fit_division`] looks for makes the matches clearly likelier than the
+/// geometry `start` and any other one without a lens. Between them, `F` may follow the lens where there are
+/// matches, so no step from `start` leads to the lens: geometries are sought anew behind each lens.
+pub(in crate::estimate) fn strong_lens_is_likelier(
+    matches: &[Match],
+    start: &FundamentalMatrix,
+    frames: [Frame; 2],
+    seed: u64,
+) -> bool {
+    let few: Vec<Match> =
+        matches.iter().step_by(matches.len().div_ceil(MOST_MATCHES).max(1)).copied().collect();
+    let spread = frames[0].longer_side().max(frames[1].longer_side());
+    let gain = |lambda: f64| {
+        let shows =
+            |point: Point, frame: Frame| 1.0 + lambda * share(point - frame.centre(), frame) > LEAST_FACTOR;
+        let is_inside = |m: &&Match| shows(m.pair.point1, frames[0]) && shows(m.pair.point2, frames[1]);
+        let inside: Vec<Match> = few.iter().filter(is_inside).copied().collect();
+        if MAY_BE_OUTSIDE * (few.len() - inside.len()) > few.len() {
+            return None;
+        }
+        let fitter = Fitter { matches: &inside, frames, spread };
+        let behind = |lambdas: [f64; 2]| {
+            let straight = |m: &Match| Match { pair: fitter.undistorted(&m.pair, lambdas), ..*m };
+            let straight: Vec<Match> = inside.iter().map(straight).collect();
+            let found = estimate_fundamental(&straight, frames, seed).ok()?.fundamental;
+            Some(fitter.fitted(&found, lambdas)?.log_likelihood)
+        };
+        let near_start = fitter.fitted(start, [0.0; 2]).map(|bent| bent.log_likelihood);
+        let without = near_start.into_iter().chain(behind([0.0; 2])).max_by(f64::total_cmp)?;
+        Some(behind([lambda; 2])? - without)
+    };
+    STRONG.iter().filter_map(|lambda| gain(*lambda)).any(|gain| gain > CLEAR_GAIN)
 }
 
 impl DivisionFit {

@@ -20,8 +20,9 @@ pub use noise::Noise;
 pub use uncertainty::{EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Uncertainty};
 
 pub(super) use consensus::{Evidence, Fitted};
-pub(super) use division::fit_division;
+pub(super) use division::{fit_division, strong_lens_is_likelier};
 pub(super) use few::{Agreement, FEWEST, fit_few, widening};
+pub(super) use noise::LEAST_SCALE;
 pub(super) use scoring::{BAND, Consensus, Units, Witness, residual};
 
 /// Largest number of rounds of estimating the noise and fitting to it. They end earlier when the

@@ -20,7 +20,7 @@ use crate::geometry::{FundamentalMatrix, median, sampson_distance};
 /// Smallest scale, px. Without a limit, a geometry that fits a few matches exactly would outweigh
 /// all others. Matches of usual pictures are several times less precise, but a fit to fewer than
 /// some 200 matches of a small picture can reach the floor.
-pub(super) const LEAST_SCALE: f64 = 0.005;
+pub(in crate::estimate) const LEAST_SCALE: f64 = 0.005;
 /// Smallest distance of the share of inliers from 0 and 1, where the likelihood is unbounded.
 const LEAST_SHARE: f64 = 0.01;
 /// Number of steps of the estimate of scale and share. Twice as many take twice the time.
@@ -58,12 +58,17 @@ pub(super) fn residuals(f: &FundamentalMatrix, matches: &[Match]) -> Vec<Residua
 impl Noise {
     /// Estimates the noise from residuals, of which outliers spread over `spread` px.
     pub(super) fn of(residuals: &[Residual], spread: f64) -> Self {
+        Self::at_least(LEAST_SCALE, residuals, spread)
+    }
+
+    /// Estimates the noise, whose scale is at least `least` px.
+    pub(super) fn at_least(least: f64, residuals: &[Residual], spread: f64) -> Self {
         let mut near =
             residuals.iter().filter(|r| 2.0 * r.distance < spread).map(|r| r.distance / r.sigma).peekable();
         if near.peek().is_none() {
-            return Self { scale: LEAST_SCALE, inliers: LEAST_SHARE, spread };
+            return Self { scale: least, inliers: LEAST_SHARE, spread };
         }
-        let mut noise = Self { scale: median(near).max(LEAST_SCALE), inliers: 0.5, spread };
+        let mut noise = Self { scale: median(near).max(least), inliers: 0.5, spread };
         let priors: f64 = residuals.iter().map(|r| r.prior).sum();
         for _ in 0..ITERATIONS {
             let (mut shares, mut squares) = (0.0, 0.0);
@@ -74,7 +79,7 @@ impl Noise {
                 let square = (r.distance / r.sigma).powi(2);
                 squares += inlier * 2.0 * square / (1.0 + square / noise.scale.powi(2));
             }
-            let scale = (squares / shares.max(f64::MIN_POSITIVE)).sqrt().max(LEAST_SCALE);
+            let scale = (squares / shares.max(f64::MIN_POSITIVE)).sqrt().max(least);
             let inliers = (shares / priors).clamp(LEAST_SHARE, 1.0 - LEAST_SHARE);
             let settled = (scale / noise.scale).ln().abs() < 1e-3 && (inliers - noise.inliers).abs() < 1e-3;
             noise = Self { scale, inliers, ..noise };

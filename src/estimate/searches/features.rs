@@ -11,8 +11,9 @@ use crate::estimate::evidence::features::{
     FeatureEvidence, FeatureHypothesis, hypotheses_from_features, is_same_view, view_of, view_of_pairs,
 };
 use crate::estimate::evidence::patches::{Proposal, rank_fine};
-use crate::estimate::evidence::prepared::GivenMatches;
+use crate::estimate::evidence::prepared::GivenFit;
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
+use crate::estimate::verdict::assessment::RestsOn;
 use crate::estimate::verdict::selection::{ClickedPairs, select};
 use crate::estimate::{CancelFlag, Estimate, EstimateError, Stage};
 use crate::features::FeatureViews;
@@ -50,7 +51,7 @@ impl FeatureProposals {
         record.cancel().check()?;
         let frames = prepared.frames();
         let mut given_view = None;
-        if let Some(GivenMatches { fundamental, inliers, .. }) = prepared.given() {
+        if let Some(GivenFit { fundamental, inliers, .. }) = prepared.given_fit() {
             let own = hypotheses.first().map_or(0.0, |best| best.score);
             let matches = inliers.clone();
             hypotheses.insert(0, FeatureHypothesis { fundamental: *fundamental, score: own, matches });
@@ -135,7 +136,13 @@ pub(in crate::estimate) fn search(
     let support = viewed.patches.measure(&f);
     let mut hypotheses = vec![Estimate::proposed(f, None, support)];
     hypotheses.extend(best.hypotheses);
-    let found = Found { fundamental: f, hypotheses, supporting: observed, refined: None, clicks_alone: true };
+    let found = Found {
+        fundamental: f,
+        hypotheses,
+        supporting: observed,
+        refined: None,
+        rests_on: RestsOn::ClicksAlone,
+    };
     Ok(Judged::of(found, &viewed, record))
 }
 

@@ -1,20 +1,33 @@
-//! Judgement of the geometry on which matches of another program agree. The geometry stays as it
-//! is. The images and the clicks judge it, and geometries proposed by features compete with it.
+//! Geometry of matches of another program: alone, or against the result of the images.
+//!
+//! Alone, the geometry stays as it is. The images and the clicks judge it, and geometries proposed by features
+//! compete with it.
+//!
+//! Otherwise the two geometries are compared if the given matches contradict the result. Evidence is matches
+//! that were found without either geometry: those of the images, and the given ones. Matches along the lines
+//! of a geometry agree with it by construction. A geometry that the matches of the images confirm beyond chance
+//! is preferred to one that they do not, because given matches may all be wrong in one way: those of other
+//! images, or of images of another size. Otherwise the sum of both evidences decides.
 
 use super::features::{FeatureProposals, ranked};
 use super::judged::{Found, Judged, distinct_hypotheses};
 use super::record::SearchRecord;
-use crate::estimate::evidence::patches::Refined;
-use crate::estimate::evidence::prepared::GivenMatches;
+use crate::estimate::evidence::features::view_of_pairs;
+use crate::estimate::evidence::patches::{PatchLevels, Refined, Settling};
+use crate::estimate::evidence::prepared::{GivenFit, GivenMatches};
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
-use crate::estimate::{EstimateError, Stage};
+use crate::estimate::verdict::assessment::{RestsOn, given_figures, unguided_agreement};
+use crate::estimate::verdict::false_alarms::{Agreement, OF_LINES, near_lines_by_chance};
+use crate::estimate::verdict::selection::ClickedPairs;
+use crate::estimate::{Estimate, EstimateError, Stage};
 use crate::features::FeatureViews;
+use crate::geometry::{Frame, FundamentalMatrix};
 use crate::image::RelativeView;
 
 /// Judges the geometry of given matches under the view that they suggest.
 pub(in crate::estimate) fn search(
     input: SearchInput,
-    given: &GivenMatches,
+    given: &GivenFit,
     record: &mut SearchRecord,
 ) -> Result<Judged, EstimateError> {
     let of = FeatureViews::Frontal;
@@ -25,18 +38,105 @@ pub(in crate::estimate) fn search(
     let rivals = ranked(&proposals.fundamentals(), &[], &viewed, record.cancel())?;
     let rivals = distinct_hypotheses(&rivals, &viewed, record.cancel());
     record.enter(Stage::Refinement)?;
+    // The images alone may show nothing.
+    let hypotheses = rivals.map_or_else(|_| Vec::new(), |(hypotheses, _)| hypotheses);
+    Ok(Judged::of(unchanged(given, hypotheses, &viewed), &viewed, record))
+}
+
+/// Returns the geometry of given matches as it is.
+fn unchanged(given: &GivenFit, hypotheses: Vec<Estimate>, viewed: &ViewedPair) -> Found {
     let matched = viewed.patches.matched(&given.fundamental);
     let refined = matched.map(|Refined { mut refinement, weight, weight_deviation, .. }| {
         refinement.uncertainty.clone_from(&given.uncertainty);
         Refined { fundamental: given.fundamental, refinement, weight, weight_deviation }
     });
-    let found = Found {
+    Found {
         fundamental: given.fundamental,
-        // The images alone may show nothing.
-        hypotheses: rivals.map_or_else(|_| Vec::new(), |(hypotheses, _)| hypotheses),
+        hypotheses,
         supporting: given.inliers.clone(),
         refined,
-        clicks_alone: false,
+        rests_on: RestsOn::GivenAlone,
+    }
+}
+
+/// Agreement of the matches that were found without a geometry.
+struct Standing {
+    of_images: Agreement,
+    of_given: Agreement,
+}
+
+impl Standing {
+    fn new(f: &FundamentalMatrix, patches: &PatchLevels, given: &GivenMatches, frames: [Frame; 2]) -> Self {
+        let by_chance = given.all.iter().map(|m| near_lines_by_chance(f, &m.pair, frames));
+        Self {
+            of_images: unguided_agreement(patches, f, frames),
+            of_given: Agreement::of(by_chance, OF_LINES),
+        }
+    }
+
+    fn is_better_than(&self, other: &Self) -> bool {
+        let [own, its] = [self, other].map(|one| one.of_images.is_no_chance());
+        let evidence = |one: &Self| one.of_images.evidence() + one.of_given.evidence();
+        if own == its { evidence(self) > evidence(other) } else { own }
+    }
+}
+
+/// Compares the result of the images with the geometry of given matches, if these contradict it. Where the
+/// images show no geometry, returns the geometry of the given matches.
+pub(in crate::estimate) fn compared(
+    input: SearchInput,
+    found: Result<Judged, EstimateError>,
+    record: &mut SearchRecord,
+) -> Result<Judged, EstimateError> {
+    let SearchInput { prepared, parameters, .. } = input;
+    let (Some(given), Some(fit)) = (prepared.given(), prepared.given_fit()) else { return found };
+    let clicks = ClickedPairs::of(input);
+    let contradict = |f: &FundamentalMatrix| given_figures(given, f, parameters.click_sigma).contradict();
+    let own = match found {
+        Ok(own) if !contradict(&own.fundamental) => return Ok(own),
+        Ok(own) if clicks.prefer(&own.fundamental, &fit.fundamental) => return Ok(own),
+        Ok(own) => Some(own),
+        Err(
+            EstimateError::NoCandidates(_) | EstimateError::NoGeometry | EstimateError::NothingWithoutClicks,
+        ) => None,
+        Err(error) => return Err(error),
+    };
+    record.enter(Stage::Refinement)?;
+    let frames = prepared.frames();
+    let of = own.as_ref().and_then(|own| own.patches.features()).unwrap_or(FeatureViews::Frontal);
+    let found_under = own.as_ref().map_or(RelativeView::UPRIGHT, |own| own.patches.view());
+    let view = view_of_pairs(&fit.inliers, frames).unwrap_or(found_under);
+    let viewed = ViewedPair::new(input, prepared.patches_with_features(view, of));
+    let standing = Standing::new(&fit.fundamental, &viewed.patches, given, frames);
+    let proposed = |f: FundamentalMatrix| Estimate::proposed(f, None, viewed.patches.measure(&f));
+    let mut hypotheses = vec![proposed(fit.fundamental)];
+    if let Some(own) = own {
+        let patches = prepared.patches_with_features(found_under, of);
+        if !standing.is_better_than(&Standing::new(&own.fundamental, &patches, given, frames)) {
+            return Ok(own);
+        }
+        hypotheses.push(proposed(own.fundamental));
+        hypotheses.extend(own.hypotheses);
+    }
+    let settling =
+        Settling { clicks: &clicks.0, given: &given.all, allows: &|_| true, seed: parameters.seed };
+    // Matches along the lines of a geometry that the images do not confirm are chance, and spoil it.
+    let refined = standing
+        .of_images
+        .is_no_chance()
+        .then(|| viewed.patches.settle(&fit.fundamental, &settling, record.cancel()))
+        .flatten()
+        .filter(|refined| !contradict(&refined.fundamental));
+    record.cancel().check()?;
+    let found = match refined {
+        Some(refined) => Found {
+            fundamental: fit.fundamental,
+            hypotheses,
+            supporting: fit.inliers.clone(),
+            refined: Some(refined),
+            rests_on: RestsOn::Images,
+        },
+        None => unchanged(fit, hypotheses, &viewed),
     };
     Ok(Judged::of(found, &viewed, record))
 }

@@ -7,7 +7,7 @@ use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::{ComparedPencils, LineExaminer};
 use crate::estimate::evidence::patches::{self, PatchLevels, Proposal, Refined};
 use crate::estimate::evidence::viewed::ViewedPair;
-use crate::estimate::verdict::assessment::Judge;
+use crate::estimate::verdict::assessment::{Judge, RestsOn};
 use crate::estimate::verdict::result::{Assessment, REPORTED};
 use crate::estimate::verdict::selection::Weighed;
 use crate::estimate::verdict::trust::{Reason, Verdict};
@@ -24,8 +24,7 @@ pub(in crate::estimate) struct Found {
     pub supporting: Vec<PointPair>,
     /// The best refinement, if there is one.
     pub refined: Option<Refined>,
-    /// Whether the geometry follows from the clicks alone.
-    pub clicks_alone: bool,
+    pub rests_on: RestsOn,
 }
 
 /// Assessed geometry, with the evidence of the view under which it was found.
@@ -53,11 +52,11 @@ impl From<&Judged> for Weighed {
 impl Judged {
     /// Judges a geometry found under a view with these clicks.
     pub fn of(found: Found, viewed: &ViewedPair, record: &SearchRecord) -> Self {
-        let Found { fundamental, hypotheses, supporting, refined, clicks_alone } = found;
+        let Found { fundamental, hypotheses, supporting, refined, rests_on } = found;
         let (weight, weight_deviation) =
             refined.as_ref().map_or((0.0, 0.0), |refined| (refined.weight, refined.weight_deviation));
         let fundamental = refined.as_ref().map_or(fundamental, |refined| refined.fundamental);
-        let judge = Judge { clicks_alone, ..judge(viewed, &hypotheses, record) };
+        let judge = Judge { rests_on, ..judge(viewed, &hypotheses, record) };
         let assessment = judge.result(&fundamental, &supporting, refined);
         Self {
             clicks: viewed.input.clicks.clone(),
@@ -110,7 +109,7 @@ pub(super) fn report_preliminary(
 
 fn judge<'a>(viewed: &'a ViewedPair, hypotheses: &'a [Estimate], record: &'a SearchRecord) -> Judge<'a> {
     let (pencils, cancel) = (record.present_pencils(), record.cancel());
-    Judge { viewed, hypotheses, pencils, clicks_alone: false, cancel }
+    Judge { viewed, hypotheses, pencils, rests_on: RestsOn::Images, cancel }
 }
 
 /// Returns the ranked proposals that differ, with their line figures if there are two anchors, and

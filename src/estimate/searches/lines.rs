@@ -7,6 +7,7 @@ use super::refinement::refine_best;
 use super::stand_ins::farthest_apart;
 use crate::estimate::evidence::lines::{LineCandidate, LineConsensus, compare_lines, geometries_from_lines};
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
+use crate::estimate::verdict::assessment::RestsOn;
 use crate::estimate::verdict::result::REPORTED;
 use crate::estimate::{Estimate, EstimateError, Parameters, Search, Stage};
 use crate::geometry::{FundamentalMatrix, PointPair};
@@ -44,7 +45,7 @@ pub(in crate::estimate) fn search(
     let refined = refine_best(geometries.into_iter(), &viewed, record.cancel())?;
     let matches = refined.iter().flat_map(|refined| &refined.refinement.matches);
     let supporting = matches.map(|m| m.pair).collect();
-    let found = Found { fundamental, hypotheses, supporting, refined, clicks_alone: false };
+    let found = Found { fundamental, hypotheses, supporting, refined, rests_on: RestsOn::Images };
     Ok(Judged::of(found, &viewed, record))
 }
 

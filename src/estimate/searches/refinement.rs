@@ -6,6 +6,7 @@ use super::judged::Found;
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::patches::{self, Proposal, Refined, Settling};
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
+use crate::estimate::verdict::assessment::RestsOn;
 use crate::estimate::verdict::selection::{ClickedPairs, select};
 use crate::estimate::verdict::trust::FAR_TOO_FEW;
 use crate::estimate::{Estimate, EstimateError};
@@ -29,7 +30,7 @@ pub(super) fn refine_ranked(
     // Near-copies of the leader are refined, too. One of them may become better.
     let starts = ranked.iter().filter_map(|proposal| proposal.full_size(fine.scales));
     let refined = refine_best(starts, viewed, cancel)?;
-    Ok(Found { fundamental, hypotheses, supporting, refined, clicks_alone: false })
+    Ok(Found { fundamental, hypotheses, supporting, refined, rests_on: RestsOn::Images })
 }
 
 /// Refines the first starts at full resolution and returns the best. `None` if none has enough
@@ -77,7 +78,7 @@ pub(super) fn refine_best(
     let Some(best) = select(&all, &clicked).map(|k| all.swap_remove(k)) else { return Ok(None) };
     let settling = Settling {
         clicks: &clicked.0,
-        given: prepared.given().map_or(&[][..], |given| &given.all),
+        given: prepared.given().filter(|given| given.fit.is_ok()).map_or(&[][..], |given| &given.all),
         allows: &|f| !clicked.prefer(&best.fundamental, f),
         seed: parameters.seed,
     };

@@ -8,11 +8,10 @@
 //! Stand-ins are not observations: fits and verdicts ignore them.
 
 use super::features::FeatureProposals;
-use super::judged::{Found, Judged};
+use super::judged::Judged;
 use super::patches;
 use super::record::SearchRecord;
 use super::stand_ins::{drawn_stand_ins, farthest_apart, putative_matches};
-use crate::estimate::evidence::prepared::GivenMatches;
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::selection::{ClickedPairs, select};
 use crate::estimate::{Clicks, EstimateError, PreparedPair};
@@ -52,19 +51,7 @@ pub(in crate::estimate) fn search(
         }
     }
     let best = select(&all, &ClickedPairs::of(input)).map(|k| all.swap_remove(k));
-    let of_given = || {
-        // The images alone show nothing, so the matches from elsewhere decide.
-        let GivenMatches { fundamental, inliers, .. } = prepared.given()?;
-        let found = Found {
-            fundamental: *fundamental,
-            hypotheses: Vec::new(),
-            supporting: inliers.clone(),
-            refined: None,
-            clicks_alone: false,
-        };
-        Some(Judged::of(found, &viewed, record))
-    };
-    best.or_else(of_given).ok_or(EstimateError::NothingWithoutClicks)
+    best.ok_or(EstimateError::NothingWithoutClicks)
 }
 
 /// Returns the clicks, with two matches that the leading proposal explains as stand-ins, if there
@@ -89,7 +76,7 @@ mod tests {
     use crate::estimate::exact::{ExactScene, FRAME};
     use crate::estimate::sampling::{Purpose, stream};
     use crate::estimate::{
-        ClickRole, Estimate, Match, Method, Monitor, Parameters, Preset, Uncertainty, Verdict,
+        ClickRole, Estimate, Match, Method, Monitor, Parameters, Preset, Reason, Uncertainty, Verdict,
         estimate_fundamental, estimate_prepared,
     };
     use crate::geometry::PointPair;
@@ -139,6 +126,8 @@ mod tests {
         let other = ExactScene::moved([0.3, 0.02, 0.3]);
         let misled = run(&other.pairs(60));
         assert!(scene.error(misled.fundamental()) < 0.3, "{}", scene.error(misled.fundamental()));
+        let reasons = &misled.assessment.trust.as_ref().unwrap().reasons;
+        assert!(matches!(reasons[0], Reason::GivenContradict { .. }), "{reasons:?}");
     }
 
     #[test]
@@ -153,7 +142,12 @@ mod tests {
         let matches: Vec<Match> = scene.pairs(60).into_iter().map(Match::from).collect();
         prepared.add_matches(&matches, 0).unwrap();
         let found = estimate_prepared(&prepared, &[], &Parameters::default(), &Monitor::silent()).unwrap();
-        assert!(found.assessment.trust.as_ref().unwrap().verdict != Verdict::Reliable);
+        let trust = found.assessment.trust.as_ref().unwrap();
+        assert_eq!(trust.verdict, Verdict::Unreliable);
+        assert!(trust.reasons.contains(&Reason::GivenAlone { matches: 60 }), "{:?}", trust.reasons);
+        assert!(found.assessment.of_given);
+        let error = scene.error(found.fundamental());
+        assert!(error < 0.01, "{error} px");
     }
 
     #[test]

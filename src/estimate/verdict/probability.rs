@@ -17,6 +17,8 @@ enum Doubt {
     /// The support is weak: few matches, a rival, contradicting or imprecise matches.
     Support,
     Unreliable,
+    /// The matches found without the geometry agree with it as by chance.
+    Chance,
 }
 
 impl Doubt {
@@ -27,13 +29,14 @@ impl Doubt {
         Some(match trust.verdict {
             Verdict::Reliable => Self::Nothing,
             Verdict::Doubtful => of_reasons.into_iter().max().unwrap_or(Self::Nothing),
-            Verdict::Unreliable => Self::Unreliable,
+            Verdict::Unreliable => of_reasons.into_iter().fold(Self::Unreliable, Self::max),
         })
     }
 
     fn of_reason(reason: &Reason) -> Option<Self> {
         match reason {
             Reason::ClickOff { .. } => Some(Self::Click),
+            Reason::ByChance { .. } => Some(Self::Chance),
             Reason::OnePlane { .. }
             | Reason::NoRelief { .. }
             | Reason::Bent { .. }
@@ -41,6 +44,8 @@ impl Doubt {
             | Reason::Mirrored { .. } => Some(Self::Epipole),
             Reason::NotRefined
             | Reason::FewMatches { .. }
+            | Reason::GivenContradict { .. }
+            | Reason::Fisheye
             | Reason::Contradicted { .. }
             | Reason::Ambiguous { .. }
             | Reason::Loose { .. } => Some(Self::Support),
@@ -49,6 +54,7 @@ impl Doubt {
             | Reason::ClicksAlone
             | Reason::PointsAlone { .. }
             | Reason::PointsByChance { .. }
+            | Reason::GivenAlone { .. }
             | Reason::BarcodesByChance { .. }
             | Reason::FewBarcodes { .. }
             | Reason::LooseBarcodes { .. } => None,
@@ -64,6 +70,7 @@ impl Doubt {
             Self::Epipole => (105.0, 113.0),
             Self::Support => (31.0, 50.0),
             Self::Unreliable => (5.0, 10.0),
+            Self::Chance => (1.0, 10.0),
         };
         (right + 1.0) / (all + 2.0)
     }
@@ -91,6 +98,7 @@ mod tests {
 
     const PLANE: Reason = Reason::OnePlane { percent: 98, groups: 9, agreeing: 2, is_still: false };
     const CLICK: Reason = Reason::ClickOff { pair: 1, distance: 30.0, suspect: Suspect::Click };
+    const CHANCE: Reason = Reason::ByChance { agreeing: 9, matches: 140 };
     const FEW: Reason = Reason::FewMatches { matches: 40 };
 
     fn judged(verdict: Verdict, reasons: &[Reason]) -> Assessment {
@@ -111,6 +119,7 @@ mod tests {
             doubtful(&[CLICK, PLANE]),
             doubtful(&[PLANE, FEW]),
             probability(Verdict::Unreliable, &[CLICK, PLANE]),
+            probability(Verdict::Unreliable, &[CHANCE, FEW]),
         ];
         assert!(falling.is_sorted_by(|better, worse| better >= worse), "{falling:?}");
         assert!(falling.iter().all(|probability| (0.001..0.999).contains(probability)), "{falling:?}");

@@ -67,6 +67,9 @@ pub struct Assessment {
     pub barcodes: Option<BarcodeFigures>,
     /// Fit of all seven degrees of freedom at full resolution.
     pub refinement: Option<Refinement>,
+    /// Matches found by appearance in the whole of both images, without the geometry, that no other place
+    /// resembles. They are evidence about any geometry. Empty without refinement.
+    pub distinctive: Arc<[PointPair]>,
     /// Warnings about the clicks.
     pub warnings: Vec<Warning>,
     /// Verdict. `None` for unfinished results.

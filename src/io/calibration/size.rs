@@ -49,7 +49,7 @@ impl CalibratedCamera {
         let Some(own) = self.frame else {
             return Err(format!("the calibration of {name} does not tell the size of its images"));
         };
-        if own == frame {
+        if own == frame || self.reading.other_sizes.iter().any(|camera| camera.frame == Some(frame)) {
             return Ok(self.clone());
         }
         if !is_same_shape(own, frame) {
@@ -60,7 +60,9 @@ impl CalibratedCamera {
             [(frame.width, own.width), (frame.height, own.height)].map(|(to, from)| to as f64 / from as f64);
         let impossible = || format!("the calibration of {name} cannot be scaled");
         let model = self.model.resized(by).ok_or_else(impossible)?;
-        Ok(Self { model, frame: Some(frame), ..self.clone() })
+        let mut reading = self.reading.clone();
+        reading.fisheye = reading.fisheye.and_then(|fisheye| fisheye.resized(by));
+        Ok(Self { model, frame: Some(frame), reading, ..self.clone() })
     }
 }
 

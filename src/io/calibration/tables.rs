@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Matrix3x4, Rotation3, Vector3};
 
 use super::super::number::{finite_numbers, rows};
-use super::{CalibratedCamera, CameraPose};
+use super::{CalibratedCamera, CameraPose, CameraReading};
 use crate::camera::{CameraModel, IMPOSSIBLE, LengthUnit, Lens};
 use crate::foreign::excerpt;
 use crate::geometry::Frame;
@@ -19,35 +19,70 @@ pub(super) fn kitti(text: &str) -> Result<Vec<CalibratedCamera>, String> {
         let found = rows(text).find_map(|(_, row)| row.strip_prefix(name)?.strip_prefix(':'));
         found.map(finite_numbers).transpose().map_err(|e| format!("{name}: {e}"))
     };
-    let mut cameras = Vec::new();
-    for k in 0..100 {
-        let exact = |name: String, count: usize| -> Result<Option<Vec<f64>>, String> {
-            match entry(&name)? {
-                Some(numbers) if numbers.len() != count => {
-                    Err(format!("{name}: expected {count} numbers, found {}", numbers.len()))
-                }
-                other => Ok(other),
+    let exact = |name: String, count: usize| -> Result<Option<Vec<f64>>, String> {
+        match entry(&name)? {
+            Some(numbers) if numbers.len() != count => {
+                Err(format!("{name}: expected {count} numbers, found {}", numbers.len()))
             }
-        };
-        if let Some(matrix) = exact(format!("K_{k:02}"), 9)? {
-            let lens = Lens::from_opencv(&entry(&format!("D_{k:02}"))?.unwrap_or_default())?;
+            other => Ok(other),
+        }
+    };
+    let missing = |name: String, of: &str| format!("there is {of}, but no {name}");
+    let mut cameras: Vec<CalibratedCamera> = Vec::new();
+    for k in 0..100 {
+        let of_raw = format!("K_{k:02}");
+        if let Some(matrix) = exact(of_raw.clone(), 9)? {
+            let coefficients = exact(format!("D_{k:02}"), 5)?;
+            let lens =
+                Lens::from_opencv(&coefficients.ok_or_else(|| missing(format!("D_{k:02}"), &of_raw))?)?;
             let size = exact(format!("S_{k:02}"), 2)?;
             let pose = match (exact(format!("R_{k:02}"), 9)?, exact(format!("T_{k:02}"), 3)?) {
                 (Some(r), Some(t)) => {
                     Some(CameraPose::new(&Matrix3::from_row_slice(&r), Vector3::from_column_slice(&t))?)
                 }
-                _ => None,
+                (None, None) => None,
+                _ => return Err(format!("R_{k:02} and T_{k:02} must both be given")),
             };
             let model = CameraModel::new(&Matrix3::from_row_slice(&matrix), lens).ok_or(IMPOSSIBLE)?;
             let frame = size.map(|size| Frame::new(size[0] as usize, size[1] as usize));
             let name = format!("{k:02}");
             let unit = LengthUnit::Metre;
-            cameras.push(CalibratedCamera { name, model, frame, pose, unit });
+            let reading = CameraReading::default();
+            cameras.push(CalibratedCamera { name, model, frame, pose, unit, reading });
+        } else if entry(&format!("D_{k:02}"))?.is_some() {
+            return Err(missing(of_raw, &format!("D_{k:02}")));
         } else if let Some(projection) = exact(format!("P{k}"), 12)? {
+            // Cameras are numbered without gaps, so a gap is a name that is not known.
+            if cameras.len() != k {
+                return Err(missing(format!("P{}", cameras.len()), &format!("P{k}")));
+            }
             cameras.push(pinhole(format!("P{k}"), &Matrix3x4::from_row_slice(&projection))?);
         }
     }
-    if cameras.is_empty() { Err("there is no camera with K or P in it".into()) } else { Ok(cameras) }
+    let is_known = |name: &str| {
+        let letters = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        let own = ["S_", "K_", "D_", "R_", "T_", "S_rect_", "R_rect_", "P_rect_", "P", "R0_rect", "R_rect"];
+        own.contains(&letters)
+            || name.starts_with("Tr")
+            || ["calib_time", "corner_dist", "R0_rect"].contains(&name)
+    };
+    let unread = unread(text, ':', is_known);
+    match cameras.first_mut() {
+        Some(first) => first.reading.unread = unread,
+        None => return Err("there is no camera with K or P in it".into()),
+    }
+    Ok(cameras)
+}
+
+/// Returns the names of rows with numbers that are not known.
+fn unread(text: &str, separator: char, is_known: impl Fn(&str) -> bool) -> Vec<String> {
+    let name = |(_, row): (usize, &str)| {
+        let (name, value) = row.split_once(separator)?;
+        let plain = value.replace(['[', ']'], " ");
+        let has_numbers = finite_numbers(&plain).is_ok_and(|numbers| !numbers.is_empty());
+        (has_numbers && !is_known(name.trim())).then(|| name.trim().to_owned())
+    };
+    rows(text).filter_map(name).collect()
 }
 
 /// Reads Middlebury's `calib.txt`: two rectified cameras.
@@ -67,6 +102,7 @@ pub(super) fn middlebury(text: &str) -> Result<Vec<CalibratedCamera>, String> {
         (Some(width), Some(height)) => Some(Frame::new(width as usize, height as usize)),
         _ => None,
     };
+    let is_known = |name: &str| MIDDLEBURY.contains(&name);
     let known = number("baseline")?;
     let unit = if known.is_some() { LengthUnit::Millimetre } else { LengthUnit::Baseline };
     let baseline = known.unwrap_or(1.0);
@@ -81,10 +117,17 @@ pub(super) fn middlebury(text: &str) -> Result<Vec<CalibratedCamera>, String> {
         let pose =
             CameraPose { rotation: Rotation3::identity(), translation: Vector3::new(offset, 0.0, 0.0) };
         let (name, pose) = (name.to_owned(), Some(pose));
-        cameras.push(CalibratedCamera { name, model, frame, pose, unit });
+        let reading = CameraReading { unread: unread(text, '=', is_known), ..CameraReading::default() };
+        cameras.push(CalibratedCamera { name, model, frame, pose, unit, reading });
     }
     Ok(cameras)
 }
+
+/// Names of Middlebury's calibrations.
+const MIDDLEBURY: [&str; 12] = [
+    "cam0", "cam1", "doffs", "baseline", "width", "height", "ndisp", "isint", "vmin", "vmax", "dyavg",
+    "dymax",
+];
 
 /// Returns whether a row describes a camera in COLMAP's `cameras.txt`.
 pub(super) fn is_colmap(row: &str) -> bool {
@@ -110,9 +153,13 @@ pub(super) fn colmap(text: &str) -> Result<Vec<CalibratedCamera>, String> {
         let model = CameraModel::from_colmap(name, &numbers).map_err(|e| format!("line {line}: {e}"))?;
         let name = (*id).to_owned();
         let unit = LengthUnit::Calibration;
-        Ok(CalibratedCamera { name, model, frame: Some(frame), pose: None, unit })
+        let reading = CameraReading::default();
+        Ok(CalibratedCamera { name, model, frame: Some(frame), pose: None, unit, reading })
     };
-    rows(text).map(camera).collect()
+    let mut cameras: Vec<CalibratedCamera> = rows(text).map(camera).collect::<Result<_, _>>()?;
+    // The order of the rows has no meaning.
+    cameras.sort_by_key(|camera| camera.name.parse::<u32>().unwrap_or(u32::MAX));
+    Ok(cameras)
 }
 
 /// Takes a projection matrix `K [R | t]` with `R = I` apart, as of rectified images.
@@ -122,5 +169,5 @@ fn pinhole(name: String, projection: &Matrix3x4<f64>) -> Result<CalibratedCamera
     let inverse = calibration.try_inverse().ok_or(IMPOSSIBLE)?;
     let pose = CameraPose { rotation: Rotation3::identity(), translation: inverse * projection.column(3) };
     let (pose, unit) = (Some(pose), LengthUnit::Metre);
-    Ok(CalibratedCamera { name, model, frame: None, pose, unit })
+    Ok(CalibratedCamera { name, model, frame: None, pose, unit, reading: CameraReading::default() })
 }

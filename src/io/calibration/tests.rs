@@ -224,3 +224,193 @@ fn corners_of_a_board_lie_on_their_epipolar_curves() {
         assert!(bent < 0.8 && straight > 1.5 * bent, "{a} and {b}: {bent} and {straight} px");
     }
 }
+
+#[test]
+fn many_names_give_the_same_calibration() {
+    let expected = read(OPENCV);
+    let same = |text: &str| {
+        let found = read(text);
+        assert_eq!(found.len(), 2, "{text}");
+        for (found, expected) in found.iter().zip(&expected) {
+            assert_eq!((found.model, found.pose), (expected.model, expected.pose), "{text}");
+            assert!(found.reading.unread.is_empty(), "{:?}", found.reading);
+        }
+    };
+    for [k, d, r, t] in [
+        ["cameraMatrix#", "distCoeffs#", "R", "T"],
+        ["M#", "dist_coeff_#", "rotation_matrix", "translation_vector"],
+        ["camera_matrix_#", "distCoeff#", "rot", "trans"],
+        ["intrinsics_#", "kc#", "Rotation", "Translation"],
+        ["CAMERA_MATRIX_#", "d#", "R_stereo", "T_stereo"],
+        ["mtx#", "dist_#", "R", "tvec"],
+    ] {
+        for sides in [["1", "2"], ["0", "1"], ["left", "right"], ["L", "R"], ["l", "r"]] {
+            let mut text = OPENCV.replace("\nR:", &format!("\n{r}:")).replace("\nT:", &format!("\n{t}:"));
+            for (number, side) in ["1", "2"].into_iter().zip(sides) {
+                let of = |name: &str| name.replace('#', side);
+                text = text.replace(&format!("\nK{number}:"), &format!("\n{}:", of(k)));
+                text = text.replace(&format!("\nD{number}:"), &format!("\n{}:", of(d)));
+            }
+            same(&text);
+        }
+    }
+    let nested = "{\"stereo_params\": {\"left\": {\"K\": [[500,0,320],[0,505,240],[0,0,1]], \"D\": \
+                  [-0.3,0.1,0.001,-0.002,0.01]}, \"right\": {\"K\": [[490,0,310],[0,495,250],[0,0,1]], \"D\": \
+                  [0,0,0,0,0]}, \"R\": [[1,0,0],[0,1,0],[0,0,1]], \"T\": [-0.12,0,0]}}";
+    same(nested);
+    let assigned = "K1 = [500 0 320; 0 505 240; 0 0 1];\nD1 = [-0.3 0.1 0.001 -0.002 0.01];\nK2 = np.array([[490, 0, \
+                    310],\n  [0, 495, 250],\n  [0, 0, 1]])\nD2 = [0, 0, 0, 0, 0]\nR = [1 0 0; 0 1 0; 0 0 1]\nT = \
+                    [-0.12; 0; 0]\n";
+    same(assigned);
+    same(&OPENCV.replace("data: [", "data:[").replace("K1: ", "K1:"));
+}
+
+#[test]
+fn a_lens_is_never_dropped() {
+    let told = refused(&OPENCV.replace("D1:", "xyz1:"));
+    assert!(told.contains("xyz1 has 5 numbers and may be the distortion"), "{told}");
+    let told = refused(&OPENCV.replace("K1:", "xyz1:"));
+    assert!(told.contains("there is D1, but no camera matrix"), "{told}");
+    let twice = format!("{OPENCV}distCoeffs1: [0.1, 0.2, 0.3, 0.4, 0.5]\n");
+    assert!(refused(&twice).contains("D1 and distCoeffs1 differ"), "{}", refused(&twice));
+    let single = "{\"camera_matrix\": [[500,0,320],[0,505,240],[0,0,1]], \"foo\": [1, 2, 3], \"rms\": 0.3, \"bar\": 7}";
+    let unread = &read(single)[0].reading.unread;
+    assert_eq!(*unread, ["bar", "foo"]);
+    for (text, words) in [
+        ("fx: 500\nfy: 505\ncx: 320\ncy: 240\nk2: 0.1\n", "missing between"),
+        ("fx: 500\nfy: 505\ncx: 320\nk1: 0.1\n", "fx, fy, cx and cy"),
+        ("fx: 500\nfy: 505\ncx: 320\ncy: 240\nk1: 0.1\np1: 0.1\n", "p1 and p2"),
+        ("K: [[500,0,320],[0,505,240],[0,0,1]]\nD: [1,2,3,4,5]\ndistortion_model: magic\n", "magic"),
+        ("K: [[500,0,320],[0,505,240],[0,0,1]]\ncamera_model: mei\nD: [1,2,3,4]\n", "mei"),
+    ] {
+        assert!(refused(text).contains(words), "{}", refused(text));
+    }
+}
+
+#[test]
+fn rectifications_of_ros_tell_the_pose() {
+    let [left, right] = ["0.999, 0, 0.0447102, 0, 1, 0, -0.0447102, 0, 0.999", "1, 0, 0, 0, 1, 0, 0, 0, 1"];
+    let text = |rotation: &str, offset: &str| {
+        format!(
+            "camera_matrix: {{rows: 3, cols: 3, data: [861, 0, 646, 0, 857, 524, 0, 0, 1]}}\ndistortion_model: \
+             plumb_bob\ndistortion_coefficients: {{rows: 1, cols: 5, data: [-0.2, 0.06, 0, 0, 0]}}\n\
+             rectification_matrix: {{rows: 3, cols: 3, data: [{rotation}]}}\nprojection_matrix: {{rows: 3, cols: 4, \
+             data: [800, 0, 644, {offset}, 0, 800, 524, 0, 0, 0, 1, 0]}}\n"
+        )
+    };
+    let cameras = [read(&text(left, "0")).remove(0), read(&text(right, "-240")).remove(0)];
+    let (pose, baseline) = CalibratedCamera::relative_pose(&cameras).unwrap();
+    assert!((baseline - 0.3).abs() < 1e-9 && (pose.translation - -Vector3::x()).norm() < 1e-9);
+    // R = R2ᵀ R1
+    assert!((pose.rotation.matrix()[(0, 2)] - 0.0447102).abs() < 1e-4);
+}
+
+#[test]
+fn transposed_matrices_of_matlab_are_told() {
+    let text = "{\"cameraMatrix1\": [[900,0,0],[3.8,899,0],[285,242,1]], \"distCoeffs1\": [-0.5,0.9,0.006,-0.0005,-2], \
+                \"cameraMatrix2\": [[862,0,0],[1,858,0],[192,300,1]], \"distCoeffs2\": [-0.3,-0.7,-0.005,0.02,2], \
+                \"R\": [[0.8,0.6,0],[-0.6,0.8,0],[0,0,1]], \"T\": [-120, 0.5, 2]}";
+    let pair = Calibration::parse(text).unwrap().pair(None).unwrap();
+    let k = pair[0].model.calibration();
+    assert_eq!([k[(0, 2)], k[(1, 2)], k[(0, 1)]], [284.0, 241.0, 3.8], "MATLAB counts pixels from 1");
+    let (pose, _) = CalibratedCamera::relative_pose(&pair).unwrap();
+    assert!((pose.rotation.matrix()[(0, 1)] + 0.6).abs() < 1e-9);
+    let notes = CalibratedCamera::notes_of(&pair).join(" ");
+    assert!(notes.contains("transposed"), "{notes}");
+    let matlab = "{\"CameraParameters1\": {\"RadialDistortion\": [-0.3, 0.1], \"TangentialDistortion\": [0, 0], \
+                  \"ImageSize\": [480, 640], \"K\": [[500,0,321],[0,505,241],[0,0,1]]}, \"CameraParameters2\": \
+                  {\"RadialDistortion\": [-0.3, 0.1], \"TangentialDistortion\": [0, 0], \"ImageSize\": [480, 640], \
+                  \"K\": [[500,0,321],[0,505,241],[0,0,1]]}, \"RotationOfCamera2\": [[0.8,0.6,0],[-0.6,0.8,0],[0,0,1]], \
+                  \"TranslationOfCamera2\": [-120, 0, 0]}";
+    let pair = Calibration::parse(matlab).unwrap().pair(None).unwrap();
+    assert_eq!(pair[1].frame, Some(Frame::new(640, 480)));
+    assert_eq!(pair[1].model.calibration()[(0, 2)], 320.0);
+    let (pose, _) = CalibratedCamera::relative_pose(&pair).unwrap();
+    assert!((pose.rotation.matrix()[(0, 1)] + 0.6).abs() < 1e-9);
+}
+
+#[test]
+fn files_join_and_foreign_files_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, content: &[u8]| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, content).unwrap();
+        path
+    };
+    let (intrinsics, extrinsics) = OPENCV.split_at(OPENCV.find("R: !!").unwrap());
+    let first = file("intrinsics.yml", intrinsics.as_bytes());
+    let second = file("extrinsics.yml", format!("%YAML:1.0\n---\n{extrinsics}").as_bytes());
+    for order in [[&first, &second], [&second, &first]] {
+        let found = Calibration::read_files(&order.map(std::path::PathBuf::as_path)).unwrap();
+        assert_eq!(found.cameras, read(OPENCV));
+    }
+    let other = file("other.yml", OPENCV.replace("500.", "501.").as_bytes());
+    assert!(Calibration::read_files(&[&second, &other]).is_err(), "R and T in both");
+    let mat = file("stereoParams.mat", b"MATLAB 5.0 MAT-file, Platform: PCWIN64");
+    assert!(Calibration::read(&mat).unwrap_err().to_string().contains("jsonencode"));
+    assert!(Calibration::find(&mat).is_none());
+    let refused = file("refused.yml", OPENCV.replace("D1:", "xyz1:").as_bytes());
+    assert!(Calibration::find(&refused).unwrap().is_err());
+}
+
+#[test]
+fn several_sizes_of_a_camera_are_chosen_by_the_images() {
+    let sizes = |size: &str, fx: f64| {
+        ["LEFT", "RIGHT"].map(|side| {
+            format!(
+                "[{side}_CAM_{size}]\nfx={fx}\nfy={fx}\ncx=600\ncy=360\nk1=-0.1\nk2=0\np1=0\np2=0\nk3=0\n"
+            )
+        })
+    };
+    let stereo = "[STEREO]\nBaseline=120\nTY=0\nTZ=0\nCV_2K=0\nRX_2K=0\nRZ_2K=0\nCV_HD=0\nRX_HD=0\nRZ_HD=0\n";
+    let text = sizes("2K", 1400.0).concat() + &sizes("HD", 700.0).concat() + stereo;
+    let pair = Calibration::parse(&text).unwrap().pair(None).unwrap();
+    let pair = CalibratedCamera::settled(pair, [Frame::new(1280, 720); 2], Vec::new).unwrap();
+    assert_eq!(pair[1].name, "RIGHT_CAM_HD");
+    let (pose, length) = CalibratedCamera::relative_pose(&pair).unwrap();
+    assert!((length - 120.0).abs() < 1e-9 && pose.translation.x < 0.0);
+}
+
+#[test]
+fn images_decide_between_two_models_of_four_coefficients() {
+    let text = |flag: &str| {
+        format!(
+            "K1: [[230,0,320],[0,230,240],[0,0,1]]\nD1: [0.012, 0.003, -0.006, 0.001]\nK2: \
+             [[230,0,320],[0,230,240],[0,0,1]]\nD2: [0.02, -0.015, 0.02, -0.01]\nR: [0.0, 0.05, 0.0]\nT: [-1, 0.1, \
+             0.1]\n{flag}"
+        )
+    };
+    let frames = [Frame::new(640, 480); 2];
+    let open = Calibration::parse(&text("")).unwrap();
+    assert!(open.pair(None).unwrap_err().contains("fisheye: 1"));
+    for (flag, is_fisheye) in [("fisheye: 1\n", true), ("fisheye: 0\n", false)] {
+        let truth = Calibration::parse(&text(flag)).unwrap().pair(None).unwrap();
+        let pose2 = truth[1].pose.unwrap();
+        // Points of a grid in space, at several depths.
+        let matches: Vec<PointPair> = (0..400)
+            .filter_map(|k| {
+                let [x, y] = [f64::from(k % 20) / 10.0 - 1.0, f64::from(k / 20) / 10.0 - 1.0];
+                let depth = 3.0 + f64::from(k * 7 % 11);
+                let point = Vector3::new(1.3 * x * depth, y * depth, depth);
+                let point1 = truth[0].model.image_from_ray(&point)?;
+                let point2 = truth[1].model.image_from_ray(&(pose2.rotation * point + pose2.translation))?;
+                Some(PointPair { point1, point2 })
+            })
+            .collect();
+        let mut without_pose = open.open_pair(None).unwrap();
+        without_pose.iter_mut().for_each(|camera| camera.pose = None);
+        for pair in [open.open_pair(None).unwrap(), without_pose] {
+            let settled = CalibratedCamera::settled(pair, frames, || matches.clone()).unwrap();
+            assert_eq!(settled[0].model, truth[0].model, "fisheye: {is_fisheye}");
+            let notes = CalibratedCamera::notes_of(&settled).join(" ");
+            assert!(notes.contains("fisheye"), "{notes}");
+        }
+    }
+    let told = CalibratedCamera::settled(open.open_pair(None).unwrap(), frames, Vec::new).unwrap_err();
+    assert!(told.contains("fisheye: 0"), "{told}");
+    // A narrow lens bends both ways alike.
+    let narrow = Calibration::parse(&text("").replace("230", "20000")).unwrap().open_pair(None).unwrap();
+    let settled =
+        CalibratedCamera::settled(narrow, frames, || unreachable!("no matches are needed")).unwrap();
+    assert!(settled[0].reading.fisheye.is_none() && settled[0].reading.notes.is_empty());
+}

@@ -157,8 +157,8 @@ impl GeometryFile {
     fn colmap_pairs(&self) -> Result<Vec<Pair>, String> {
         let own: Vec<PointPair> = self.pairs.iter().chain(&self.found).copied().collect();
         let originals: Vec<Option<PointPair>> = match &self.calibrated {
-            Some(calibrated) if self.is_undistorted => calibrated.originals.clone(),
-            _ if self.is_undistorted => Vec::new(),
+            Some(calibrated) if self.pictures.is_undistorted() => calibrated.originals.clone(),
+            _ if self.pictures.is_undistorted() => Vec::new(),
             _ => own.iter().copied().map(Some).collect(),
         };
         if originals.len() != own.len() {
@@ -181,17 +181,21 @@ impl GeometryFile {
 
     /// Returns the geometry in the convention of COLMAP, for the images in the order of the result.
     fn colmap_geometry(&self) -> Result<Geometry, String> {
-        let pose = self.calibrated.as_ref().and_then(|calibrated| calibrated.pose);
-        if self.is_undistorted && pose.is_none() {
+        // A pose without a covariance belongs to an epipole that is not determined.
+        let certain = self.calibrated.as_ref().filter(|calibrated| calibrated.pose_covariance.is_some());
+        let pose = certain.and_then(|calibrated| calibrated.pose);
+        if self.pictures.is_undistorted() && pose.is_none() {
             return Err(
-                "the result has too few matches for a pose, which pictures with distortion need".into()
+                "the result has no certain pose, which pictures with distortion need: too few matches, or an epipole that \
+                 is not determined"
+                    .into(),
             );
         }
-        let fundamental = self.geometry().filter(|_| !self.is_undistorted);
+        let fundamental = self.geometry().filter(|_| !self.pictures.is_undistorted());
         if fundamental.is_none() && pose.is_none() {
             return Err("the result has no fundamental matrix".into());
         }
-        let homography = self.homography21.filter(|_| !self.is_undistorted);
+        let homography = self.homography21.filter(|_| !self.pictures.is_undistorted());
         Ok(Geometry {
             fundamental: fundamental.and_then(|f| moved_fundamental(&f, ORIGIN)),
             homography: homography.map(|h| shift(ORIGIN) * h * shift(-ORIGIN)),

@@ -1,8 +1,9 @@
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Matrix6, Rotation3, Vector3};
 use rusqlite::Connection;
 
 use super::super::geometry_file::{CalibratedNote, ImageNote};
 use super::*;
+use crate::camera::PicturesOf;
 use crate::geometry::random_scene::{example_fundamental, example_seen};
 use crate::geometry::{Frame, Point};
 
@@ -43,8 +44,8 @@ fn example() -> GeometryFile {
         fundamental: Some(example_fundamental()),
         pairs: vec![at(0.0), at(1.0), PointPair::new(100.0, 100.0, 100.0, 400.0)],
         found: (0..20).map(|k| at(f64::from(k))).collect(),
-        images: Some(["left.jpg", "right.jpg"].map(|name| ImageNote { name: name.into(), frame: FRAME })),
-        ..GeometryFile::default()
+        images: Some(["left.jpg", "right.jpg"].map(|name| ImageNote::new(name.into(), FRAME))),
+        ..GeometryFile::of(PicturesOf::Untold)
     }
 }
 
@@ -122,7 +123,9 @@ fn a_pair_is_added_in_pixels_of_colmap_and_nothing_else_changes() {
 fn a_pose_is_written_as_a_quaternion_and_turned_with_the_images() {
     let rotation = Rotation3::from_euler_angles(0.1, -0.2, 0.3);
     let pose = RelativePose { rotation, translation: Vector3::new(0.6, 0.0, 0.8) };
-    let calibrated = CalibratedNote { pose: Some(pose), ..CalibratedNote::default() };
+    let covariance = Some(Matrix6::identity());
+    let calibrated =
+        CalibratedNote { pose: Some(pose), pose_covariance: covariance, ..CalibratedNote::default() };
     let file = GeometryFile { calibrated: Some(calibrated), ..example() };
     for is_turned in [false, true] {
         let folder = tempfile::tempdir().unwrap();
@@ -220,11 +223,11 @@ fn what_cannot_be_added_is_refused_in_a_sentence() {
         "{size}"
     );
     assert!(refused(&GeometryFile { images: None, ..example() }, None, &source).contains("--names"));
-    assert!(refused(&GeometryFile::default(), names, &source).contains("has no matches"));
+    assert!(refused(&GeometryFile::of(PicturesOf::Untold), names, &source).contains("has no matches"));
     assert!(
         refused(&GeometryFile { fundamental: None, ..example() }, names, &source).contains("no fundamental")
     );
-    let bent = GeometryFile { is_undistorted: true, ..example() };
+    let bent = GeometryFile { pictures: PicturesOf::Undistorted(None), ..example() };
     assert!(refused(&bent, names, &source).contains("does not have its points in the pictures"));
     for (name, content) in [("empty.db", ""), ("text.db", "This is no database, but it is long enough.")] {
         std::fs::write(path(name), content).unwrap();

@@ -4,24 +4,37 @@ use nalgebra::{Matrix3, Matrix6, SMatrix};
 use serde::{Deserialize, Serialize};
 
 use super::labels::{PairLabel, TrustNote};
-use super::notes::GeometryNote;
-use crate::camera::{PointCloud, PoseFit, RelativePose};
+use crate::camera::{PicturesOf, PointCloud, PoseFit, RelativePose};
+use crate::estimate::Match;
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
+use crate::image::Interpretation;
 
 /// Name and size of an image.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ImageNote {
     /// File name without folders.
     pub name: String,
     /// Width and height, px.
     #[serde(flatten)]
     pub frame: Frame,
+    /// Meaning of the numbers of its pixels. Written only.
+    #[serde(flatten)]
+    pub interpretation: Interpretation,
+}
+
+impl ImageNote {
+    /// Creates a note of a picture without a statement about its numbers.
+    pub fn new(name: String, frame: Frame) -> Self {
+        Self { name, frame, interpretation: Interpretation::default() }
+    }
 }
 
 /// Content of a geometry file in the convention of this program: `x2ᵀ F x1 = 0`, the centre of the
 /// upper left pixel is (0, 0). Every part is optional; all numbers are finite.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct GeometryFile {
+    /// Pictures that the coordinates belong to.
+    pub pictures: PicturesOf,
     /// Fundamental matrix `F`.
     pub fundamental: Option<FundamentalMatrix>,
     /// Projection matrices `P1` and `P2`. They imply `F` if the file gives none.
@@ -38,19 +51,20 @@ pub struct GeometryFile {
     pub labels: Vec<PairLabel>,
     /// Matches found by the estimate of a result, px. Read only.
     pub found: Vec<PointPair>,
-    /// Whether the numbers belong to views without distortion of calibrated cameras. JSON and OpenCV files keep
-    /// the mark; the others say so in words.
-    pub is_undistorted: bool,
     /// Matrix that was read as F and is probably an essential one. Read only.
     pub essential: Option<Matrix3<f64>>,
-    /// What a reader must know about the geometry. Read only.
-    pub notes: Vec<GeometryNote>,
     /// Verdict on the geometry. Written only.
     pub trust: Option<TrustNote>,
     /// Covariance of the nine entries of `F` with norm 1, row by row. Read from results only.
     pub covariance: Option<SMatrix<f64, 9, 9>>,
     /// Calibrated part of a result. Read from results only.
     pub calibrated: Option<CalibratedNote>,
+    /// Clauses about how the file was read and what was left out. Read only.
+    pub notes: Vec<String>,
+    /// Point pairs with their weights, if the file has weights. Read only.
+    pub weighted: Vec<Match>,
+    /// Reason why no matrix of the file is `F`, if it has others. Read only.
+    pub not_fundamental: Option<String>,
     /// Scene points of the matches. Written only, as PLY.
     pub cloud: Option<PointCloud>,
 }
@@ -80,6 +94,29 @@ impl CalibratedNote {
 }
 
 impl GeometryFile {
+    /// Creates an empty file for coordinates of these pictures.
+    pub fn of(pictures: PicturesOf) -> Self {
+        Self {
+            pictures,
+            fundamental: None,
+            cameras: None,
+            homographies: None,
+            homography21: None,
+            pairs: Vec::new(),
+            images: None,
+            labels: Vec::new(),
+            found: Vec::new(),
+            trust: None,
+            covariance: None,
+            calibrated: None,
+            notes: Vec::new(),
+            weighted: Vec::new(),
+            essential: None,
+            not_fundamental: None,
+            cloud: None,
+        }
+    }
+
     /// Returns `F`, derived from the cameras if the file gives none.
     pub fn geometry(&self) -> Option<FundamentalMatrix> {
         self.fundamental.or_else(|| {
@@ -93,15 +130,41 @@ impl GeometryFile {
         if self.found.is_empty() { self.pairs } else { self.found }
     }
 
-    /// Returns [`matches`](Self::matches) in the pictures as they are. The matches of a result may
-    /// belong to views without distortion.
-    pub(in crate::io) fn original_matches(self) -> Vec<PointPair> {
+    /// Returns [`matches`](Self::matches) in the pictures as they are. The matches of a file may
+    /// belong to views without distortion. Points beyond the range of a lens are left out.
+    ///
+    /// # Errors
+    /// A clause for the user if the file does not describe its views.
+    pub(in crate::io) fn original_matches(self) -> Result<Vec<PointPair>, String> {
         let clicks = if self.found.is_empty() { 0 } else { self.pairs.len() };
-        let calibrated = self.calibrated.as_ref().filter(|_| self.is_undistorted);
+        let calibrated = self.calibrated.as_ref().filter(|_| self.pictures.is_undistorted());
         match calibrated.and_then(|calibrated| calibrated.originals.get(clicks..)) {
-            Some(originals) if !originals.is_empty() => originals.iter().flatten().copied().collect(),
-            _ => self.matches(),
+            Some(originals) if !originals.is_empty() => Ok(originals.iter().flatten().copied().collect()),
+            _ => {
+                let pictures = self.pictures.clone();
+                originals(self.matches(), &pictures)
+            }
         }
+    }
+
+    /// Returns the point pairs in the pictures as they are, like [`Self::original_matches`].
+    pub(in crate::io) fn original_pairs(self) -> Result<Vec<PointPair>, String> {
+        originals(self.pairs, &self.pictures)
+    }
+}
+
+/// Returns point pairs in the pictures as they are.
+fn originals(pairs: Vec<PointPair>, pictures: &PicturesOf) -> Result<Vec<PointPair>, String> {
+    match pictures {
+        PicturesOf::Untold | PicturesOf::Original => Ok(pairs),
+        PicturesOf::Undistorted(Some(views)) => {
+            Ok(pairs.iter().filter_map(|pair| views.original_from_undistorted(pair)).collect())
+        }
+        PicturesOf::Undistorted(None) if pairs.is_empty() => Ok(pairs),
+        PicturesOf::Undistorted(None) => Err(
+            "its points belong to views without lens distortion, which it does not describe. Export them again"
+                .to_owned(),
+        ),
     }
 }
 

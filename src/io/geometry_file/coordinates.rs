@@ -8,7 +8,9 @@ use nalgebra::{Matrix3, SMatrix};
 
 use super::quantity::Quantity;
 use super::{Format, GeometryFile, ImageNote, PairLabel, TrustNote};
+use crate::camera::PicturesOf;
 use crate::geometry::{FundamentalMatrix, Point, PointPair, symmetric_epipolar_distance};
+use crate::presentation::pictures_in_words;
 
 /// Returns the shift from the pixels of this program to the pixels of a format.
 pub(in crate::io) fn shift(origin: f64) -> Matrix3<f64> {
@@ -45,8 +47,7 @@ pub(super) struct WrittenGeometry<'a> {
     /// Name and origin, one per pair; may be empty.
     pub(super) labels: &'a [PairLabel],
     pub(super) trust: Option<&'a TrustNote>,
-    /// Whether the numbers belong to views without distortion.
-    pub(super) is_undistorted: bool,
+    pub(super) pictures: &'a PicturesOf,
 }
 
 impl<'a> WrittenGeometry<'a> {
@@ -76,8 +77,8 @@ impl<'a> WrittenGeometry<'a> {
         let check = fundamental.and_then(|f| SelfCheck::new(&f, &pairs));
         let labels = if file.labels.len() == pairs.len() { &file.labels[..] } else { &[] };
         let trust = file.trust.as_ref();
-        let is_undistorted = file.is_undistorted;
-        Self { format, matrices, pairs, images: file.images.as_ref(), check, labels, trust, is_undistorted }
+        let (pictures, images) = (&file.pictures, file.images.as_ref());
+        Self { format, matrices, pairs, images, check, labels, trust, pictures }
     }
 
     /// Returns all matrices, vectors as columns, and the points of each image as a separate table.
@@ -116,10 +117,7 @@ impl<'a> WrittenGeometry<'a> {
             env!("CARGO_PKG_VERSION")
         )];
         lines.extend(self.format.convention());
-        if self.is_undistorted {
-            lines
-                .push("All coordinates belong to views without lens distortion, not to the pictures.".into());
-        }
+        lines.extend(pictures_in_words(self.pictures, self.format.origin()));
         if let Some(check) = &self.check {
             lines.push(check.sentence());
         }

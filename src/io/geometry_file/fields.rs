@@ -5,10 +5,20 @@ use serde_json::{Map, Value};
 
 use super::Problem;
 use super::content::{BareNumbers, CalibratedNote, GeometryFile, ImageNote};
+use super::matrix_name::MatrixName;
+use super::printed::{PrintedMatrix, ROW_BY_ROW};
 use super::quantity::Quantity;
+use super::views::PicturesRead;
+use crate::estimate::Match;
 use crate::foreign::excerpt;
 use crate::geometry::{Camera, FundamentalMatrix, PointPair, looks_essential};
+use crate::io::match_arrays::{
+    FoundMatches, NamedArray, check_pixels, concerns_matches, matches_of, names_points, names_scores,
+    shape_in_words,
+};
+use crate::io::npy::Array;
 use crate::io::number::finite_number;
+use crate::io::point_pairs::{check_more_columns, first_four};
 
 /// Rectangular table of finite numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,13 +80,21 @@ impl NumberTable {
 pub(super) struct Fields {
     tables: Vec<(Quantity, NumberTable)>,
     pub(super) images: [Option<ImageNote>; 2],
-    is_undistorted: bool,
+    pub(super) pictures: PicturesRead,
     /// Matches of a result.
     found: Vec<PointPair>,
     /// Covariance of `F` of a result.
     pub(super) covariance: Option<SMatrix<f64, 9, 9>>,
     /// Calibrated part of a result.
     pub(super) calibrated: Option<CalibratedNote>,
+    /// Matches in arrays with the names of matchers.
+    matches: Option<FoundMatches>,
+    /// Reason why arrays with the names of matchers give no matches.
+    no_matches: Option<String>,
+    /// Reason why a matrix is not taken for `F`.
+    not_fundamental: Option<String>,
+    /// Clauses about how the file was read.
+    pub(super) notes: Vec<String>,
 }
 
 impl Fields {
@@ -113,6 +131,106 @@ impl Fields {
         self.add(quantity, table)
     }
 
+    /// Adds the nine numbers of a printed matrix.
+    pub(super) fn add_printed(&mut self, printed: PrintedMatrix) -> Result<(), Problem> {
+        self.notes.extend(printed.notes);
+        self.add(
+            Quantity::Fundamental,
+            NumberTable { rows: 3, columns: 3, numbers: printed.numbers.to_vec() },
+        )
+    }
+
+    /// Reads the arrays of an archive, by their names or by their shapes.
+    pub(super) fn from_arrays(arrays: &[NamedArray]) -> Result<Self, Problem> {
+        let mut fields = Self::default();
+        let mut others = Vec::new();
+        for (name, array) in arrays {
+            let quantity = Quantity::named(name).filter(|quantity| !quantity.is_points());
+            match (quantity, table_of(array)) {
+                (Some(quantity), table) => {
+                    let table = table.map_err(|e| Problem::whole(format!("{name}: {e}")))?;
+                    fields.add(quantity, table)?;
+                }
+                (None, Ok(table)) => others.push((name.clone(), table)),
+                (None, Err(_)) => {}
+            }
+        }
+        fields.add_matches(arrays);
+        fields.add_named_matrix(&others);
+        if fields.is_empty() && fields.not_fundamental.is_none() {
+            let unread = arrays.iter().find_map(|(name, array)| {
+                let problem = array.as_ref().err()?;
+                Some(if name.is_empty() { problem.clone() } else { format!("{name}: {problem}") })
+            });
+            let names: Vec<&str> = arrays.iter().map(|(name, _)| &**name).take(MOST_NAMES).collect();
+            fields.not_fundamental = Some(unread.unwrap_or_else(|| match names[..] {
+                [] => "there are no arrays in it".to_owned(),
+                _ => format!(
+                    "there are no matches and no fundamental matrix among its arrays {}. Expected mkpts0 and mkpts1, keypoints0, keypoints1 and matches, or F",
+                    excerpt(&names.join(", "))
+                ),
+            }));
+        }
+        Ok(fields)
+    }
+
+    /// Adds the matches in arrays with the names of matchers.
+    fn add_matches(&mut self, arrays: &[NamedArray]) {
+        match matches_of(arrays) {
+            Ok(found) => self.matches = found,
+            Err(problem) => self.no_matches = Some(problem),
+        }
+    }
+
+    /// Adds `F` from matrices with names that no [`Quantity`] has: the one named like a fundamental matrix, or else
+    /// the only one of nine numbers in a file without point pairs.
+    fn add_named_matrix(&mut self, others: &[(String, NumberTable)]) {
+        if self.table(Quantity::Fundamental).is_some() || self.table(Quantity::Camera1).is_some() {
+            return;
+        }
+        let named = |name: MatrixName| {
+            // A table of fewer numbers is no matrix: `f` is a focal length.
+            let is_matrix = move |table: &NumberTable| match name {
+                MatrixName::Fundamental => table.numbers.len() > 3,
+                _ => table.matrix(3, 3).is_ok(),
+            };
+            let of_name = others.iter().filter(move |(other, _)| MatrixName::of(other) == name);
+            of_name.filter(move |(_, table)| is_matrix(table)).collect::<Vec<_>>()
+        };
+        let [own, other, unknown] =
+            [MatrixName::Fundamental, MatrixName::Other, MatrixName::Unknown].map(named);
+        let has_pairs = self.matches.is_some() || self.no_matches.is_some() || !self.is_empty();
+        let (found, is_told) = match (&own[..], &unknown[..]) {
+            ([], [found]) if other.is_empty() && !has_pairs => (*found, true),
+            ([found], _) => (*found, false),
+            ([], []) if other.is_empty() => return,
+            ([], _) if has_pairs => return,
+            _ => {
+                let listed = if own.is_empty() { [&unknown[..], &other[..]].concat() } else { own.clone() };
+                let names: Vec<&str> = listed.iter().map(|(name, _)| &**name).take(MOST_NAMES).collect();
+                let names = excerpt(&names.join(", "));
+                self.not_fundamental = Some(format!(
+                    "none of its matrices is called F: {names}. Give the fundamental matrix this name"
+                ));
+                if own.len() > 1 {
+                    self.not_fundamental =
+                        Some(format!("it has several fundamental matrices: {names}. Leave one of them"));
+                }
+                return;
+            }
+        };
+        let (name, table) = found;
+        if is_told && !name.is_empty() {
+            self.notes.push(format!("the matrix {} was read as F", excerpt(name)));
+        }
+        self.tables.push((Quantity::Fundamental, table.clone()));
+    }
+
+    /// Returns whether nothing was found.
+    fn is_empty(&self) -> bool {
+        self.tables.is_empty() && self.found.is_empty() && self.matches.is_none()
+    }
+
     fn table(&self, quantity: Quantity) -> Option<&NumberTable> {
         self.tables.iter().find(|(q, _)| *q == quantity).map(|(_, t)| t)
     }
@@ -121,11 +239,22 @@ impl Fields {
     pub(super) fn from_value(value: &Value) -> Result<Self, Problem> {
         let mut fields = Self::default();
         let Some(object) = value.as_object() else {
+            let is_table = |array: &Array| array.shape.len() > 1 && array.numbers.len() != 9;
+            if let Some(array) = array_of(value).filter(is_table) {
+                return Self::from_arrays(&[(String::new(), Ok(array))]);
+            }
             fields.add_bare(table(value).map_err(Problem::whole)?, BareNumbers::Anything)?;
             return Ok(fields);
         };
+        let arrays = named_arrays(object);
+        // Beside keypoints, `matches` has their indices.
+        let has = |named: fn(&str) -> bool| arrays.iter().any(|(name, _)| named(name));
+        let has_keypoints = has(|name| Quantity::named(name).is_none() && names_points(name))
+            || (has(names_points) && has(names_scores));
+        let mut others = Vec::new();
         for (name, value) in object {
             match (Quantity::named(name), &name[..]) {
+                (Some(quantity), _) if has_keypoints && quantity.is_points() => {}
                 (Some(_), _) if value.is_null() => {}
                 // In a result of `estimate` the matches are objects with more than coordinates, or
                 // there are none.
@@ -136,10 +265,7 @@ impl Fields {
                     let table = table(value).map_err(|e| Problem::whole(format!("{name}: {e}")))?;
                     fields.add(quantity, table)?;
                 }
-                (None, "calibrated") => fields.is_undistorted |= distorts(value),
-                (None, "undistorted") => {
-                    fields.is_undistorted |= *value == Value::Bool(true) || value.as_u64() == Some(1);
-                }
+                (None, name) if fields.pictures.read(name, value).map_err(Problem::whole)? => {}
                 (None, "image1") => fields.images[0] = image(value),
                 (None, "image2") => fields.images[1] = image(value),
                 (None, "images") => {
@@ -148,9 +274,13 @@ impl Fields {
                         *place = image(value);
                     }
                 }
-                (None, _) => {}
+                (None, _) => matrices_in(name, value, &mut others),
             }
         }
+        if has_keypoints {
+            fields.add_matches(&arrays);
+        }
+        fields.add_named_matrix(&others);
         Ok(fields)
     }
 
@@ -166,8 +296,8 @@ impl Fields {
             Camera::from_matrix(Matrix3x4::from_row_slice(table.matrix(3, 4)?))
                 .ok_or_else(|| "this matrix is not a camera (its rank is below 3)".to_owned())
         };
+        let pictures = self.pictures.known(&numbers_of).map_err(Problem::whole)?;
         let file = GeometryFile {
-            is_undistorted: self.is_undistorted,
             found: self.found.clone(),
             covariance: self.covariance,
             calibrated: self.calibrated.clone(),
@@ -178,24 +308,58 @@ impl Fields {
             homography21: self.get(Quantity::PlaneHomography, NumberTable::matrix3)?,
             pairs: self.pairs()?,
             images,
-            ..GeometryFile::default()
+            notes: self.notes.clone(),
+            not_fundamental: self.not_fundamental.clone(),
+            ..GeometryFile::of(pictures.clone())
         };
+        let mut file = self.with_matches(file)?;
+        let is_list = |table: &NumberTable| table.rows == 1 || table.columns == 1;
+        if self.table(Quantity::Fundamental).is_some_and(is_list) {
+            file.notes.push(ROW_BY_ROW.to_owned());
+        }
         let is_finite = |h: &Matrix3<f64>| h.iter().all(|v| v.is_finite());
         let mut homographies = file.homographies.iter().flatten().chain(&file.homography21);
         if !file.pairs.iter().all(PointPair::is_finite) || !homographies.all(is_finite) {
             return Err(Problem::whole("the numbers are too large"));
         }
         let empty = GeometryFile {
-            is_undistorted: file.is_undistorted,
             calibrated: self.calibrated,
             covariance: self.covariance,
-            ..GeometryFile::default()
+            notes: file.notes.clone(),
+            not_fundamental: file.not_fundamental.clone(),
+            ..GeometryFile::of(pictures)
         };
         if file == empty {
+            if let Some(problem) = self.not_fundamental {
+                return Err(Problem::whole(problem));
+            }
             return Err(Problem::whole(
                 "no fundamental matrix, cameras or point pairs found. Known names are F or fundamental, P1 and P2, points1 and points2, pairs",
             ));
         }
+        Ok(file)
+    }
+
+    /// Adds the matches of arrays, or the reason why there are none. Without anything else the reason is an error.
+    fn with_matches(&self, mut file: GeometryFile) -> Result<GeometryFile, Problem> {
+        if let Some(found) = &self.matches {
+            file.pairs = found.matches.iter().map(|found| found.pair).collect();
+            let is_weighted = |found: &Match| *found != Match::from(found.pair);
+            if found.matches.iter().any(is_weighted) {
+                file.weighted.clone_from(&found.matches);
+            }
+            file.notes.extend(found.notes.iter().cloned());
+        } else if let Some(table) = self.table(Quantity::Pairs).filter(|table| table.columns > 4) {
+            file.notes.push(first_four(table.columns));
+        }
+        let problem = self.no_matches.clone().or_else(|| check_pixels(&file.pairs).err());
+        let Some(problem) = problem else { return Ok(file) };
+        if file.geometry().is_none() {
+            return Err(Problem::whole(problem));
+        }
+        file.pairs.clear();
+        file.weighted.clear();
+        file.notes.push(format!("its matches were left out: {problem}"));
         Ok(file)
     }
 
@@ -233,7 +397,12 @@ impl Fields {
     /// Reads point pairs, from rows of four or from a list per image.
     fn pairs(&self) -> Result<Vec<PointPair>, Problem> {
         let four = |table: &NumberTable| {
-            Ok(table.rows_of(4)?.map(|r| PointPair::new(r[0], r[1], r[2], r[3])).collect::<Vec<_>>())
+            let rows: Vec<&[f64]> = table.numbers.chunks(table.columns.max(1)).collect();
+            match table.columns {
+                5.. => check_more_columns(&rows)?,
+                _ => drop(table.rows_of(4)?),
+            }
+            Ok(rows.iter().map(|r| PointPair::new(r[0], r[1], r[2], r[3])).collect::<Vec<_>>())
         };
         if let Some(pairs) = self.get(Quantity::Pairs, four)? {
             return Ok(pairs);
@@ -253,8 +422,69 @@ impl Fields {
     }
 }
 
+/// Maximum number of names in a message.
+const MOST_NAMES: usize = 8;
+
+/// Returns the table of an array of one or two sides.
+fn table_of(array: &Result<Array, String>) -> Result<NumberTable, String> {
+    let array = array.as_ref().map_err(Clone::clone)?;
+    match *array.batchless() {
+        [count] => NumberTable::new(1, count, array.numbers.clone()),
+        [rows, columns] => NumberTable::new(rows, columns, array.numbers.clone()),
+        _ => Err(format!("the array has the shape {}", shape_in_words(&array.shape))),
+    }
+}
+
+/// Returns the arrays of numbers of an object.
+fn named_arrays(object: &Map<String, Value>) -> Vec<NamedArray> {
+    let named = |(name, value): (&String, &Value)| {
+        let array = array_of(value)?;
+        concerns_matches(name).then(|| (name.clone(), Ok(array)))
+    };
+    object.iter().filter_map(named).collect()
+}
+
+/// Returns an array of one, two or three sides.
+fn array_of(value: &Value) -> Option<Array> {
+    fn fill(value: &Value, depth: usize, array: &mut Array) -> Option<()> {
+        let Some(list) = value.as_array() else {
+            array.numbers.push(value.as_f64()?);
+            return (depth == array.shape.len()).then_some(());
+        };
+        if array.numbers.is_empty() && depth == array.shape.len() && depth < 4 {
+            array.shape.push(list.len());
+        }
+        let is_regular = array.shape.get(depth) == Some(&list.len());
+        is_regular.then(|| list.iter().try_for_each(|value| fill(value, depth + 1, array)))?
+    }
+    if let Value::Object(_) = value {
+        let NumberTable { rows, columns, numbers } = opencv_matrix(value).ok()?;
+        return Some(Array { shape: vec![rows, columns], numbers });
+    }
+    let mut array = Array { shape: Vec::new(), numbers: Vec::new() };
+    value.as_array()?;
+    fill(value, 0, &mut array).map(|()| array)
+}
+
+/// Gathers the tables below a name that no quantity has, in maps within maps too.
+fn matrices_in(name: &str, value: &Value, found: &mut Vec<(String, NumberTable)>) {
+    match value {
+        Value::Object(object) if !object.contains_key("data") => {
+            for (inner, value) in object {
+                matrices_in(&format!("{name}.{inner}"), value, found);
+            }
+        }
+        Value::Number(_) | Value::String(_) => {}
+        _ => found.extend(table(value).ok().map(|table| (name.to_owned(), table))),
+    }
+}
+
 /// Adds a field to an object. A known name must not occur twice with different values.
-pub(super) fn insert(object: &mut Map<String, Value>, name: String, value: Value) -> Result<(), String> {
+pub(in crate::io) fn insert(
+    object: &mut Map<String, Value>,
+    name: String,
+    value: Value,
+) -> Result<(), String> {
     match object.get(&name) {
         Some(known) if Quantity::named(&name).is_some() && *known != value => return Err(there_twice(&name)),
         _ => object.insert(name, value),
@@ -275,7 +505,20 @@ fn is_rows(value: &Value) -> bool {
 pub(super) fn table(value: &Value) -> Result<NumberTable, String> {
     match value {
         Value::Object(_) => opencv_matrix(value),
+        // Pairs of points: N×2×2.
+        Value::Array(rows) if rows.iter().all(is_rows) && !rows.is_empty() => {
+            let Some(Array { shape, numbers }) = array_of(value).filter(|array| array.shape[1..] == [2, 2])
+            else {
+                return Err("this is not a list of rows".into());
+            };
+            NumberTable::new(shape[0], 4, numbers)
+        }
         Value::Array(rows) if !rows.is_empty() && is_rows(value) => {
+            let rows = rows.iter().map(list).collect::<Result<Vec<_>, _>>()?;
+            NumberTable::from_rows(&rows)
+        }
+        // Rows as texts: `- 1 2 3`.
+        Value::Array(rows) if rows.len() > 1 && rows.iter().all(Value::is_string) => {
             let rows = rows.iter().map(list).collect::<Result<Vec<_>, _>>()?;
             NumberTable::from_rows(&rows)
         }
@@ -284,6 +527,14 @@ pub(super) fn table(value: &Value) -> Result<NumberTable, String> {
             NumberTable::new(1, numbers.len(), numbers)
         }
         _ => Err("this is not a list of rows".into()),
+    }
+}
+
+/// Reads a number, or the entries of a table row by row.
+fn numbers_of(value: &Value) -> Option<Vec<f64>> {
+    match value {
+        Value::Number(_) => Some(vec![cell(value).ok()?]),
+        other => Some(table(other).ok()?.numbers),
     }
 }
 
@@ -350,15 +601,9 @@ fn found_pairs(value: &Value) -> Vec<PointPair> {
     value.as_array().map_or(&[][..], Vec::as_slice).iter().filter_map(pair).collect()
 }
 
-/// Returns whether a lens of a result with a calibration distorts.
-fn distorts(calibrated: &Value) -> bool {
-    let views = calibrated.get("views").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
-    views.iter().any(|view| view.get("is_original") == Some(&Value::Bool(false)))
-}
-
 /// Reads the name and the size of an image.
 fn image(value: &Value) -> Option<ImageNote> {
     let name = value.get("name")?.as_str()?.to_owned();
     let side = |name: &str| value.get(name).and_then(whole);
-    Some(ImageNote { name, frame: crate::geometry::Frame::new(side("width")?, side("height")?) })
+    Some(ImageNote::new(name, crate::geometry::Frame::new(side("width")?, side("height")?)))
 }

@@ -5,6 +5,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::quantity::Quantity;
+use crate::io::opencv_xml::is_xml;
+use crate::io::point_pairs::is_of_pictures;
 
 named! {
     fn name;
@@ -16,7 +18,7 @@ named! {
         Json = "json",
         /// Plain text with comments.
         Text = "text",
-        /// OpenCV `FileStorage`, YAML.
+        /// OpenCV `FileStorage`, YAML. XML is read, too.
         OpencvYaml = "opencv-yaml",
         /// Script for MATLAB and Octave, written only.
         Matlab = "matlab",
@@ -24,7 +26,7 @@ named! {
 }
 
 /// Variables assigned by a script besides the quantities.
-const MATLAB_ALSO_ASSIGNED: [&str; 10] = [
+const MATLAB_ALSO_ASSIGNED: [&str; 32] = [
     "F_vgg",
     "tform1",
     "tform2",
@@ -35,6 +37,28 @@ const MATLAB_ALSO_ASSIGNED: [&str; 10] = [
     "reasons",
     "pair_names",
     "pair_origins",
+    "geometry",
+    "pictures",
+    "view1",
+    "view2",
+    "picture1",
+    "picture2",
+    "undistorted1",
+    "undistorted2",
+    "K1",
+    "K2",
+    "D1",
+    "D2",
+    "View1",
+    "View2",
+    "n",
+    "x",
+    "y",
+    "u",
+    "v",
+    "s",
+    "k",
+    "f",
 ];
 
 impl Format {
@@ -73,11 +97,14 @@ impl Format {
         if start.starts_with(['{', '[']) {
             return Self::Json;
         }
-        if start.starts_with("%YAML") || start.starts_with("---") {
+        if start.starts_with("%YAML") || start.starts_with("---") || is_xml(text) {
             return Self::OpencvYaml;
         }
         let mut lines = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with(['#', '%']));
         let Some(first) = lines.clone().next() else { return Self::Text };
+        if is_of_pictures(text) {
+            return Self::Text;
+        }
         if is_word_before(first, ':') {
             return Self::OpencvYaml;
         }

@@ -12,7 +12,7 @@ use super::coordinates::{NamedTable, WrittenGeometry};
 use super::fields::{Fields, insert, table};
 use super::quantity::Quantity;
 use super::{ImageNote, Problem};
-use crate::camera::RelativePose;
+use crate::camera::{PicturesOf, RelativePose};
 use crate::geometry::{Frame, PointPair};
 
 #[derive(Serialize)]
@@ -24,11 +24,14 @@ struct File<'a> {
     pairs: Vec<[f64; 4]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     images: Option<&'a [ImageNote; 2]>,
-    /// Whether the numbers belong to views without distortion.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    undistorted: bool,
+    /// Pictures that the coordinates belong to, and their views without distortion.
+    #[serde(flatten)]
+    pictures: &'a PicturesOf,
     #[serde(skip_serializing_if = "Option::is_none")]
     self_check: Option<Value>,
+    /// What the geometry is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    geometry: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     verdict: Option<&'a str>,
     /// Reasons of the verdict, names and origins of the pairs.
@@ -46,10 +49,11 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
         matrices: written.matrices.iter().map(|m| (m.quantity.word().to_owned(), value(m))).collect(),
         pairs: written.pairs.iter().map(PointPair::numbers).collect(),
         images: written.images,
-        undistorted: written.is_undistorted,
+        pictures: written.pictures,
         self_check: written
             .check
             .map(|c| json!({ "pairs": c.pairs, "mean_distance": c.mean, "max_distance": c.max })),
+        geometry: written.trust.map(|trust| trust.geometry.as_str()),
         verdict: written.trust.map(|trust| trust.verdict.as_str()),
         words: written.words().into_iter().map(|(name, words)| (name.to_owned(), json!(words))).collect(),
     };

@@ -43,6 +43,8 @@ pub struct PairLabel {
 /// Verdict on a geometry.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct TrustNote {
+    /// What the geometry is: [`TrustNote::RESULT`], or for example a hypothesis or an import.
+    pub geometry: String,
     /// Verdict: `reliable`, `doubtful`, `unreliable`, `not judged` or `unfinished`.
     pub verdict: String,
     /// Reasons, one sentence each.
@@ -50,9 +52,20 @@ pub struct TrustNote {
 }
 
 impl TrustNote {
+    /// Name of the result of an estimate.
+    pub const RESULT: &'static str = "result";
+
+    /// Tells what the geometry is, with its verdict.
+    pub fn sentence(&self) -> String {
+        if self.geometry == Self::RESULT {
+            return format!("The geometry is {}.", self.verdict);
+        }
+        format!("The geometry is {}. It is {}.", self.geometry, self.verdict)
+    }
+
     /// Returns the verdict and its reasons in one line.
     pub fn in_words(&self) -> String {
-        let verdict = std::iter::once(format!("The geometry is {}.", self.verdict));
+        let verdict = std::iter::once(self.sentence());
         verdict.chain(self.reasons.iter().cloned()).collect::<Vec<_>>().join(" ")
     }
 }
@@ -60,7 +73,8 @@ impl TrustNote {
 impl From<&Trust> for TrustNote {
     fn from(trust: &Trust) -> Self {
         let reasons = trust.reasons.iter().map(reason_in_words).collect();
-        Self { verdict: trust.verdict.label().to_owned(), reasons }
+        let (geometry, verdict) = (Self::RESULT.to_owned(), trust.verdict.label().to_owned());
+        Self { geometry, verdict, reasons }
     }
 }
 

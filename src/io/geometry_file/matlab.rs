@@ -9,6 +9,7 @@ use std::fmt::Write;
 
 use super::coordinates::{WrittenGeometry, numbers, one_line};
 use super::quantity::Quantity;
+use super::views;
 
 fn quoted(text: &str) -> String {
     format!("'{}'", one_line(text).replace('\'', "''"))
@@ -28,6 +29,7 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
             frame.width, frame.height
         );
     }
+    text += &views::as_matlab(written.pictures, written.format.origin());
     for table in written.tables() {
         let symbol = table.quantity.symbol();
         let _ = writeln!(text, "% {}\n{symbol} = [", table.quantity.meaning());
@@ -51,7 +53,8 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
         );
     }
     if let Some(trust) = written.trust {
-        let _ = writeln!(text, "verdict = {};", quoted(&trust.verdict));
+        let (geometry, verdict) = (quoted(&trust.geometry), quoted(&trust.verdict));
+        let _ = writeln!(text, "geometry = {geometry};\nverdict = {verdict};");
     }
     for (name, words) in written.words() {
         let words: Vec<_> = words.iter().map(|word| quoted(word)).collect();

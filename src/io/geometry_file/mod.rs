@@ -1,5 +1,8 @@
 //! Files of epipolar geometry for other programs, each in the convention of its readers.
 //!
+//! What is read is wider than what is written: XML of OpenCV, NumPy arrays and archives, and a matrix that is
+//! printed in any notation ([`printed`]). What was read and what was left out is in [`GeometryFile::notes`].
+//!
 //! | [`Format`] | read by | F | centre of the upper left pixel |
 //! |---|---|---|---|
 //! | [`Json`](Format::Json) | this program, scripts | `x2ᵀ F x1 = 0` | (0, 0) |
@@ -20,40 +23,62 @@ mod fields;
 mod format;
 mod json;
 mod labels;
+mod mapping;
 mod matlab;
+mod matrix_name;
 mod notation;
 mod notes;
 mod of_calibration;
 mod opencv_yaml;
+mod printed;
 mod quantity;
 #[cfg(test)]
 mod tests;
 mod text;
+mod views;
+#[cfg(test)]
+mod views_tests;
 mod yaml;
 
 use std::path::Path;
 
+use nalgebra::Matrix3;
+use serde::de::IgnoredAny;
+
 use self::content::BareNumbers;
 use self::coordinates::WrittenGeometry;
 use self::fields::Fields;
-use super::npy::rows_as_text;
-use super::number::rows;
+use self::matrix_name::MatrixName;
+use self::notes::GeometryNote;
+use self::printed::NoMatrix;
+use self::yaml::NOT_YAML;
+use super::match_file::archive;
+use super::npy::{Array, is_npy};
+use super::number::{cells, rows};
+use super::opencv_xml::{is_xml, xml_value};
 use super::output::{OutputFile, WriteError};
 use super::read::{Problem, ReadError, read_bytes, text_of};
 use super::vgg::read_camera;
+use crate::camera::PicturesOf;
 use crate::geometry::{FundamentalMatrix, PointPair};
 
 pub use self::content::{CalibratedNote, GeometryFile, ImageNote};
+pub(super) use self::coordinates::shift;
 #[cfg(feature = "colmap")]
-pub(super) use self::coordinates::{moved_fundamental, moved_pair, shift};
+pub(super) use self::coordinates::{moved_fundamental, moved_pair};
+pub(super) use self::fields::insert;
 pub use self::format::Format;
 pub use self::labels::{PairLabel, PairOrigin, TrustNote};
+pub(super) use self::matrix_name::parts as name_parts;
 pub use self::notation::Notation;
-pub use self::notes::GeometryNote;
-pub(super) use self::yaml::yaml_value;
+pub(super) use self::yaml::{DEEPEST, plain_scalar, yaml_value};
 
 /// Largest structured text that is read, bytes. Parsing takes about 15 times its length in memory.
 const MOST_STRUCTURED: usize = 16 << 20;
+
+/// Largest text that is searched for a printed matrix, bytes.
+const MOST_PRINTED: usize = 1 << 20;
+const LONG: &str = "a text of more than 1 MiB is not searched for a matrix. Save its nine numbers alone";
 
 impl GeometryFile {
     /// Returns the content of a file.
@@ -72,13 +97,13 @@ impl GeometryFile {
         OutputFile::prepare(path)?.write(self.to_text(format).as_bytes())
     }
 
-    /// Reads a file of any format except MATLAB's, detected from its content. Bare numbers are
-    /// accepted: nine are an `F` row by row, rows of four are point pairs.
+    /// Reads a file of any format except own MATLAB scripts, detected from its content, or NumPy arrays. Bare numbers
+    /// are accepted: nine are an `F`, whatever stands around them, rows of four are point pairs.
     pub fn read(path: &Path) -> Result<(Self, Format), ReadError> {
         Self::read_for(path, BareNumbers::Anything)
     }
 
-    /// Reads a text of any format except MATLAB's.
+    /// Reads a text like [`read`](Self::read).
     pub fn parse(text: &str) -> Result<(Self, Format), Problem> {
         Self::parse_for(text, BareNumbers::Anything)
     }
@@ -88,9 +113,9 @@ impl GeometryFile {
         let (file, _) = Self::read_for(path, BareNumbers::Geometry)?;
         let missing = match &file.cameras {
             Some(_) => SAME_CENTRE,
-            None => {
-                "there is no fundamental matrix in it (\"F\" or \"fundamental\"), nor two cameras (\"P1\" and \"P2\")"
-            }
+            None => file.not_fundamental.as_deref().unwrap_or(
+                "there is no fundamental matrix in it (\"F\" or \"fundamental\"), nor two cameras (\"P1\" and \"P2\")",
+            ),
         };
         let fundamental = file.geometry().ok_or_else(|| ReadError::content(path, missing))?;
         Ok((fundamental, file))
@@ -99,32 +124,46 @@ impl GeometryFile {
     /// Reads two files with a camera each. Their notes tell whether they are rectified.
     pub fn read_cameras([left, right]: [&Path; 2]) -> Result<(FundamentalMatrix, Self), ReadError> {
         let cameras = Some([read_camera(left)?, read_camera(right)?]);
-        let file = Self { cameras, ..Self::default() }.noted();
+        let file = Self { cameras, ..Self::of(PicturesOf::Untold) }.noted();
         let fundamental = file.geometry().ok_or_else(|| ReadError::content(right, SAME_CENTRE))?;
         Ok((fundamental, file))
     }
 
     fn read_for(path: &Path, wanted: BareNumbers) -> Result<(Self, Format), ReadError> {
-        let text = text_or_rows(path, read_bytes(path)?)?;
-        let read = Self::parse_for(&text, wanted).map_err(|problem| problem.of_file(path));
-        Ok(of_calibration::completed(path, read).map(|(file, format)| (file.noted(), format))?)
+        let read = Self::of_bytes(path, read_bytes(path)?, wanted);
+        of_calibration::completed(path, read).map(|(file, format)| (file.noted(), format))
     }
 
     /// Adds the notes that follow from the geometry itself.
     fn noted(mut self) -> Self {
         if self.essential.is_some() {
-            self.notes.push(GeometryNote::Essential);
+            self.notes.push(GeometryNote::Essential.to_string());
         }
         if self.cameras.is_some() && self.geometry().is_some_and(|f| f.has_rows()) {
-            self.notes.push(GeometryNote::Rectified);
+            self.notes.push(GeometryNote::Rectified.to_string());
         }
         self
     }
 
-    fn parse_for(text: &str, wanted: BareNumbers) -> Result<(Self, Format), Problem> {
-        if text.trim_start().starts_with('<') {
-            return Err(Problem::whole(XML));
+    /// Reads the bytes of a file: an array, an archive of arrays, or a text.
+    fn of_bytes(path: &Path, bytes: Vec<u8>, wanted: BareNumbers) -> Result<(Self, Format), ReadError> {
+        let arrays = match &bytes {
+            _ if is_npy(&bytes) => Some(Ok(vec![(String::new(), Array::parse(&bytes))])),
+            _ if bytes.starts_with(b"PK") => Some(archive(bytes.clone())),
+            _ => None,
+        };
+        if let Some(arrays) = arrays {
+            let fields = arrays.map_err(Problem::whole).and_then(|arrays| Fields::from_arrays(&arrays));
+            let file = fields.and_then(Fields::interpret).map_err(|problem| problem.of_file(path))?;
+            return Ok((file, Format::Text));
         }
+        if let Some(problem) = unread_kind(&bytes) {
+            return Err(ReadError::content(path, problem));
+        }
+        Self::parse_for(&text_of(path, bytes)?, wanted).map_err(|problem| problem.of_file(path))
+    }
+
+    fn parse_for(text: &str, wanted: BareNumbers) -> Result<(Self, Format), Problem> {
         let format = Format::of_content(text);
         if format != Format::Text && text.len() > MOST_STRUCTURED {
             return Err(Problem::whole(format!(
@@ -133,23 +172,104 @@ impl GeometryFile {
                 format.label()
             )));
         }
-        let fields: Fields = match format {
-            Format::Json => json::read(text)?,
-            Format::Text => text::read(text, wanted)?,
-            Format::OpencvYaml => opencv_yaml::read(text)?,
-            Format::Matlab => return Err(Problem::whole(MATLAB_SCRIPT)),
+        if format == Format::Matlab && text.contains("written by epiline") {
+            return Err(Problem::whole(MATLAB_SCRIPT));
+        }
+        let has_nine = || rows(text).map(|(_, row)| cells(row).count()).sum::<usize>() == 9;
+        let strict = match format {
+            // Numbers without anything around them.
+            Format::Text if !text::has_sections(text) && has_nine() => Err(Problem::whole("")),
+            Format::Json => json::read(text),
+            Format::Text => text::read(text, wanted),
+            Format::OpencvYaml if is_xml(text) => {
+                xml_value(text).and_then(|value| Fields::from_value(&value))
+            }
+            Format::OpencvYaml => opencv_yaml::read(text),
+            Format::Matlab => Err(Problem::whole("")),
         };
-        Ok((fields.interpret()?, format))
+        match strict.and_then(Fields::interpret) {
+            Ok(file) => Ok((file, format)),
+            Err(problem) => {
+                let fields = printed_matrix(text, format, problem)?;
+                Ok((fields.interpret()?, Format::Text))
+            }
+        }
     }
+}
+
+/// Reads a matrix that is printed in a notation of its own. `problem` is that of the format by which the text begins;
+/// it is returned where the text is that format, or shows no matrix.
+fn printed_matrix(text: &str, format: Format, problem: Problem) -> Result<Fields, Problem> {
+    let is_certain = match format {
+        Format::Json => serde_json::from_str::<IgnoredAny>(text).is_ok(),
+        Format::OpencvYaml => is_xml(text) || text.trim_start().starts_with(['%', '-']),
+        Format::Text | Format::Matlab => false,
+    };
+    if is_certain || text.len() > MOST_PRINTED {
+        return Err(if problem.problem.is_empty() { Problem::whole(LONG) } else { problem });
+    }
+    // Any other problem tells more of YAML that is valid.
+    let may_be_unclear = match format {
+        Format::OpencvYaml => problem.problem.starts_with(NOT_YAML),
+        _ => !text::has_sections(text),
+    };
+    let mut printed = printed::read(text).map_err(|error| match error {
+        NoMatrix::Unclear(unclear) if may_be_unclear => Problem::whole(unclear),
+        NoMatrix::Count(count) if problem.problem.is_empty() => expected_nine(count),
+        _ => problem,
+    })?;
+    if text.contains("upper left pixel is (1, 1)") {
+        let there = shift(1.0);
+        let moved = there.transpose() * Matrix3::from_row_slice(&printed.numbers) * there;
+        printed.numbers = moved.transpose().as_slice().try_into().unwrap_or(printed.numbers);
+        printed.notes.push("its pixels are counted from (1, 1), and F was converted to (0, 0)".to_owned());
+    }
+    let mut fields = Fields::default();
+    fields.add_printed(printed)?;
+    Ok(fields)
+}
+
+/// Returns whether the name of an array is that of `F` or of another quantity of a geometry file.
+pub(super) fn names_matrix(name: &str) -> bool {
+    quantity::Quantity::named(name).is_some() || MatrixName::of(name) == MatrixName::Fundamental
+}
+
+/// Says how many numbers there are in place of the nine of `F`.
+fn expected_nine(count: usize) -> Problem {
+    Problem::whole(format!("expected the nine numbers of a fundamental matrix, found {count}"))
 }
 
 const SAME_CENTRE: &str = "the two cameras have the same centre, so there is no fundamental matrix";
 
-/// Advice for an XML file: the conversion to YAML with OpenCV.
-const XML: &str = "XML is not supported. Convert it to YAML with OpenCV in Python: s = cv2.FileStorage('F.xml', 0); cv2.FileStorage('F.yml', 1).write('F', s.getNode('F').mat())";
-
-/// Advice for a MATLAB script, which only MATLAB can evaluate.
+/// Advice for an own script of MATLAB, which has more than a matrix.
 const MATLAB_SCRIPT: &str = "this is a MATLAB script, which is written but not read. Save the numbers as text: writematrix(F, 'F.txt', 'Delimiter', ' ')";
+
+/// Returns a sentence about files of numbers that are not read.
+fn unread_kind(bytes: &[u8]) -> Option<&'static str> {
+    // MATLAB up to version 4 has no mark: its file begins with the kind of the first matrix, its sides, a mark of
+    // complex numbers and the length of its name, as five numbers of 32 bits.
+    let header: Vec<u32> =
+        bytes.chunks_exact(4).take(5).map(|b| u32::from_le_bytes(b.try_into().unwrap_or_default())).collect();
+    let is_old = match header[..] {
+        [kind, rows, columns, complex, name] => {
+            kind < 100
+                && (1..1 << 24).contains(&rows)
+                && (1..1 << 24).contains(&columns)
+                && complex < 2
+                && (2..64).contains(&name)
+        }
+        _ => false,
+    };
+    if bytes.starts_with(b"MATLAB ") || is_old {
+        return Some(
+            "this is a MATLAB file (.mat), which is not read. Save the numbers in MATLAB as text: writematrix(F, 'F.txt', 'Delimiter', ' '), or writematrix([points1 points2], 'matches.txt')",
+        );
+    }
+    let is_hdf = bytes.starts_with(b"\x89HDF\r\n\x1a\n");
+    is_hdf.then_some(
+        "this is an HDF5 file (.h5), which is not read. Save the keypoints and the matches of the pair in Python: import h5py, numpy; numpy.savez('matches.npz', keypoints0=…, keypoints1=…, matches0=…)",
+    )
+}
 
 /// Reads `F` from a file of any [`Format`]. Two cameras in place of `F` are accepted, as are nine
 /// bare numbers row by row or six rows of four (two cameras).
@@ -157,32 +277,23 @@ pub fn read_fundamental(path: &Path) -> Result<FundamentalMatrix, ReadError> {
     Ok(GeometryFile::read_geometry(path)?.0)
 }
 
-/// Returns the text of a file, or the rows of a NumPy array as text.
-fn text_or_rows(path: &Path, bytes: Vec<u8>) -> Result<String, ReadError> {
-    match rows_as_text(&bytes) {
-        Some(text) => text.map_err(|problem| ReadError::content(path, problem)),
-        None => text_of(path, bytes),
-    }
-}
-
-/// Reads the point pairs of a file of any [`Format`]; at least one.
+/// Reads the point pairs of a file of any [`Format`], in the pictures as they are; at least one.
 pub fn read_point_pairs(path: &Path) -> Result<Vec<PointPair>, ReadError> {
-    point_pairs(path, read_bytes(path)?, |file| file.pairs)
+    let pairs = read_pairs(path)?.original_pairs().map_err(|problem| ReadError::content(path, problem))?;
+    if pairs.is_empty() { Err(no_pairs(path)) } else { Ok(pairs) }
 }
 
-/// Parses the bytes of a file and returns those of its point pairs that `select` takes; at least one.
-pub(super) fn point_pairs(
-    path: &Path,
-    bytes: Vec<u8>,
-    select: fn(GeometryFile) -> Vec<PointPair>,
-) -> Result<Vec<PointPair>, ReadError> {
-    let none = || ReadError::content(path, "no point pairs found. Each row needs x1 y1 x2 y2");
-    let text = text_or_rows(path, bytes)?;
-    let (file, _) = match GeometryFile::parse(&text) {
-        // An empty file needs no list of field names.
-        Err(_) if rows(&text).next().is_none() => return Err(none()),
-        other => other.map_err(|problem| problem.of_file(path))?,
-    };
-    let pairs = select(file);
-    if pairs.is_empty() { Err(none()) } else { Ok(pairs) }
+/// Reads a file with point pairs; at least one, or the matches of a result.
+pub(super) fn read_pairs(path: &Path) -> Result<GeometryFile, ReadError> {
+    let bytes = read_bytes(path)?;
+    // An empty file needs no list of field names.
+    if std::str::from_utf8(&bytes).is_ok_and(|text| rows(text).next().is_none()) {
+        return Err(no_pairs(path));
+    }
+    let (file, _) = GeometryFile::of_bytes(path, bytes, BareNumbers::Anything)?;
+    if file.pairs.is_empty() && file.found.is_empty() { Err(no_pairs(path)) } else { Ok(file) }
+}
+
+fn no_pairs(path: &Path) -> ReadError {
+    ReadError::content(path, "no point pairs found. Each row needs x1 y1 x2 y2")
 }

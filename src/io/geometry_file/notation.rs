@@ -2,12 +2,15 @@
 
 use std::fmt::Write;
 
-use serde_json::{Map, json};
+use serde_json::{Map, Value, json};
 
 use super::coordinates::{moved_fundamental, numbers, one_line};
+use super::mapping::{Language, mapping};
 use super::quantity::Quantity;
 use super::{Format, TrustNote};
-use crate::geometry::FundamentalMatrix;
+use crate::camera::PicturesOf;
+use crate::geometry::{FundamentalMatrix, PointPair};
+use crate::presentation::pictures_in_words;
 
 named! {
     fn name;
@@ -28,16 +31,47 @@ named! {
 }
 
 impl Notation {
-    /// Returns `F` in this notation. A comment states the convention and the verdict, if given. JSON
-    /// has a field for the verdict instead.
-    pub fn text(self, fundamental: &FundamentalMatrix, trust: Option<&TrustNote>) -> String {
+    /// Returns `F` in this notation. Comments state the convention, the pictures that `F` belongs to, what the
+    /// geometry is, and the verdict; JSON has fields instead. With a lens, code leads from the pictures to `F`.
+    pub fn text(
+        self,
+        fundamental: &FundamentalMatrix,
+        pictures: &PicturesOf,
+        trust: Option<&TrustNote>,
+    ) -> String {
+        self.written(fundamental, pictures, None, trust)
+    }
+
+    /// Returns `F` for places in the pictures as they are near a point pair, like [`Self::text`].
+    pub fn text_near(self, local: &FundamentalMatrix, at: &PointPair, trust: Option<&TrustNote>) -> String {
+        self.written(local, &PicturesOf::Original, Some(at), trust)
+    }
+
+    fn written(
+        self,
+        fundamental: &FundamentalMatrix,
+        pictures: &PicturesOf,
+        near: Option<&PointPair>,
+        trust: Option<&TrustNote>,
+    ) -> String {
         let origin = if self == Self::Matlab { Format::Matlab.origin() } else { 0.0 };
         let moved = moved_fundamental(fundamental, origin);
         let matrix = moved.as_ref().unwrap_or(fundamental);
         let rows = matrix.rows();
         if self == Self::Json {
             let mut fields = Map::from_iter([(Quantity::Fundamental.word().to_owned(), json!(rows))]);
-            fields.extend(trust.map(|trust| ("verdict".to_owned(), json!(trust.verdict))));
+            if let Ok(Value::Object(pictures)) = serde_json::to_value(pictures) {
+                fields.extend(pictures);
+            }
+            fields.extend(near.map(|at| ("valid_near".to_owned(), json!(at.numbers()))));
+            let words = trust.into_iter().flat_map(|trust| {
+                [
+                    ("geometry", json!(trust.geometry)),
+                    ("verdict", json!(trust.verdict)),
+                    ("reasons", json!(trust.reasons)),
+                ]
+            });
+            fields.extend(words.map(|(name, value)| (name.to_owned(), value)));
             return format!("{}\n", json!(fields));
         }
         let comment = match self {
@@ -48,8 +82,19 @@ impl Notation {
         let mut text = format!(
             "{comment} x2' F x1 = 0 in pixels; the centre of the upper left pixel is ({origin}, {origin}).\n"
         );
+        for sentence in pictures_in_words(pictures, origin) {
+            let _ = writeln!(text, "{comment} {sentence}");
+        }
+        if let Some(at) = near {
+            let [x1, y1, x2, y2] = at.numbers().map(|v| v + origin);
+            let _ = writeln!(
+                text,
+                "{comment} Valid only near ({x1:.2}, {y1:.2}) and ({x2:.2}, {y2:.2}): the lenses are replaced by their \
+                 linear parts there."
+            );
+        }
         if let Some(trust) = trust {
-            let _ = writeln!(text, "{comment} This geometry is {}.", one_line(&trust.verdict));
+            let _ = writeln!(text, "{comment} {}", one_line(&trust.in_words()));
         }
         let joined =
             |separator: &str| rows.iter().map(|row| numbers(row, ", ")).collect::<Vec<_>>().join(separator);
@@ -63,6 +108,19 @@ impl Notation {
                 writeln!(text, "\\begin{{bmatrix}}\n    {rows}\n\\end{{bmatrix}}")
             }
         };
+        let language = match self {
+            Self::NumPy => Language::Python,
+            Self::Cpp => Language::Cpp,
+            Self::Matlab => Language::Matlab,
+            Self::Latex | Self::Json => return text,
+        };
+        if let Some(views) = pictures.views() {
+            let _ = writeln!(
+                text,
+                "{comment} F belongs to undistorted1 and undistorted2 of places in the pictures:"
+            );
+            text += &mapping(views, language, origin);
+        }
         text
     }
 }
@@ -95,20 +153,20 @@ mod tests {
     fn code_has_every_digit_row_by_row() {
         let f = example();
         let expected = f.rows().concat();
-        let numpy = Notation::NumPy.text(&f, None);
+        let numpy = Notation::NumPy.text(&f, &PicturesOf::Original, None);
         assert!(numpy.starts_with("# x2' F x1 = 0"), "{numpy}");
         assert_eq!(numbers_within(&numpy, "F = np.array([", "])"), expected);
-        let cpp = Notation::Cpp.text(&f, None);
+        let cpp = Notation::Cpp.text(&f, &PicturesOf::Original, None);
         assert!(cpp.starts_with("// x2' F x1 = 0"), "{cpp}");
         assert_eq!(numbers_within(&cpp, "const cv::Matx33d F(", ");"), expected);
-        let json = Notation::Json.text(&f, None);
+        let json = Notation::Json.text(&f, &PicturesOf::Original, None);
         assert_eq!(GeometryFile::parse(&json).unwrap().0.fundamental, Some(f));
     }
 
     #[test]
     fn matlab_counts_pixels_from_one() {
         let f = example();
-        let text = Notation::Matlab.text(&f, None);
+        let text = Notation::Matlab.text(&f, &PicturesOf::Original, None);
         assert!(text.contains("pixel is (1, 1)"), "{text}");
         let found = nalgebra::Matrix3::from_row_slice(&numbers_within(&text, "F = [", "];"));
         let found = FundamentalMatrix::from_rank_two(found).unwrap();
@@ -125,15 +183,24 @@ mod tests {
         assert_eq!(in_latex(-1.234_567_8e-5), "-1.23457 \\times 10^{-5}");
         assert_eq!(in_latex(0.0), "0.00000");
         assert_eq!(in_latex(1.5), "1.50000");
-        let text = Notation::Latex.text(&example(), None);
+        let text = Notation::Latex.text(&example(), &PicturesOf::Original, None);
         assert_eq!((text.matches(" & ").count(), text.matches("\\\\\n").count()), (6, 2), "{text}");
     }
 
     #[test]
     fn each_notation_tells_the_verdict() {
-        let trust = TrustNote { verdict: "doubtful".into(), reasons: Vec::new() };
+        let geometry = "hypothesis 3 of 8, not the result".to_owned();
+        let trust = TrustNote { geometry, verdict: "doubtful".into(), reasons: Vec::new() };
         for notation in Notation::ALL {
-            assert!(notation.text(&example(), Some(&trust)).contains("doubtful"), "{notation:?}");
+            let text = notation.text(&example(), &PicturesOf::Original, Some(&trust));
+            assert!(
+                text.contains("doubtful") && text.contains("hypothesis 3 of 8, not the result"),
+                "{text}"
+            );
+            assert!(
+                text.contains("the pictures as they are") || text.contains("\"pictures\":\"original\""),
+                "{text}"
+            );
         }
     }
 }

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Format, GeometryFile, GeometryNote};
-use crate::camera::{RelativePose, ViewPair};
+use super::notes::GeometryNote;
+use super::{Format, GeometryFile};
+use crate::camera::{PicturesOf, RelativePose, ViewPair};
 use crate::geometry::{Camera, FundamentalMatrix, epipolar_difference};
 use crate::io::calibration::{CalibratedCamera, Calibration};
 use crate::io::read::ReadError;
@@ -29,14 +30,20 @@ pub(super) fn completed(
     if read.as_ref().is_ok_and(|(file, _)| is_other(file)) {
         return read;
     }
-    let Ok(pair) = Calibration::read(path).map_err(drop).and_then(|found| found.pair(None).map_err(drop))
-    else {
-        return read;
+    let found = match Calibration::find(path) {
+        Some(Ok(found)) => found,
+        Some(Err(problem)) => return read.or(Err(problem)),
+        None => return read,
+    };
+    // F belongs to pictures without distortion, so it does not depend on the model of a lens.
+    let pair = match found.open_pair(None) {
+        Ok(pair) => pair,
+        Err(problem) => return read.map_err(|_| ReadError::content(path, problem)),
     };
     let Some((pose, _)) = CalibratedCamera::relative_pose(&pair) else {
         return read.map_err(|_| ReadError::content(path, NO_POSE));
     };
-    let (file, format) = read.unwrap_or((GeometryFile::default(), Format::OpencvYaml));
+    let (file, format) = read.unwrap_or((GeometryFile::of(PicturesOf::Untold), Format::OpencvYaml));
     Ok((file.with_calibration(&pair, &pose), format))
 }
 
@@ -44,7 +51,8 @@ impl GeometryFile {
     /// Returns the geometry of two calibrated cameras. `None` without poses.
     pub fn of_calibration(pair: &[CalibratedCamera; 2]) -> Option<Self> {
         let (pose, _) = CalibratedCamera::relative_pose(pair)?;
-        Some(Self::default().with_calibration(pair, &pose)).filter(|file| file.fundamental.is_some())
+        Some(Self::of(PicturesOf::Untold).with_calibration(pair, &pose))
+            .filter(|file| file.fundamental.is_some())
     }
 
     /// Adds the geometry of two calibrated cameras. F and cameras that are there are compared with it.
@@ -63,14 +71,17 @@ impl GeometryFile {
         };
         let lens = pair.iter().any(|camera| !camera.model.lens().is_ideal());
         match (&self.fundamental, self.geometry()) {
-            (Some(own), _) if differs(own) => self.notes.push(GeometryNote::Contradicted),
-            (None, Some(own)) if differs(&own) => self.notes.push(GeometryNote::OtherCameras),
+            (Some(own), _) if differs(own) => self.notes.push(GeometryNote::Contradicted.to_string()),
+            (None, Some(own)) if differs(&own) => self.notes.push(GeometryNote::OtherCameras.to_string()),
             _ => {}
         }
         self.fundamental = self.fundamental.or(Some(fundamental));
         self.cameras = cameras.map(<[Camera; 2]>::from);
-        self.is_undistorted |= lens;
-        self.notes.push(GeometryNote::OfCalibration { lens });
+        if lens {
+            self.pictures = PicturesOf::Undistorted(None);
+        }
+        self.notes.push(GeometryNote::OfCalibration { lens }.to_string());
+        self.notes.extend(CalibratedCamera::notes_of(pair));
         self
     }
 
@@ -79,14 +90,9 @@ impl GeometryFile {
     pub fn calibrated_essential(&self, pair: &[CalibratedCamera; 2]) -> Option<Self> {
         let fundamental = of_essential(&self.essential?, &pair.each_ref().map(|c| c.model.calibration()))?;
         let lens = pair.iter().any(|camera| !camera.model.lens().is_ideal());
-        let notes = vec![GeometryNote::OfCalibration { lens }];
-        Some(Self {
-            fundamental: Some(fundamental),
-            is_undistorted: lens,
-            essential: None,
-            notes,
-            ..self.clone()
-        })
+        let notes = vec![GeometryNote::OfCalibration { lens }.to_string()];
+        let pictures = if lens { PicturesOf::Undistorted(None) } else { self.pictures.clone() };
+        Some(Self { fundamental: Some(fundamental), pictures, essential: None, notes, ..self.clone() })
     }
 
     /// Returns `F` between the views of calibrated cameras. The calibration matrices of an essential matrix
@@ -96,7 +102,7 @@ impl GeometryFile {
         if let Some(essential) = &self.essential {
             return of_essential(essential, &of_views);
         }
-        let own = self.cameras.as_ref().filter(|_| self.is_undistorted);
+        let own = self.cameras.as_ref().filter(|_| self.pictures == PicturesOf::Undistorted(None));
         let Some([k1, k2]) = own.and_then(|[a, b]| Some([a.calibration()?, b.calibration()?])) else {
             return self.geometry();
         };

@@ -7,7 +7,7 @@ use std::fmt::Write;
 use super::coordinates::{NamedTable, WrittenGeometry, numbers, one_line};
 use super::fields::Fields;
 use super::yaml::yaml_value;
-use super::{Format, ImageNote, Problem};
+use super::{Format, ImageNote, Problem, views};
 
 pub(super) fn write(written: &WrittenGeometry) -> String {
     debug_assert_eq!(written.format, Format::OpencvYaml);
@@ -18,9 +18,7 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
     for (k, image) in written.images.iter().flat_map(|i| i.iter()).enumerate() {
         text.push_str(&image_map(k + 1, image));
     }
-    if written.is_undistorted {
-        text.push_str("undistorted: 1\n");
-    }
+    text += &views::as_yaml(written.pictures);
     for table in written.tables() {
         text.push_str(&matrix_map(&table));
     }
@@ -29,7 +27,8 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
         let _ = write!(text, "self_check:\n   pairs: {}\n   mean_distance: {distances}\n", check.pairs);
     }
     if let Some(trust) = written.trust {
-        let _ = writeln!(text, "verdict: {}", quoted(&trust.verdict));
+        let (geometry, verdict) = (quoted(&trust.geometry), quoted(&trust.verdict));
+        let _ = writeln!(text, "geometry: {geometry}\nverdict: {verdict}");
     }
     for (name, words) in written.words() {
         let words: Vec<_> = words.iter().map(|word| quoted(word)).collect();

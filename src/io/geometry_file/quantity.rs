@@ -65,6 +65,11 @@ impl Quantity {
         names.get(1).unwrap_or(&names[0])
     }
 
+    /// Returns whether it is points or point pairs.
+    pub(super) fn is_points(self) -> bool {
+        matches!(self, Self::Points1 | Self::Points2 | Self::Pairs)
+    }
+
     pub(super) fn named(name: &str) -> Option<Self> {
         QUANTITIES.iter().find(|(_, names, _)| names.contains(&name)).map(|(quantity, ..)| *quantity)
     }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::camera::PicturesOf;
 use crate::geometry::random_scene::example_seen;
 use crate::geometry::{Camera, Frame, symmetric_epipolar_distance};
 use nalgebra::Matrix3;
@@ -24,9 +25,9 @@ fn example() -> GeometryFile {
         pairs: (0..30).map(|k| pair(f64::from(k))).collect(),
         images: Some(
             ["left view.png", "it's F = [<a> \"test\"] & more.png"]
-                .map(|name| ImageNote { name: name.to_owned(), frame: Frame::new(768, 576) }),
+                .map(|name| ImageNote::new(name.to_owned(), Frame::new(768, 576))),
         ),
-        ..GeometryFile::default()
+        ..GeometryFile::of(PicturesOf::Untold)
     }
 }
 
@@ -39,6 +40,7 @@ fn every_format_says_how_far_to_trust_it_and_where_the_pairs_come_from() {
     let file = GeometryFile {
         labels: labels.chain(vec![automatic; 27]).collect(),
         trust: Some(TrustNote {
+            geometry: "imported from F.txt, as read".into(),
             verdict: "unreliable".into(),
             reasons: vec!["Pair q is 9 px off -- check it.".into()],
         }),
@@ -46,9 +48,15 @@ fn every_format_says_how_far_to_trust_it_and_where_the_pairs_come_from() {
     };
     for format in Format::ALL {
         let text = file.to_text(format);
-        for words in
-            ["unreliable", "Pair q is 9 px off -- check it.", "clicked", "suggested", "automatic", "door"]
-        {
+        for words in [
+            "unreliable",
+            "imported from F.txt, as read",
+            "Pair q is 9 px off -- check it.",
+            "clicked",
+            "suggested",
+            "automatic",
+            "door",
+        ] {
             assert!(text.contains(words), "{format:?}: {words} is not in\n{text}");
         }
     }
@@ -84,15 +92,15 @@ fn every_format_gives_everything_back() {
 fn parts_can_be_missing() {
     let whole = example();
     let parts = [
-        GeometryFile { fundamental: whole.fundamental, ..GeometryFile::default() },
-        GeometryFile { pairs: whole.pairs.clone(), ..GeometryFile::default() },
+        GeometryFile { fundamental: whole.fundamental, ..GeometryFile::of(PicturesOf::Untold) },
+        GeometryFile { pairs: whole.pairs.clone(), ..GeometryFile::of(PicturesOf::Untold) },
         GeometryFile {
             fundamental: whole.fundamental,
             pairs: whole.pairs.clone(),
-            ..GeometryFile::default()
+            ..GeometryFile::of(PicturesOf::Untold)
         },
-        GeometryFile { homographies: whole.homographies, ..GeometryFile::default() },
-        GeometryFile { homography21: whole.homography21, ..GeometryFile::default() },
+        GeometryFile { homographies: whole.homographies, ..GeometryFile::of(PicturesOf::Untold) },
+        GeometryFile { homography21: whole.homography21, ..GeometryFile::of(PicturesOf::Untold) },
     ];
     for format in read_formats() {
         for part in &parts {
@@ -110,7 +118,7 @@ fn parts_can_be_missing() {
 
 #[test]
 fn cameras_alone_are_written_with_their_f() {
-    let cameras = GeometryFile { cameras: example().cameras, ..GeometryFile::default() };
+    let cameras = GeometryFile { cameras: example().cameras, ..GeometryFile::of(PicturesOf::Untold) };
     for format in read_formats() {
         let (found, _) = GeometryFile::parse(&cameras.to_text(format)).unwrap();
         let difference = found.fundamental.unwrap().matrix() - example().fundamental.unwrap().matrix();
@@ -267,7 +275,7 @@ fn what_is_wrong_is_said() {
         ("F\n1 2 x\n", "line 2: \"x\" is not a finite number"),
         ("P1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n", "P1 is given, but P2 is missing"),
         ("P1\n1 0 0 0\n0 1 0 0\n0 0 1 0\nP2\n1 0 0 0\n0 1 0 0\n0 0 1 0\n", "same centre"),
-        ("F = [1 2 3; 4 5 x]", "this is a MATLAB script, which is written but not read"),
+        ("F = [1 2 3; 4 5 x]", "but F has 5"),
         (
             "%YAML:1.0\n---\nF: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 1, 2 ]\n",
             "expected 3×3 numbers, found 2",
@@ -281,9 +289,9 @@ fn what_is_wrong_is_said() {
             "not valid YAML",
         ),
         ("%YAML:1.0", "empty or ends too early"),
-        ("F: [1, 2\npoints: 3", "not valid YAML"),
+        ("F: [1, 2\npoints: 3", "but F has 2"),
         ("a: &a [1]\nF: *a\n", "aliases"),
-        ("<opencv_storage><F>", "Convert it to YAML with OpenCV"),
+        ("<opencv_storage><F>", "ends too early"),
         (
             "{\"F\": {\"rows\": 18446744073709551615, \"cols\": 2, \"dt\": \"99d\", \"data\": []}}",
             "numbers, found 0",
@@ -292,7 +300,7 @@ fn what_is_wrong_is_said() {
             "{\"points1\": [[1, 2]], \"points2\": [[1, 2], [3, 4]], \"F\": [[0,0,0],[0,0,-1],[0,1,0]]}",
             "1 points in image 1 and 2",
         ),
-        ("{\"pairs\": [[1e308, 1e308, 1, 2, 3]], \"F\": [[0,0,0],[0,0,-1],[0,1,0]]}", "expected rows of 4"),
+        ("{\"pairs\": [[1e308, 1e308, 1]], \"F\": [[0,0,0],[0,0,-1],[0,1,0]]}", "expected rows of 4"),
         ("", "expected the nine numbers of a fundamental matrix, found 0"),
     ] {
         let message = read(content).unwrap_err();
@@ -356,12 +364,12 @@ proptest! {
         let matrix = Matrix3::from_fn(|r, c| rows[r][c]);
         let nearest = FundamentalMatrix::nearest_rank_two(matrix).and_then(|f| FundamentalMatrix::from_rows(f.rows()).ok());
         let Some(fundamental) = nearest else { return Ok(()) };
-        let image = || ImageNote { name: name.trim().to_owned(), frame: Frame::new(7, 5) };
+        let image = || ImageNote::new(name.trim().to_owned(), Frame::new(7, 5));
         let file = GeometryFile {
             fundamental: Some(fundamental),
             pairs: points.iter().map(|p| PointPair::new(p[0], p[1], p[2], p[3])).collect(),
             images: with_images.then(|| [image(), image()]),
-            ..GeometryFile::default()
+            ..GeometryFile::of(PicturesOf::Untold)
         };
         for format in read_formats() {
             let text = file.to_text(format);

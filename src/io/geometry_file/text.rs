@@ -9,8 +9,8 @@
 //! 157.0 336.0 100.9 343.7
 //! ```
 //!
-//! Numbers without a name are read too: nine are an `F`, rows of four are point pairs (see
-//! [`parse_point_pairs`]). Where a geometry is expected, six rows of four are two cameras.
+//! Numbers without a name are read too: nine are an `F` (see [`printed`](super::printed)), rows of four are point
+//! pairs (see [`parse_point_pairs`]). Where a geometry is expected, six rows of four are two cameras.
 
 use std::fmt::Write;
 
@@ -18,7 +18,7 @@ use super::coordinates::{WrittenGeometry, numbers, one_line};
 use super::fields::{Fields, NumberTable};
 use super::labels::runs;
 use super::quantity::Quantity;
-use super::{BareNumbers, ImageNote, Problem};
+use super::{BareNumbers, ImageNote, Problem, expected_nine, views};
 use crate::geometry::{Frame, PointPair};
 use crate::io::number::{cells, finite_numbers, rows};
 use crate::io::point_pairs::parse_point_pairs;
@@ -29,7 +29,7 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
         let _ = writeln!(text, "# {line}");
     }
     if let Some(trust) = written.trust {
-        let _ = writeln!(text, "# Verdict: {}.", trust.verdict);
+        let _ = writeln!(text, "# Geometry: {}.\n# Verdict: {}.", one_line(&trust.geometry), trust.verdict);
         for reason in &trust.reasons {
             let _ = writeln!(text, "#   {}", one_line(reason));
         }
@@ -38,6 +38,7 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
         let frame = image.frame;
         let _ = writeln!(text, "image{} {} {} {}", k + 1, frame.width, frame.height, one_line(&image.name));
     }
+    text += &views::as_text(written.pictures);
     for matrix in &written.matrices {
         let _ = writeln!(text, "# {}\n{}", matrix.quantity.meaning(), matrix.quantity.symbol());
         for row in matrix.values.chunks(matrix.columns) {
@@ -64,9 +65,16 @@ pub(super) fn write(written: &WrittenGeometry) -> String {
     text
 }
 
+/// Returns whether a text begins with the name of a section.
+pub(super) fn has_sections(text: &str) -> bool {
+    let first = rows(text).next().map(|(_, row)| row);
+    first.is_some_and(|row| {
+        Quantity::named(row).is_some() || image_number(row).is_some() || views::is_named(row)
+    })
+}
+
 pub(super) fn read(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
-    let is_named = |row: &str| Quantity::named(row).is_some() || image_number(row).is_some();
-    if !rows(text).next().is_some_and(|(_, row)| is_named(row)) {
+    if !has_sections(text) {
         return bare(text, wanted);
     }
     let mut fields = Fields::default();
@@ -79,6 +87,8 @@ pub(super) fn read(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
     for (line, row) in rows(text) {
         if let Some(quantity) = Quantity::named(row) {
             close(current.replace((quantity, Vec::new())), &mut fields)?;
+        } else if views::is_named(row) {
+            fields.pictures.read_row(row).map_err(|e| Problem::at(line, e))?;
         } else if let Some(number) = image_number(row) {
             fields.images[number - 1] = Some(image(row).map_err(|e| Problem::at(line, e))?);
         } else {
@@ -118,36 +128,30 @@ fn image(row: &str) -> Result<ImageNote, String> {
     match (side(), side()) {
         (Some(width), Some(height)) => {
             let name = words.next().unwrap_or("").trim().to_owned();
-            Ok(ImageNote { name, frame: Frame::new(width, height) })
+            Ok(ImageNote::new(name, Frame::new(width, height)))
         }
         _ => Err("expected the width, the height and the name of an image".into()),
     }
 }
 
-/// Reads numbers without names.
+/// Reads numbers without names: point pairs, or six rows of two cameras.
 fn bare(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
     let mut fields = Fields::default();
-    let count = rows(text).map(|(_, row)| cells(row).count()).sum::<usize>();
-    if wanted == BareNumbers::Anything && count != 9 {
-        let pairs = parse_point_pairs(text)?;
+    if wanted == BareNumbers::Anything {
+        let (pairs, notes) = parse_point_pairs(text)?;
         let numbers: Vec<f64> = pairs.iter().flat_map(PointPair::numbers).collect();
         fields.add(Quantity::Pairs, NumberTable::new(pairs.len(), 4, numbers).map_err(Problem::whole)?)?;
+        fields.notes = notes;
         return Ok(fields);
     }
-    // Nine numbers or two cameras are left.
+    let count = rows(text).map(|(_, row)| cells(row).count()).sum::<usize>();
     if count > 24 {
-        return Err(Problem::whole(format!(
-            "expected the nine numbers of a fundamental matrix, found {count}"
-        )));
+        return Err(expected_nine(count));
     }
     let lists = rows(text)
         .map(|(line, row)| finite_numbers(row).map_err(|e| Problem::at(line, e)))
         .collect::<Result<Vec<_>, _>>()?;
-    // The nine numbers may be split over lines arbitrarily.
-    let table = NumberTable::from_rows(&lists).or_else(|_| {
-        let numbers = lists.concat();
-        NumberTable::new(1, numbers.len(), numbers)
-    });
-    fields.add_bare(table.map_err(Problem::whole)?, wanted)?;
+    let table = NumberTable::from_rows(&lists).map_err(|_| expected_nine(count))?;
+    fields.add_bare(table, wanted)?;
     Ok(fields)
 }

@@ -10,7 +10,9 @@ use super::Problem;
 use super::fields::insert;
 
 /// Maximum depth of nested lists. Matrices need three.
-const DEEPEST: usize = 32;
+pub(in crate::io) const DEEPEST: usize = 32;
+
+pub(super) const NOT_YAML: &str = "this is not valid YAML";
 
 /// List or mapping that is not closed yet.
 enum Open {
@@ -26,8 +28,8 @@ pub(in crate::io) fn yaml_value(text: &str) -> Result<Value, Problem> {
     let text = if text.starts_with("%YAML") { text.find('\n').map_or("", |end| &text[end..]) } else { text };
     let mut open: Vec<Open> = Vec::new();
     for event in Parser::new_from_str(text) {
-        let (event, span) = event
-            .map_err(|e| Problem::at(e.marker().line(), format!("this is not valid YAML: {}", e.info())))?;
+        let (event, span) =
+            event.map_err(|e| Problem::at(e.marker().line(), format!("{NOT_YAML}: {}", e.info())))?;
         let line = span.start.line();
         let complete = match event {
             Event::SequenceStart(..) => {
@@ -42,7 +44,8 @@ pub(in crate::io) fn yaml_value(text: &str) -> Result<Value, Problem> {
                 Open::List(items) => Value::Array(items),
                 Open::Mapping(items, _) => Value::Object(items),
             }),
-            Event::Scalar(text, style, ..) => Some(scalar(&text, style)),
+            Event::Scalar(text, ScalarStyle::Plain, ..) => Some(plain_scalar(&text)),
+            Event::Scalar(text, ..) => Some(Value::String(text.into_owned())),
             Event::Alias(_) => {
                 return Err(Problem::at(line, "aliases (*name) are not supported. Write the numbers out"));
             }
@@ -68,14 +71,10 @@ pub(in crate::io) fn yaml_value(text: &str) -> Result<Value, Problem> {
     Err(Problem::whole("this YAML file is empty or ends too early"))
 }
 
-fn scalar(text: &str, style: ScalarStyle) -> Value {
-    let number = if style == ScalarStyle::Plain { text.parse::<f64>().ok() } else { None };
+/// Returns a number, or a text.
+pub(in crate::io) fn plain_scalar(text: &str) -> Value {
     // Integers are counts. A number that is not finite stays text, for the error message.
     let whole = text.parse::<u64>().ok().map(Value::from);
-    match number {
-        Some(number) => whole
-            .or_else(|| serde_json::Number::from_f64(number).map(Value::Number))
-            .unwrap_or_else(|| Value::String(text.to_owned())),
-        None => Value::String(text.to_owned()),
-    }
+    let number = || text.parse().ok().and_then(serde_json::Number::from_f64).map(Value::Number);
+    whole.or_else(number).unwrap_or_else(|| Value::String(text.to_owned()))
 }

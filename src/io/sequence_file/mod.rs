@@ -147,6 +147,11 @@ impl<'a> Gathered<'a> {
     }
 
     fn push_picture(&mut self, picture: Picture) -> Result<(), SequenceError> {
+        // Equal numbers are equally bright in all frames.
+        let picture = match &self.first {
+            Some(first) => picture.in_range_of(first),
+            None => picture,
+        };
         self.push(&picture.gray)?;
         self.first.get_or_insert(picture);
         Ok(())

@@ -124,7 +124,7 @@ impl Imported {
     }
 
     pub fn geometry(&self) -> GivenGeometry {
-        GivenGeometry { fundamental: self.fundamental, cameras: self.cameras }
+        GivenGeometry { cameras: self.cameras, ..self.fundamental.into() }
     }
 }
 

@@ -1,23 +1,36 @@
 //! Composes files for other programs. The model is read here; a thread composes and writes.
 
+use std::path::{Path, PathBuf};
+
 use super::order::{ExportKind, ExportOrder, ReportFormat};
 use super::profile;
 use super::table;
-use super::trust::{result_note, trust_note};
+use super::trust::{result_note, shown_in_words, trust_note};
 use crate::app::model::Model;
 use crate::app::model::document::{Given, Side, counted};
 use crate::app::model::rectified::RectifyQuestion;
+use crate::camera::PicturesOf;
 use crate::estimate::PlaneHomography;
 use crate::geometry::PointPair;
 use crate::io::{
-    Format, GeometryFile, ImageNote, PairLabel, PairOrigin, ResultFile, matrix_as_npy, result_in_words,
+    Format, GeometryFile, ImageNote, PairLabel, PairOrigin, ResultFile, UndistortedFiles, fundamental_as_npy,
+    result_in_words,
 };
+use crate::presentation::pictures_in_words;
 use crate::rectify::Limits;
 
 impl ExportKind {
     /// Returns the reason why this cannot be exported now, if there is one.
     pub fn missing(self, model: &Model) -> Option<&'static str> {
         let (there, why) = match self {
+            Self::Array if model.open.undistorted().is_some() => (
+                false,
+                "An array has no room for the lens that F belongs to. Choose Geometry or Without distortion.",
+            ),
+            Self::Undistorted => (
+                model.open.undistorted().is_some() && model.shown().is_some(),
+                "No lens is corrected, or there is no geometry yet.",
+            ),
             Self::Geometry | Self::Array => {
                 (model.shown().is_some(), "There is no geometry yet: click two point pairs, or import one.")
             }
@@ -42,7 +55,8 @@ impl ExportKind {
 
     /// Returns whether to offer this export. The rare ones are hidden for most pairs of images.
     pub fn is_offered(self, model: &Model) -> bool {
-        self != Self::Plane || self.missing(model).is_none()
+        let is_rare = matches!(self, Self::Plane | Self::Undistorted);
+        !is_rare || self.missing(model).is_none()
     }
 }
 
@@ -63,20 +77,18 @@ pub fn content(
     let nothing = || "There is nothing to export yet: open two images first.".to_owned();
     let images = notes(model).ok_or_else(nothing)?;
     let format = order.format;
-    let mut file = GeometryFile { images: Some(images.clone()), ..GeometryFile::default() };
+    let pictures_of = model.open.pictures_of();
+    let mut file = GeometryFile { images: Some(images.clone()), ..GeometryFile::of(pictures_of.clone()) };
     if matches!(order.what, ExportKind::Geometry | ExportKind::Pairs | ExportKind::Table) {
         file.pairs = pairs(model, order.with_matches);
         file.labels = labels(model, order.with_matches);
     }
-    if model.open.undistorted().is_some() {
-        file.is_undistorted = true;
-        if order.what == ExportKind::Pairs {
-            // Pairs alone are places in the pictures.
-            file.pairs = file.pairs.iter().map(|pair| model.open.pixels_of(pair)).collect();
-            file.is_undistorted = false;
-            for (note, side) in file.images.iter_mut().flatten().zip(Side::BOTH) {
-                note.frame = model.open.shown_frame(side).unwrap_or(note.frame);
-            }
+    if order.what == ExportKind::Pairs && pictures_of.is_undistorted() {
+        // Pairs alone are places in the pictures.
+        file.pairs = file.pairs.iter().map(|pair| model.open.pixels_of(pair)).collect();
+        file.pictures = PicturesOf::Original;
+        for (note, side) in file.images.iter_mut().flatten().zip(Side::BOTH) {
+            note.frame = model.open.shown_frame(side).unwrap_or(note.frame);
         }
     }
     match order.what {
@@ -96,8 +108,9 @@ pub fn content(
             (content, what)
         }
         ExportKind::Array => {
-            let matrix = *model.shown().ok_or_else(nothing)?.fundamental.matrix();
-            (Box::new(move || Ok(matrix_as_npy(&matrix))), "F as a NumPy array".to_owned())
+            let array = fundamental_as_npy(model.shown().ok_or_else(nothing)?.fundamental, &pictures_of);
+            let array = array.map_err(|problem| format!("The array was not written: {problem}."))?;
+            (Box::new(move || Ok(array)), "F as a NumPy array".to_owned())
         }
         ExportKind::Plane => {
             file.homography21 = plane(model).map(|plane| plane.homography21);
@@ -119,11 +132,11 @@ pub fn content(
             }
             let inspection = model.open.inspection.as_ref().ok_or_else(nothing)?;
             (
-                text(profile::csv(inspection, trust.as_ref())),
+                text(profile::csv(inspection, &pictures_of, trust.as_ref())),
                 "the profile of the inspected line pair".to_owned(),
             )
         }
-        ExportKind::Figure | ExportKind::View | ExportKind::Rectified => {
+        ExportKind::Figure | ExportKind::View | ExportKind::Rectified | ExportKind::Undistorted => {
             return Err("This is drawn, not composed.".to_owned());
         }
     })
@@ -134,9 +147,36 @@ fn plane(model: &Model) -> Option<PlaneHomography> {
     model.result().and_then(|estimate| estimate.assessment.plane)
 }
 
+/// Returns the task that draws the pictures without distortion into a folder. `None` without a lens or a geometry.
+pub fn undistorted(
+    model: &Model,
+    folder: PathBuf,
+) -> Option<impl FnOnce() -> Result<String, String> + use<>> {
+    let pictures = model.open.pictures()?;
+    let geometry = GeometryFile {
+        fundamental: Some(*model.shown()?.fundamental),
+        pairs: pairs(model, true),
+        labels: labels(model, true),
+        images: notes(model),
+        trust: trust_note(model),
+        ..GeometryFile::of(model.open.pictures_of())
+    };
+    Some(move || {
+        let inputs: Vec<&Path> = pictures.iter().filter_map(|picture| picture.path.as_deref()).collect();
+        let files = UndistortedFiles::prepare(&folder, &inputs).map_err(|error| error.to_string())?;
+        let drawn = pictures.each_ref().map(|picture| &**picture);
+        files.write(drawn, geometry).map_err(|error| error.to_string())?;
+        Ok("the pictures without distortion and their geometry".to_owned())
+    })
+}
+
 fn notes(model: &Model) -> Option<[ImageNote; 2]> {
     let pictures = model.document.pictures.as_ref()?;
-    Some(pictures.each_ref().map(|picture| ImageNote { name: picture.name.clone(), frame: picture.frame }))
+    let open = model.open.pictures();
+    Some([0, 1].map(|k| ImageNote {
+        interpretation: open.as_ref().map(|open| open[k].interpretation).unwrap_or_default(),
+        ..ImageNote::new(pictures[k].name.clone(), pictures[k].frame)
+    }))
 }
 
 /// Returns the pairs that are not excluded, followed by the matches of the result if wanted.
@@ -161,10 +201,11 @@ fn homographies(question: &RectifyQuestion) -> Option<[nalgebra::Matrix3<f64>; 2
 
 fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Option<String> {
     let estimate = model.result()?;
+    let pictures_of = model.open.pictures_of();
     let pairs = pairs(model, false);
     Some(match reported {
         ReportFormat::Json => {
-            let file = ResultFile::new(estimate, &pairs, images, &model.document.parameters);
+            let file = ResultFile::new(estimate, &pairs, images, &model.document.parameters, &pictures_of);
             let offset = model.compared_recordings().map(|compared| compared.offset);
             let given: Vec<PointPair> = model.document.given.iter().flat_map(Given::pairs).copied().collect();
             let mut file = file.at_offset(offset).labelled(&labels(model, false)).with_given(&given);
@@ -180,9 +221,13 @@ fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Opt
                 env!("CARGO_PKG_VERSION")
             )];
             lines.extend(Format::Text.convention());
-            if model.open.undistorted().is_some() {
-                lines.push("All coordinates belong to views without lens distortion.".to_owned());
+            if pictures_of == PicturesOf::Original {
+                lines.extend(pictures_in_words(&pictures_of, 0.0));
             }
+            let shown = model.shown().and_then(|shown| shown_in_words(model, &shown));
+            lines.extend(shown.map(|shown| {
+                format!("This is the report of the result. The window shows another geometry: {shown}.")
+            }));
             lines.push(String::new());
             for (image, place) in images.iter().zip(["left", "right"]) {
                 let (width, height) = (image.frame.width, image.frame.height);
@@ -201,7 +246,7 @@ fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Opt
                 ));
             }
             lines.push(String::new());
-            lines.join("\n") + "\n" + &result_in_words(estimate, images)
+            lines.join("\n") + "\n" + &result_in_words(estimate, images, &pictures_of)
         }
     })
 }

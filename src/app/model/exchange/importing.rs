@@ -5,10 +5,12 @@ use std::path::Path;
 use super::{ImportSource, is_archive};
 use crate::app::model::document::{is_inside, sides_named};
 use crate::app::model::rectified::MatchesAtHand;
+use crate::camera::{PicturesOf, ViewPair};
 use crate::convention::{ConventionCheck, FEWEST_MATCHES, check_convention};
 use crate::estimate::{Match, estimate_fundamental};
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
-use crate::io::{CalibratedCamera, Calibration, Format, GeometryFile, read_camera, read_matches};
+use crate::io::{CalibratedCamera, Calibration, Format, GeometryFile, MatchFile, read_camera};
+use crate::presentation::lenses_in_words;
 
 /// Maximum number of placed pairs. More handles hide the image and cost time in every frame, and nobody
 /// clicks so many: they become given matches.
@@ -44,6 +46,8 @@ pub struct ImportQuestion {
     pub frames: [Frame; 2],
     /// Sizes of the pictures on the screen, for which a calibration is.
     pub shown: [Frame; 2],
+    /// Views without distortion, if a lens is corrected. Points found belong to them.
+    pub views: Option<ViewPair>,
     /// Matches for the check.
     pub matches: MatchesAtHand,
 }
@@ -91,15 +95,27 @@ impl ImportQuestion {
     /// Reads a calibration, or else a geometry.
     fn read_any(&self) -> Result<ImportedFile, String> {
         if let ImportSource::File(path) = &self.pending.source {
-            if let Ok(calibration) = Calibration::read(path) {
-                let cameras = Box::new(calibration.pair(None)?);
+            let found = Calibration::find(path);
+            if let Some(Ok(calibration)) = &found {
+                // Matches at hand are places in the pictures unless a lens is corrected.
+                let matches =
+                    || if self.frames == self.shown { self.matches.pairs().to_vec() } else { Vec::new() };
+                let pair = CalibratedCamera::settled(calibration.open_pair(None)?, self.shown, matches)?;
+                let cameras = Box::new(pair);
                 for (camera, frame) in cameras.iter().zip(self.shown) {
                     camera.check_frame(frame)?;
                 }
                 return Ok(ImportedFile::Calibration { name: self.pending.source.name(), cameras });
             }
-            if is_archive(path) {
+            // An archive may have F, matches, or both. Matches alone keep their weights.
+            let has_matrix = || GeometryFile::read(path).is_ok_and(|(file, _)| file.geometry().is_some());
+            if is_archive(path) && !has_matrix() {
                 return Ok(ImportedFile::Geometry(Box::new(self.matches_of(path)?)));
+            }
+            if let Some(Err(refusal)) = found {
+                // A calibration that is refused may still hold a geometry.
+                let geometry = self.read().map_err(|_| refusal.to_string());
+                return geometry.map(|found| ImportedFile::Geometry(Box::new(found)));
             }
         }
         Ok(ImportedFile::Geometry(Box::new(self.read()?)))
@@ -112,7 +128,7 @@ impl ImportQuestion {
             ImportSource::Cameras([left, right]) => {
                 let camera = |path| read_camera(path).map_err(|error| error.to_string());
                 let cameras = Some([camera(left)?, camera(right)?]);
-                (GeometryFile { cameras, ..GeometryFile::default() }, Format::Text)
+                (GeometryFile { cameras, ..GeometryFile::of(PicturesOf::Untold) }, Format::Text)
             }
             ImportSource::LoneCamera(_) => {
                 return Err(
@@ -128,11 +144,35 @@ impl ImportQuestion {
                 "there are no point pairs and no fundamental matrix in it".to_owned()
             });
         }
-        let mut notes: Vec<String> = file.notes.iter().map(ToString::to_string).collect();
-        if file.is_undistorted && self.frames == self.shown {
-            notes.push(format!(
-                "{name} belongs to views without lens distortion. Import the calibration of the pictures first."
-            ));
+        let mut notes = in_sentences(&name, &file.notes);
+        let own = PicturesOf::from(self.views.as_ref());
+        let has_geometry = geometry.is_some();
+        match (&file.pictures, file.pictures.views()) {
+            (PicturesOf::Undistorted(_), Some(described)) if self.is_same(described) => {}
+            (PicturesOf::Undistorted(None), _) if own.is_undistorted() => notes.push(format!(
+                "{name} belongs to pictures without distortion, but does not tell their lens. It is read for the lens of \
+                 these pictures."
+            )),
+            (PicturesOf::Undistorted(_), described) => {
+                let lens = lenses_in_words(&file.pictures);
+                let action = match (described, own.is_undistorted()) {
+                    (_, false) => "Import the calibration of the pictures, or correct their lens, first",
+                    _ => "These pictures have another lens",
+                };
+                return Err(format!("it belongs to pictures without distortion ({lens}). {action}"));
+            }
+            (PicturesOf::Original, _) if own.is_undistorted() && has_geometry => {
+                return Err(
+                    "its geometry belongs to the pictures as they are, and the lens of these is corrected. Remove the \
+                     lens correction first"
+                        .to_owned(),
+                );
+            }
+            (PicturesOf::Untold, _) if own.is_undistorted() && has_geometry => notes.push(format!(
+                "{name} does not tell its pictures. Its geometry is read for the pictures without distortion, its point \
+                 pairs are places in the pictures."
+            )),
+            (PicturesOf::Untold | PicturesOf::Original, _) => {}
         }
         if file.images.as_ref().is_some_and(|images| {
             ![self.frames, self.shown].contains(&images.each_ref().map(|image| image.frame))
@@ -141,9 +181,12 @@ impl ImportQuestion {
                 "{name} belongs to images of other sizes. Check that it fits the open images."
             ));
         }
-        let sizes = if file.is_undistorted { self.frames } else { self.shown };
-        let (pairs, note) = on_the_images(&file.pairs, sizes, &name);
+        let sizes = if file.pictures.is_undistorted() { self.frames } else { self.shown };
+        let (mut pairs, note) = on_the_images(&file.pairs, sizes, &name);
         notes.extend(note);
+        if let Some(views) = self.views.as_ref().filter(|_| !file.pictures.is_undistorted()) {
+            pairs = pairs.iter().filter_map(|pair| views.undistorted_from_original(pair)).collect();
+        }
         if geometry.is_none() && pairs.is_empty() {
             return Err("none of its point pairs lies on the open images".to_owned());
         }
@@ -159,9 +202,15 @@ impl ImportQuestion {
     /// Reads the matches of a NumPy archive.
     fn matches_of(&self, path: &Path) -> Result<ImportFound, String> {
         let name = self.pending.source.name();
-        let all = read_matches(path).map_err(|error| error.to_string())?;
-        let lies_on = |found: &Match| is_inside(&found.pair, self.shown);
-        let matches: Vec<Match> = all.iter().copied().filter(lies_on).collect();
+        let MatchFile { matches: all, notes } = MatchFile::read(path).map_err(|error| error.to_string())?;
+        let lies_on = |found: &&Match| is_inside(&found.pair, self.shown);
+        // Matches of an archive are places in the pictures.
+        let place = |pair: &PointPair| match &self.views {
+            Some(views) => views.undistorted_from_original(pair),
+            None => Some(*pair),
+        };
+        let moved = |found: &Match| Some(Match { pair: place(&found.pair)?, ..*found });
+        let matches: Vec<Match> = all.iter().filter(lies_on).filter_map(moved).collect();
         if matches.is_empty() {
             return Err("none of its matches lies on the open images".to_owned());
         }
@@ -169,14 +218,22 @@ impl ImportQuestion {
         let left_out = || {
             format!("Left out because outside the images: {outside} of the {} matches of {name}.", all.len())
         };
-        let mut notes: Vec<String> = (outside > 0).then(left_out).into_iter().collect();
+        let mut notes = in_sentences(&name, &notes);
+        notes.extend((outside > 0).then(left_out));
         notes.extend(self.disagreement(&matches));
         Ok(ImportFound { name, format: "NumPy archive", pairs: Vec::new(), matches, matrix: None, notes })
     }
 
+    /// Returns whether these are the views of the open pictures.
+    fn is_same(&self, described: &ViewPair) -> bool {
+        self.views
+            .as_ref()
+            .is_some_and(|own| own.adopting(described).is_some() && own.frames() == described.frames())
+    }
+
     /// Says that matches agree on no geometry, if so.
     fn disagreement(&self, matches: &[Match]) -> Option<String> {
-        let error = estimate_fundamental(matches, self.shown, 0).err()?;
+        let error = estimate_fundamental(matches, self.frames, 0).err()?;
         let name = self.pending.source.name();
         Some(format!("The matches of {name} are shown, but the estimate does not use them: {error}."))
     }
@@ -200,6 +257,11 @@ impl ImportQuestion {
         let check = check.filter(|check| !check.readings.is_empty());
         ImportedMatrix { fundamental, cameras, check, matches, count: pairs.len() }
     }
+}
+
+/// Returns clauses about how a file was read as sentences.
+fn in_sentences(name: &str, notes: &[String]) -> Vec<String> {
+    notes.iter().map(|note| format!("{name}: {note}.")).collect()
 }
 
 /// Returns the pairs on the images, and a message about the others.

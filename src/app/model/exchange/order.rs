@@ -28,11 +28,13 @@ pub enum ExportKind {
     View,
     /// The rectified pair: a folder with both pictures.
     Rectified,
+    /// Both pictures without the distortion of their lens: a folder with their geometry.
+    Undistorted,
 }
 
 impl ExportKind {
     /// All kinds in the order of the dialog: names, endings of suggested file names, tooltips.
-    const TABLE: [(Self, &'static str, &'static str, &'static str); 10] = [
+    const TABLE: [(Self, &'static str, &'static str, &'static str); 11] = [
         (
             Self::Geometry,
             "Geometry",
@@ -81,6 +83,13 @@ impl ExportKind {
             "A folder with both rectified pictures at full size, one picture of both with guide lines, and \
              rectification.json.",
         ),
+        (
+            Self::Undistorted,
+            "Without distortion",
+            "undistorted",
+            "A folder with both pictures drawn without the distortion of their lens, and geometry.json with F and \
+             the point pairs of these pictures. Any program can use F with them as it is.",
+        ),
     ];
 
     pub const COUNT: usize = Self::TABLE.len();
@@ -88,6 +97,11 @@ impl ExportKind {
     /// Returns all kinds, in the order of the dialog.
     pub fn all() -> impl Iterator<Item = Self> {
         Self::TABLE.into_iter().map(|(kind, ..)| kind)
+    }
+
+    /// Returns whether this is written as a folder.
+    pub fn is_folder(self) -> bool {
+        matches!(self, Self::Rectified | Self::Undistorted)
     }
 
     pub fn name(self) -> &'static str {

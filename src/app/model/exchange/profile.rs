@@ -4,8 +4,10 @@ use std::fmt::Write;
 
 use crate::app::model::inspection::Inspection;
 use crate::app::model::recording::InspectedBarcodes;
+use crate::camera::PicturesOf;
 use crate::io::TrustNote;
 use crate::motion::Barcode;
+use crate::presentation::pictures_in_words;
 
 /// Meaning of the columns, one sentence per line.
 pub const CONVENTION: [&str; 3] = [
@@ -41,7 +43,7 @@ pub(super) fn heading(what: &str, convention: &[&str], trust: Option<&TrustNote>
         let _ = writeln!(text, "# {sentence}");
     }
     if let Some(trust) = trust {
-        let _ = writeln!(text, "# The geometry shown is {}.", trust.verdict);
+        let _ = writeln!(text, "# {}", trust.sentence());
         for reason in &trust.reasons {
             let _ = writeln!(text, "#   {reason}");
         }
@@ -51,8 +53,10 @@ pub(super) fn heading(what: &str, convention: &[&str], trust: Option<&TrustNote>
 
 /// Returns comma-separated values, one row per sample of the left line. Comment lines begin with
 /// `#`.
-pub fn csv(inspection: &Inspection, trust: Option<&TrustNote>) -> String {
-    let mut text = heading("Intensities along two lines", &CONVENTION, trust);
+pub fn csv(inspection: &Inspection, pictures: &PicturesOf, trust: Option<&TrustNote>) -> String {
+    let words = pictures_in_words(pictures, 0.0);
+    let convention: Vec<&str> = CONVENTION.into_iter().chain(words.iter().map(String::as_str)).collect();
+    let mut text = heading("Intensities along two lines", &convention, trust);
     text.push_str("distance,x1,y1,left,right_unmatched,shift,x2,y2,right_matched,cost\n");
     let warped = &inspection.warped;
     for (k, sample) in inspection.samples().enumerate() {

@@ -31,8 +31,8 @@ impl ImportSource {
 /// Returns whether a file is imported rather than opened as an image. Sessions have such names,
 /// too.
 pub fn is_importable(path: &Path) -> bool {
-    // The import refuses XML and suggests a way around.
-    const OTHERS: [&str; 6] = ["csv", "tsv", "dat", "npy", "xml", "toml"];
+    // The import of MATLAB's own files tells how MATLAB saves them for others.
+    const OTHERS: [&str; 8] = ["csv", "tsv", "dat", "npy", "xml", "toml", "conf", "mat"];
     Format::of_path(path).is_some() || is_camera(path) || is_archive(path) || has_extension(path, &OTHERS)
 }
 

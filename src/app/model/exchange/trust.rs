@@ -3,26 +3,35 @@
 use crate::app::model::Model;
 use crate::app::model::comparison::Contestant;
 use crate::app::model::computation::Freshness;
+use crate::app::model::document::AS_READ;
+use crate::app::model::shown::ShownGeometry;
 use crate::app::model::verdict::{Tone, VerdictInWords, import_warning, verdict};
 use crate::io::TrustNote;
 
-/// Returns the verdict on the shown geometry, in the words of the window.
+/// Returns what the shown geometry is, with the verdict on it in the words of the window.
 pub fn trust_note(model: &Model) -> Option<TrustNote> {
     let shown = model.shown()?;
-    let unjudged = |reason: String| TrustNote { verdict: "not judged".into(), reasons: vec![reason] };
+    let Some(geometry) = shown_in_words(model, &shown) else { return result_note(model) };
+    let imported = model.document.imported.as_ref().filter(|_| is_import(&shown));
+    let reasons = imported.and_then(import_warning).map(str::to_owned).into_iter().collect();
+    Some(TrustNote { geometry, verdict: "not judged".into(), reasons })
+}
+
+/// Says what the shown geometry is; `None` for the result.
+pub fn shown_in_words(model: &Model, shown: &ShownGeometry) -> Option<String> {
     if let Some((number, _)) = shown.hypothesis {
-        return Some(unjudged(format!("This is hypothesis {} of the search, not its result.", number + 1)));
+        let all = shown.estimate.hypotheses().len();
+        return Some(format!("hypothesis {} of {all}, not the result", number + 1));
     }
-    if let Some(contestant) = shown.contestant {
-        let imported = model.document.imported.as_ref().filter(|_| contestant == Contestant::Imported);
-        let warning =
-            imported.and_then(import_warning).map_or(String::new(), |warning| format!(" {warning}"));
-        return Some(unjudged(format!(
-            "This is the geometry called {}, not the result.{warning}",
-            contestant.name()
-        )));
+    if let Some(imported) = model.document.imported.as_ref().filter(|_| is_import(shown)) {
+        let reading = if imported.reading == AS_READ { "as read" } else { &imported.reading };
+        return Some(format!("imported from {}, {reading}, not the result", imported.file));
     }
-    result_note(model)
+    shown.contestant.map(|contestant| format!("the geometry called {}, not the result", contestant.name()))
+}
+
+fn is_import(shown: &ShownGeometry) -> bool {
+    shown.hypothesis.is_none() && shown.contestant == Some(Contestant::Imported)
 }
 
 pub fn result_note(model: &Model) -> Option<TrustNote> {
@@ -36,5 +45,5 @@ pub fn result_note(model: &Model) -> Option<TrustNote> {
         Tone::Caution | Tone::Busy => "unfinished",
         Tone::Bad => "unreliable",
     };
-    Some(TrustNote { verdict: verdict.into(), reasons: warnings })
+    Some(TrustNote { geometry: TrustNote::RESULT.to_owned(), verdict: verdict.into(), reasons: warnings })
 }

@@ -105,9 +105,10 @@ impl RectifyQuestion {
         let disparity = if self.moving {
             None
         } else {
-            let both = pictures.each_ref().map(|opened| &opened.picture.pixels);
+            let both = pictures.each_ref().map(|opened| opened.picture.displayed(&opened.picture.pixels));
             let known = full.measures.rows.map(|rows| rows.disparity);
-            let map = DisparityMap::new(both, full.size.width, known, cancel);
+            let map =
+                DisparityMap::new(both.each_ref().map(|shown| &**shown), full.size.width, known, cancel);
             if cancel.is_cancelled() {
                 return Ok(None);
             }
@@ -124,9 +125,8 @@ impl RectifyQuestion {
         let (pictures, maps) = self.sources(shown.clone());
         let [left, right] =
             [maps.warp(0, &pictures[0].pixels, cancel)?, maps.warp(1, &pictures[1].pixels, cancel)?];
-        let opened =
-            |name: &str, pixels| Picture::from_pixels(name.into(), None, pixels).ok().map(Opened::new);
-        Some([opened("left", left)?, opened("right", right)?])
+        let opened = |k: usize, name: &str, pixels| Opened::new(pictures[k].with_pixels(name.into(), pixels));
+        Some([opened(0, "left", left), opened(1, "right", right)])
     }
 }
 

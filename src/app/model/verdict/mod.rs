@@ -125,6 +125,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     let order = |reason: &Reason| match *reason {
         Reason::ClickOff { suspect: Suspect::Click, distance, .. } => (0, -distance),
         Reason::ClickOff { suspect: Suspect::Geometry, distance, .. } => (2, -distance),
+        Reason::GivenContradict { .. } => (-1, 0.0),
         // The words beside the verdict are about the epipole then.
         Reason::OnePlane { .. } | Reason::NoRelief { .. } => (1, -1.0),
         _ => (1, 0.0),

@@ -180,9 +180,11 @@ impl Sheet {
     /// Returns the visible part of an image and its place on the sheet, in points.
     pub fn picture(&self, k: usize) -> (DynamicImage, Rect) {
         let Placed { transform, first: [x, y], count: [width, height], rendition } = &self.places[k];
-        let pixels = self.frames.as_ref().map_or(&self.pictures[k].pixels, |frames| &frames[k]);
-        let seen = pixels.crop_imm(*x, *y, *width, *height);
-        let pixels = rendition.render(&seen);
+        let crop = |pixels: &DynamicImage| pixels.crop_imm(*x, *y, *width, *height);
+        let pixels = match &self.frames {
+            Some(frames) => rendition.render(&crop(&frames[k])),
+            None => rendition.render(&self.pictures[k].displayed(&crop(&self.pictures[k].pixels))),
+        };
         let pixels: DynamicImage =
             image::RgbaImage::from_raw(*width, *height, pixels).unwrap_or_default().into();
         let pixels = match transform.turn.count() {

@@ -16,7 +16,9 @@ use crate::app::model::exchange::{
 };
 use crate::app::model::{Command, ExchangeCommand, Model, OverlayId};
 use crate::app::view::theme;
-use crate::io::{Format, PictureFormat, has_extension};
+use crate::camera::PicturesOf;
+use crate::io::{Format, PictureFormat, TrustNote, has_extension};
+use crate::presentation::pictures_in_words;
 
 /// Width of the dialog, of its list of kinds, and height of the options, screen points. They do not
 /// depend on the kind, so that nothing moves under the cursor.
@@ -91,7 +93,7 @@ impl FileExport {
             ExportKind::Table | ExportKind::Profile => "csv",
             ExportKind::Figure => self.order.figure.format.extension(),
             ExportKind::View => "png",
-            ExportKind::Rectified => "",
+            ExportKind::Rectified | ExportKind::Undistorted => "",
         }
     }
 
@@ -167,7 +169,7 @@ impl FileExport {
             });
             ui.separator();
             let suggested = path_of(&self.path).unwrap_or_else(|| PathBuf::from(&self.suggested));
-            let is_folder = self.order.what == ExportKind::Rectified;
+            let is_folder = self.order.what.is_folder();
             let (name, hint, browse, purpose) = if is_folder {
                 let hint = "path of the folder, created if missing";
                 ("Folder", hint, "Browse for the export folder", PickPurpose::Export)
@@ -229,7 +231,7 @@ impl FileExport {
             self.suggest();
         }
         ui.add_space(4.0);
-        self.conventions(ui);
+        self.conventions(ui, model);
         trust(ui, self.order.what, model);
     }
 
@@ -254,7 +256,7 @@ impl FileExport {
                 ui.radio_value(&mut self.order.reported, ReportFormat::Json, "JSON")
                     .on_hover_text("The format of epiline estimate, for Epiline and other programs.");
             }),
-            ExportKind::Array | ExportKind::Table | ExportKind::Profile => {}
+            ExportKind::Array | ExportKind::Table | ExportKind::Profile | ExportKind::Undistorted => {}
             ExportKind::Figure => {
                 self.figure(ui);
                 self.layers(ui, model);
@@ -346,8 +348,8 @@ impl FileExport {
     }
 
     /// Shows the conventions of the numbers in the file. Every file states them, too.
-    fn conventions(&self, ui: &mut Ui) {
-        let sentences: Vec<String> = match self.order.what {
+    fn conventions(&self, ui: &mut Ui, model: &Model) {
+        let mut sentences: Vec<String> = match self.order.what {
             ExportKind::Geometry => self.order.format.convention(),
             ExportKind::Array => {
                 let convention = Format::Json.convention().into_iter().take(2);
@@ -372,8 +374,18 @@ impl FileExport {
                 }
             }],
             ExportKind::View => vec!["A PNG file at the resolution of the screen.".to_owned()],
-            ExportKind::Rectified => vec!["Existing files of the same names are replaced.".to_owned()],
+            ExportKind::Rectified | ExportKind::Undistorted => {
+                vec!["Existing files of the same names are replaced.".to_owned()]
+            }
         };
+        let pictures_of = match self.order.what {
+            ExportKind::Geometry | ExportKind::Array | ExportKind::Plane => model.open.pictures_of(),
+            ExportKind::Report | ExportKind::Profile => model.open.pictures_of(),
+            ExportKind::Pairs | ExportKind::Table => PicturesOf::Original,
+            _ => PicturesOf::Untold,
+        };
+        // The lens itself is in the file.
+        sentences.extend(pictures_in_words(&pictures_of, 0.0).into_iter().take(1));
         for sentence in sentences {
             ui.add(Label::new(RichText::new(sentence).weak().small()).wrap());
         }
@@ -383,8 +395,11 @@ impl FileExport {
         let command = order.map(|order| ExchangeCommand::Export(order).into());
         ui.horizontal(|ui| {
             let described = ExchangeCommand::Export(self.order.clone()).into();
-            let is_pair = self.order.what == ExportKind::Rectified;
-            let text = if is_pair { "Export rectified pair" } else { "Export file" };
+            let text = match self.order.what {
+                ExportKind::Rectified => "Export rectified pair",
+                ExportKind::Undistorted => "Export pictures",
+                _ => "Export file",
+            };
             ending(ui, text, command, described, commands);
             copy_fundamental_menu(ui, model, commands);
         });
@@ -404,7 +419,9 @@ fn trust(ui: &mut Ui, what: ExportKind, model: &Model) {
     let color = if note.verdict == "unreliable" { palette.bad } else { palette.caution };
     ui.add_space(4.0);
     let tells = if what == ExportKind::Array { "the file cannot say so" } else { "the file says so" };
-    let text = format!("This geometry is {}, and {tells}.", note.verdict);
+    let is_result = note.geometry == TrustNote::RESULT;
+    let named = if is_result { &note.verdict } else { &note.geometry };
+    let text = format!("This geometry is {named}, and {tells}.");
     let reasons = note.reasons.join("\n");
     let label = ui.add(Label::new(RichText::new(text).color(color).strong()).wrap());
     if !reasons.is_empty() {
@@ -419,7 +436,7 @@ fn names_a_file(folder: &Path) -> Option<&'static str> {
     let others = ["csv", "json", "npy", "pdf", "png", "svg", "tiff", "txt"];
     let files: Vec<&str> = Format::ALL.into_iter().map(Format::extension).chain(others).collect();
     (has_extension(folder, &files) && !folder.is_dir()).then_some(
-        "A rectified pair is a folder, and this name ends like that of a file. Choose another kind on the left, or a \
+        "This export is a folder, and this name ends like that of a file. Choose another kind on the left, or a \
          name without this ending.",
     )
 }

@@ -107,4 +107,13 @@ pub fn copy_fundamental_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Comm
             }
         });
     });
+    if model.open.undistorted().is_some() {
+        ui.add_enabled_ui(model.local_fundamental().is_some(), |ui| {
+            ui.menu_button("Copy F near the pair as", |ui| {
+                for notation in Notation::ALL {
+                    menu_entry(ui, ExchangeCommand::CopyFundamentalNear(notation).into(), true, commands);
+                }
+            });
+        });
+    }
 }

@@ -9,6 +9,7 @@ use crate::app::model::{Model, OverlayId, Side};
 use crate::app::view::theme;
 use crate::camera::UndistortedView;
 use crate::geometry::Frame;
+use crate::presentation::interpretation_in_words;
 
 /// Writes a text on a dark ground.
 pub fn label(painter: &Painter, at: Pos2, align: Align2, text: &str, color: Color32) {
@@ -45,6 +46,11 @@ impl Chip {
                 Some(view) if view.camera().division(self.size).is_some() => text += "  lens corrected",
                 Some(_) => text += "  lens calibrated",
                 None => {}
+            }
+            let open = model.open.pictures();
+            let interpretation = open.as_ref().map(|open| open[self.side.index()].interpretation);
+            if let Some(words) = interpretation.as_ref().and_then(interpretation_in_words) {
+                let _ = write!(text, "  {words}");
             }
             if self.is_turned {
                 text += "  view turned";

@@ -95,7 +95,14 @@ impl PictureTexture {
             self.rendition = rendition;
             self.tiles.clear();
         }
-        let source = self.reduced.reduced.as_ref().unwrap_or(&self.picture.pixels);
+        let whole;
+        let source = match &self.reduced.reduced {
+            Some(reduced) => reduced,
+            None => {
+                whole = self.picture.displayed(&self.picture.pixels);
+                &*whole
+            }
+        };
         self.is_draft = changing && source.width().max(source.height()) > DRAFT_SIDE;
         let shown = if self.is_draft {
             self.draft.get_or_insert_with(|| source.thumbnail(DRAFT_SIDE, DRAFT_SIDE))
@@ -145,7 +152,8 @@ impl PictureTexture {
                     uploads += 1;
                     let [x, y, w, h] =
                         [first[0], first[1], end[0] - first[0], end[1] - first[1]].map(|v| v as u32);
-                    let pixels = rendered(self.rendition, &self.picture.pixels.crop_imm(x, y, w, h));
+                    let part = self.picture.pixels.crop_imm(x, y, w, h);
+                    let pixels = rendered(self.rendition, &self.picture.displayed(&part));
                     let image = ColorImage::from_rgba_premultiplied([w, h].map(|v| v as usize), &pixels);
                     let handle = painter.ctx().load_texture("tile", image, PIXELS);
                     draw(painter, &handle, transform, [first, end], tint);

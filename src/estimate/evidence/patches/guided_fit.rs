@@ -22,7 +22,7 @@ use super::matches::{LEAST_MATCHES, LevelMatch, MATCH_SIGMA, at_level};
 use super::near_lines::is_within;
 use super::refinement::{LevelMatcher, Refined};
 use crate::cancel::CancelFlag;
-use crate::estimate::fit::{Evidence, Fitted, Match, Noise};
+use crate::estimate::fit::{Evidence, Fitted, LEAST_SCALE, Match, Noise};
 use crate::geometry::{FundamentalMatrix, Observation, sampson_distance};
 use crate::image::GrayPlane;
 
@@ -144,7 +144,8 @@ impl LevelMatcher<'_> {
 
     fn evidence<'e>(&self, matches: &'e [Match], fixed: &'e Fixed, band: f64) -> Evidence<'e> {
         let frames = self.level.planes.map(GrayPlane::frame);
-        Evidence { matches, given: &fixed.given, clicks: &fixed.clicks, frames, spread: 2.0 * band }
+        let (given, clicks) = (&fixed.given, &fixed.clicks);
+        Evidence { matches, given, clicks, frames, spread: 2.0 * band, least_scale: LEAST_SCALE }
     }
 
     /// Fits a geometry to the matches along its lines, with bands that narrow to `band`.

@@ -1,5 +1,6 @@
 //! Corners, correlations and votes, which are computed once for an image pair and serve any clicks.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use nalgebra::{Matrix2, Matrix3, Vector2};
@@ -12,12 +13,12 @@ use super::matches::RefinedMatch;
 use super::plane::largest_plane;
 use super::refinement::{LevelMatcher, Refined, RefinementLevel, SharedPatches};
 use super::support::{PatchSupport, Support, SupportLevel};
-use super::unguided::{UnguidedMatch, matched_corners, unguided_matches};
+use super::unguided::{UnguidedMatch, distinctive_matches, matched_corners, unguided_matches};
 use super::voting::KappaVoting;
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lazy::Lazy;
 use crate::features::FeatureViews;
-use crate::geometry::{FundamentalMatrix, Observation, PointPair, rescaling};
+use crate::geometry::{Frame, FundamentalMatrix, Observation, PointPair, rescaling};
 use crate::image::{PyramidPair, RelativeView, warps_around};
 
 /// Longer side of the images at which patches first rank hypotheses, px. In a smaller image a patch
@@ -52,6 +53,23 @@ pub(in crate::estimate) struct PatchLevels {
     with_features: Lazy<SupportLevel>,
     /// Matches found without a geometry.
     unguided: Lazy<Vec<UnguidedMatch>>,
+    /// Matches found without a geometry that no other place resembles.
+    distinctive: Lazy<Vec<PointPair>>,
+}
+
+/// Distinctive matches of corners with an image and with its mirror image.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(in crate::estimate) struct MirrorMatches {
+    /// Number of matches with the mirror image of image 2 that one homography explains.
+    pub flipped: usize,
+    /// Number of all matches with the mirror image.
+    pub all_flipped: usize,
+    /// Number of matches with image 2 as it is that one homography explains.
+    pub upright: usize,
+    /// Number of corners of image 1 that were compared.
+    pub corners: usize,
+    /// Probability that a match that lies anywhere follows a homography.
+    pub by_chance: f64,
 }
 
 /// Corners under a view, shared by levels with and without features.
@@ -65,9 +83,7 @@ struct CornerLevels {
     patches: SharedPatches,
     fine: Lazy<SupportLevel>,
     refinement: [RefinementLevel; REFINEMENT_SIDES.len()],
-    /// Number of distinctive matches with the mirror image of image 2 that one homography explains,
-    /// and number of corners.
-    mirrored: Lazy<[usize; 2]>,
+    mirrored: Lazy<MirrorMatches>,
 }
 
 impl PatchLevels {
@@ -91,6 +107,7 @@ impl PatchLevels {
             aligned: Default::default(),
             with_features: Lazy::default(),
             unguided: Lazy::default(),
+            distinctive: Lazy::default(),
         }
     }
 
@@ -103,6 +120,7 @@ impl PatchLevels {
             aligned: REFINEMENT_SIDES.map(|_| AlignedFeatures::new(Arc::clone(&features))),
             with_features: Lazy::default(),
             unguided: Lazy::default(),
+            distinctive: Lazy::default(),
             features,
         }
     }
@@ -122,10 +140,8 @@ impl PatchLevels {
         corners.coarse.get_or_make(|| corners.coarse())
     }
 
-    /// Returns the number of distinctive matches of image 1 with the mirror image of image 2 that
-    /// one homography explains, and the number of corners of image 1. Both are counted at the
-    /// coarse size.
-    pub fn mirrored(&self) -> [usize; 2] {
+    /// Returns the distinctive matches with image 2 and with its mirror image, at the coarse size.
+    pub fn mirrored(&self) -> MirrorMatches {
         *self.corners.mirrored.get_or_make(|| self.corners.mirrored())
     }
 
@@ -230,6 +246,15 @@ impl PatchLevels {
             full_size.map_or_else(Vec::new, |matcher| unguided_matches(self.fine(), &matcher))
         })
     }
+
+    /// Returns the matches found in the whole of image 2, without any geometry, that no other place of
+    /// either image resembles.
+    pub fn distinctive(&self) -> &[PointPair] {
+        self.distinctive.get_or_make(|| {
+            let full_size = self.refinement().pop();
+            full_size.map_or_else(Vec::new, |matcher| distinctive_matches(self.fine(), &matcher))
+        })
+    }
 }
 
 /// Returns the homography for images of other sizes.
@@ -246,16 +271,24 @@ impl CornerLevels {
         SupportLevel { scales: level.scales, support: Support::new(&patches) }
     }
 
-    fn mirrored(&self) -> [usize; 2] {
+    fn mirrored(&self) -> MirrorMatches {
         let level = self.pyramids.level_seen(COARSE_SIDE, self.view);
         // Left and right exchanged, or top and bottom.
         let flips = [Vector2::new(-1.0, 1.0), Vector2::new(1.0, -1.0)];
         let warps = flips.map(|flip| level.warp(self.view) * Matrix2::from_diagonal(&flip));
         let patches = CornerPatches::new(&level, COARSE_CORNERS, warps.to_vec());
-        let found = Support::new(&patches).distinctive();
-        // Symmetric things of a scene do not agree on one homography.
-        let most = largest_plane(&found, ONE_MIRROR, 0).map_or(0, |(_, most)| most);
-        [most, patches.points1.len()]
+        let coarse = self.coarse.get_or_make(|| self.coarse());
+        let (flipped, upright) = (Support::new(&patches).distinctive(), coarse.support.distinctive());
+        let on_a_plane =
+            |found: &[PointPair]| largest_plane(found, ONE_MIRROR, 0).map_or(0, |(_, most)| most);
+        let Frame { width, height } = level.planes[1].frame();
+        MirrorMatches {
+            flipped: on_a_plane(&flipped),
+            all_flipped: flipped.len(),
+            upright: on_a_plane(&upright),
+            corners: patches.points1.len(),
+            by_chance: PI * ONE_MIRROR.powi(2) / (width * height) as f64,
+        }
     }
 
     fn fine(&self) -> SupportLevel {

@@ -30,7 +30,7 @@ pub use support::PatchSupport;
 
 pub(in crate::estimate) use feature_support::FeatureSupport;
 pub(in crate::estimate) use guided_fit::Settling;
-pub(in crate::estimate) use levels::{PatchLevels, resized};
+pub(in crate::estimate) use levels::{MirrorMatches, PatchLevels, resized};
 pub(in crate::estimate) use matches::LEAST_MATCHES;
 pub(in crate::estimate) use plane::largest_plane;
 pub(in crate::estimate) use polish::LEAST_CLICK_SIGMA;

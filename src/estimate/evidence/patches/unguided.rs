@@ -2,6 +2,8 @@
 //! possible. Only these matches are evidence for a geometry: matches found along its lines agree
 //! with it by construction.
 
+use std::collections::HashMap;
+
 use rayon::prelude::*;
 
 use super::level_corners::{CORRELATION_NOISE, ELSEWHERE};
@@ -21,6 +23,10 @@ pub(in crate::estimate) struct UnguidedMatch {
     pub prior: f32,
 }
 
+/// Least probability of a distinctive match among the similar places of both images. Two descriptors at 0.8
+/// times the distance of the next have it; nine of ten wrong matches are above that ratio (Lowe 2004,
+/// section 7.1).
+const DISTINCTIVE: f32 = 0.71;
 /// Least probability of a likely match: it is likelier than all similar places together.
 pub(in crate::estimate) const LIKELY: f32 = 0.5;
 
@@ -48,30 +54,61 @@ pub(super) fn matched_corners(
     matcher: &LevelMatcher,
     possible: impl Fn(&PointPair) -> bool,
 ) -> Vec<UnguidedMatch> {
-    let LevelMatcher { level, view, .. } = matcher;
     let from_fine = fine.scales.map(f64::recip);
-    let full_size = level.scales.map(f64::recip);
-    let affine = level.warp(*view);
     let best = fine.support.mutual_best(|pair| possible(&pair.rescaled(from_fine)));
-    let aligned = |group: Vec<Putative>| {
-        let prior = prior_of_best(&fine.support, &group);
-        let pair = fine.support.pair(&group[0]).rescaled(from_fine).rescaled(level.scales);
-        let start = Placement { at: pair.point2, affine };
-        let at = align(level.planes, pair.point1, start, &Alignment::STRICT)?.at;
-        Some(UnguidedMatch { pair: PointPair { point2: at, ..pair }.rescaled(full_size), prior })
+    let found = |group: Vec<Putative>| {
+        let pair = aligned(&fine.support.pair(&group[0]).rescaled(from_fine), matcher)?;
+        Some(UnguidedMatch { pair, prior: prior_of_best(&fine.support, &group) })
     };
-    best.into_par_iter().filter_map(aligned).collect()
+    best.into_par_iter().filter_map(found).collect()
+}
+
+/// Returns the mutual best matches that no other place of either image resembles, aligned at full size.
+/// Repeated structure, such as the corners of a chessboard, has none.
+pub(super) fn distinctive_matches(fine: &SupportLevel, matcher: &LevelMatcher) -> Vec<PointPair> {
+    let from_fine = fine.scales.map(f64::recip);
+    let mut of_corner2: HashMap<u32, Vec<Putative>> = HashMap::new();
+    for pair in &fine.support.pairs {
+        of_corner2.entry(pair.corner2).or_default().push(*pair);
+    }
+    let is_distinctive = |group: &Vec<Putative>| {
+        let best = &group[0];
+        let rivals1 = of_corner2.get(&best.corner2).map_or(0.0, |pairs| {
+            let place = fine.support.pair(best).point1;
+            rivals(pairs, best, |m| (fine.support.pair(m).point1 - place).norm())
+        });
+        prior_of_best(&fine.support, group) > DISTINCTIVE && 1.0 / (1.0 + rivals1) > DISTINCTIVE
+    };
+    let best = fine.support.mutual_best(|_| true);
+    let corner = |group: Vec<Putative>| aligned(&fine.support.pair(&group[0]).rescaled(from_fine), matcher);
+    let mut found: Vec<PointPair> = best.into_par_iter().filter(is_distinctive).filter_map(corner).collect();
+    // The ratio of a feature belongs to both images.
+    let full_size = matcher.level.scales.map(f64::recip);
+    let features = matcher.features.all(&matcher.level).into_iter().filter(|m| m.prior > DISTINCTIVE);
+    found.extend(features.map(|m| m.found.pair.rescaled(full_size)));
+    found
+}
+
+/// Aligns a match of corners. Both are in full-size pixels.
+fn aligned(pair: &PointPair, matcher: &LevelMatcher) -> Option<PointPair> {
+    let LevelMatcher { level, view, .. } = matcher;
+    let pair = pair.rescaled(level.scales);
+    let start = Placement { at: pair.point2, affine: level.warp(*view) };
+    let at = align(level.planes, pair.point1, start, &Alignment::STRICT)?.at;
+    Some(PointPair { point2: at, ..pair }.rescaled(level.scales.map(f64::recip)))
 }
 
 /// Returns the probability that the best of the look-alikes of a corner is the right one.
 fn prior_of_best(support: &Support, group: &[Putative]) -> f32 {
-    let best = support.pair(&group[0]).point2;
-    let others: f32 = group[1..]
-        .iter()
-        .filter(|m| (support.pair(m).point2 - best).norm() > ELSEWHERE)
-        .map(|m| ((m.correlation - group[0].correlation) / CORRELATION_NOISE).exp())
-        .sum();
-    1.0 / (1.0 + others)
+    let place = support.pair(&group[0]).point2;
+    1.0 / (1.0 + rivals(group, &group[0], |m| (support.pair(m).point2 - place).norm()))
+}
+
+/// Returns the odds of all pairs elsewhere together, against the best one. `away` is the distance of a pair
+/// from the best one, px.
+fn rivals(pairs: &[Putative], best: &Putative, away: impl Fn(&Putative) -> f64) -> f32 {
+    let elsewhere = pairs.iter().filter(|m| away(m) > ELSEWHERE);
+    elsewhere.map(|m| ((m.correlation - best.correlation) / CORRELATION_NOISE).exp()).sum()
 }
 
 #[cfg(test)]
@@ -97,6 +134,26 @@ mod tests {
         let likely: Vec<&UnguidedMatch> = found.iter().filter(|m| m.is_likely()).collect();
         let right = likely.iter().filter(|m| off(m).norm() < 0.3).count();
         assert!(likely.len() > 25 && 10 * right > 9 * likely.len(), "{right} of {}", likely.len());
+    }
+
+    #[test]
+    fn a_repeated_pattern_has_no_distinctive_matches() {
+        let scene = ExactScene::aside();
+        let [plane1, plane2] = scene.planes();
+        let off = |m: &PointPair| -> Vector { scene.partner(m.point1) - m.point2 };
+        let found = levels(&plane1, &plane2);
+        let found = found.distinctive();
+        let right = found.iter().filter(|m| off(m).norm() < 0.3).count();
+        assert!(found.len() > 20 && 20 * right > 19 * found.len(), "{right} of {}", found.len());
+        // Equal tiles, of which the second picture shows others at the borders.
+        let tile = |x: usize, y: usize| {
+            let cell = ((x % 40 / 5) as u64).wrapping_mul(0x9E37_79B9)
+                ^ ((y % 40 / 6) as u64).wrapping_mul(0x85EB_CA6B);
+            (cell.wrapping_mul(0xC2B2_AE35_85EB_CA77) >> 56) as f32
+        };
+        let tiles = |shift| GrayPlane::from_fn(plane1.frame(), |x, y| tile(x + shift, y));
+        let tiles = levels(&tiles(0), &tiles(7));
+        assert!(tiles.unguided().len() > 20 && tiles.distinctive().is_empty());
     }
 
     #[test]

@@ -10,6 +10,7 @@ use super::record::SearchRecord;
 use super::refinement::refine_best;
 use crate::estimate::evidence::lines::LineFigures;
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
+use crate::estimate::verdict::assessment::RestsOn;
 use crate::estimate::verdict::result::REPORTED;
 use crate::estimate::{Estimate, EstimateError, Stage};
 use crate::geometry::FundamentalMatrix;
@@ -52,5 +53,5 @@ pub(super) fn find(viewed: &ViewedPair, record: &mut SearchRecord) -> Result<Fou
     let refined = refine_best(starts, viewed, cancel)?;
     let matches = refined.iter().flat_map(|refined| &refined.refinement.matches);
     let supporting = matches.map(|m| m.pair).collect();
-    Ok(Found { fundamental, hypotheses, supporting, refined, clicks_alone: false })
+    Ok(Found { fundamental, hypotheses, supporting, refined, rests_on: RestsOn::Images })
 }

@@ -17,6 +17,10 @@ const CLOSEST: f64 = 4.0;
 const IDENTICAL: f64 = 0.8;
 /// Standard deviation below which an image is flat, grey levels: about the rounding of its pixels.
 const FLAT: f64 = 1.0;
+/// Mean grey level below which a corner is black: black in video (ITU-R BT.601).
+const DARK: f64 = 16.0;
+/// Side of a corner, as one of so many parts of the shorter side.
+const DARK_SQUARES: usize = 16;
 /// Longer side at which images are checked, px. Reduction averages the noise of single pixels.
 const LOOK_SIDE: f64 = 256.0;
 /// Distance of a click from the epipolar line of the other, as a share of the longer side, below
@@ -95,15 +99,27 @@ pub(in crate::estimate) fn check_images(prepared: &PreparedPair) -> Result<(), E
         }
     }
     let [a, b] = level.planes;
-    if a.frame() == b.frame() && mean_difference(a, b) < IDENTICAL {
+    let difference = || a.mean_with(b, |x, y| f64::from((x - y).abs()));
+    if a.frame() == b.frame() && difference().is_some_and(|mean| mean < IDENTICAL) {
         return Err(EstimateError::NoParallax);
     }
     Ok(())
 }
 
-fn mean_difference(a: &GrayPlane, b: &GrayPlane) -> f64 {
-    let sum: f64 = a.values().iter().zip(b.values()).map(|(x, y)| f64::from((x - y).abs())).sum();
-    sum / a.values().len() as f64
+/// Returns whether all corners of both images are black, as around the round picture of a fisheye lens.
+pub(super) fn have_dark_corners(prepared: &PreparedPair) -> bool {
+    let is_dark = |plane: &&GrayPlane| {
+        let Frame { width, height } = plane.frame();
+        let square = (width.min(height) / DARK_SQUARES).max(1);
+        let mean = |x: usize, y: usize| {
+            let sum: f64 =
+                (y..y + square).map(|y| &plane.row(y)[x..x + square]).flatten().map(|v| f64::from(*v)).sum();
+            sum / (square * square) as f64
+        };
+        let (right, bottom) = (width - square, height - square);
+        [(0, 0), (right, 0), (0, bottom), (right, bottom)].into_iter().all(|(x, y)| mean(x, y) < DARK)
+    };
+    prepared.pyramids().level(LOOK_SIDE).planes.iter().all(|plane| is_dark(plane))
 }
 
 /// Returns warnings about clicks whose pencils have few textured lines. Stand-ins for clicks get no

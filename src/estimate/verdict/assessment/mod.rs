@@ -1,5 +1,6 @@
 //! Assessment of a geometry: figures of its lines, patches, matches and rivals, and the verdict.
 
+mod agreement;
 mod degeneracy;
 mod examination;
 mod lens;
@@ -9,6 +10,7 @@ mod pattern;
 mod points;
 mod warp;
 
+pub(in crate::estimate) use agreement::{given_figures, unguided_agreement};
 pub use degeneracy::SMALLEST_SIDE;
 pub use examination::examine;
 
@@ -23,6 +25,8 @@ use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::{Refined, UnguidedMatch, largest_plane, resized};
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
+use crate::estimate::fit::strong_lens_is_likelier;
+use crate::estimate::verdict::false_alarms::{Agreement, OF_A_PLANE, within};
 use crate::estimate::verdict::selection::ClickedPairs;
 use crate::estimate::verdict::trust::{
     Evidence, HALF_PLANE, Mirror, OffPlane, PlaneEvidence, RefinedOn, Relief, Together, USUAL_SIDE,
@@ -30,7 +34,10 @@ use crate::estimate::verdict::trust::{
 use crate::estimate::{
     Assessment, Estimate, PatchSupport, PlaneHomography, Refinement, Search, Trust, Warning,
 };
-use crate::geometry::{FundamentalMatrix, PointPair, finite_point, median, sampson_distance, transfer_error};
+use crate::geometry::{
+    Frame, FundamentalMatrix, PointPair, finite_point, median, sampson_distance, transfer_error,
+};
+use agreement::unguided_on_lines;
 use examination::{line_figures, patch_support};
 use margin::{all_apart, differs, least_clear, margin};
 use parallax::{CORNER_SIGMA, precision};
@@ -44,6 +51,17 @@ const PLANE_TOLERANCE: f64 = 1.0;
 /// anywhere, most of them farther off.
 const NEAR_PLANE: f64 = 0.05;
 
+/// Data from which a geometry follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::estimate) enum RestsOn {
+    /// The images, with the clicks and the matches from elsewhere.
+    Images,
+    /// The clicks alone.
+    ClicksAlone,
+    /// Matches from elsewhere alone.
+    GivenAlone,
+}
+
 /// Evidence by which a geometry is judged.
 pub(in crate::estimate) struct Judge<'a> {
     pub viewed: &'a ViewedPair<'a>,
@@ -51,14 +69,14 @@ pub(in crate::estimate) struct Judge<'a> {
     pub hypotheses: &'a [Estimate],
     /// Pencils through the anchors.
     pub pencils: &'a [Arc<ComparedPencils>],
-    /// Whether the geometry follows from the clicks alone.
-    pub clicks_alone: bool,
+    pub rests_on: RestsOn,
     pub cancel: &'a CancelFlag,
 }
 
 /// The largest plane, and what lies beside it.
 struct FoundPlane {
-    plane: PlaneHomography,
+    /// `None` if chance explains the matches on it.
+    plane: Option<PlaneHomography>,
     evidence: PlaneEvidence,
     together: Together,
     relief: Option<Relief>,
@@ -106,6 +124,8 @@ impl Judge<'_> {
         let refinement = refined.map(|refined| refined.refinement);
         let (trust, plane) = self.trust(f, refined_margin.or(margin), refinement.as_ref());
         let (trust, warnings) = (Some(trust), self.warnings(f));
+        let distinctive =
+            refinement.as_ref().map_or_else(Arc::default, |_| viewed.patches.distinctive().into());
         Assessment {
             lines,
             support,
@@ -114,10 +134,11 @@ impl Judge<'_> {
             apart: Some(apart),
             barcodes: None,
             refinement,
+            distinctive,
             warnings,
             trust,
             plane,
-            of_given: self.is_of_given(),
+            of_given: self.rests_on == RestsOn::GivenAlone,
         }
     }
 
@@ -139,11 +160,6 @@ impl Judge<'_> {
             .map(|refined| refined.weight)
             .fold(0.0, f64::max);
         margin::relative(weight, heaviest)
-    }
-
-    fn is_of_given(&self) -> bool {
-        let SearchInput { prepared, parameters, .. } = self.viewed.input;
-        matches!(prepared.given_alone(parameters), Ok(Some(_)))
     }
 
     fn warnings(&self, f: &FundamentalMatrix) -> Vec<Warning> {
@@ -193,13 +209,10 @@ impl Judge<'_> {
         let on_lines = |m: &&UnguidedMatch| sampson_distance(f, &m.pair) < tolerance;
         let likely = || unguided.iter().filter(|m| m.is_likely());
         let is_suspect = 2 * likely().filter(on_lines).count() < likely().count();
-        let mirror = is_suspect.then(|| {
-            let [flipped, corners] = self.viewed.patches.mirrored();
-            Mirror { flipped, corners }
-        });
+        let mirror = Some(Mirror { matches: self.viewed.patches.mirrored(), is_suspect });
         Some(FoundPlane {
             mirror,
-            plane: plane_homography(&h, matches, tolerance),
+            plane: plane_homography(&h, matches, frames[1], tolerance),
             evidence,
             together,
             relief,
@@ -222,15 +235,19 @@ impl Judge<'_> {
         let side = prepared.frames()[0].longer_side();
         let tolerance = PLANE_TOLERANCE * (side / USUAL_SIDE).max(1.0);
         let found = self.plane(f, &matches, tolerance);
+        let is_refined = parameters.search == Search::Patches && parameters.refinement.refine;
+        let patches = &self.viewed.patches;
+        let unguided = is_refined.then(|| unguided_agreement(patches, f, prepared.frames()));
+        let given = prepared.given().map(|given| given_figures(given, f, parameters.click_sigma));
         let trust = Trust::judge(&Evidence {
             patches: parameters.search == Search::Patches,
             barcodes: None,
-            refined_on: match refinement {
-                Some(_) if self.is_of_given() => RefinedOn::Given(matches.len()),
-                Some(_) => RefinedOn::Matches(matches.len()),
-                None if self.clicks_alone => RefinedOn::Clicks,
-                None if !parameters.refinement.refine => RefinedOn::Nothing,
-                None => RefinedOn::TooFewMatches,
+            refined_on: match (self.rests_on, refinement) {
+                (RestsOn::GivenAlone, _) => RefinedOn::Given(matches.len()),
+                (RestsOn::ClicksAlone, None) => RefinedOn::Clicks,
+                (_, Some(_)) => RefinedOn::Matches(matches.len()),
+                _ if !parameters.refinement.refine => RefinedOn::Nothing,
+                _ => RefinedOn::TooFewMatches,
             },
             clicks: &distances,
             click_sigma: parameters.click_sigma,
@@ -240,10 +257,21 @@ impl Judge<'_> {
             together: found.as_ref().map(|found| found.together).unwrap_or_default(),
             relief: found.as_ref().and_then(|found| found.relief),
             mirror: found.as_ref().and_then(|found| found.mirror),
+            strong_lens: is_refined
+                && degeneracy::have_dark_corners(prepared)
+                && strong_lens_is_likelier(
+                    &prepared.putative_matches(),
+                    f,
+                    prepared.frames(),
+                    parameters.seed,
+                ),
+            unguided,
+            unguided_on_lines: unguided.map_or(0, |_| unguided_on_lines(patches, f, tolerance)),
+            given,
             pattern: pattern::residual_pattern(&matches, f, side),
             side,
         });
-        let plane = found.map(|found| found.plane).filter(|_| trust.says_one_plane());
+        let plane = found.and_then(|found| found.plane).filter(|_| trust.says_one_plane());
         (trust, plane)
     }
 }
@@ -255,18 +283,28 @@ fn leaves_in_place(h: &Matrix3<f64>, matches: &[PointPair], tolerance: f64) -> b
     median(moved) < tolerance
 }
 
-/// Returns the homography `h` in the form of a result.
-fn plane_homography(h: &Matrix3<f64>, matches: &[PointPair], tolerance: f64) -> PlaneHomography {
+/// Returns the homography `h` in the form of a result. `None` if chance explains its matches: they were found
+/// along epipolar lines, and may be anywhere on these in image 2.
+fn plane_homography(
+    h: &Matrix3<f64>,
+    matches: &[PointPair],
+    frame2: Frame,
+    tolerance: f64,
+) -> Option<PlaneHomography> {
+    let by_chance = matches.iter().map(|m| within(transfer_error(h, m), frame2));
+    if !Agreement::of(by_chance, OF_A_PLANE).is_no_chance() {
+        return None;
+    }
     let residuals: Vec<f64> =
         matches.iter().map(|m| transfer_error(h, m)).filter(|error| *error < tolerance).collect();
     let last = h[(2, 2)];
     let divisor = if last.abs() > 1e-9 * h.norm() { last } else { h.norm() };
-    PlaneHomography {
+    Some(PlaneHomography {
         homography21: h / divisor,
         matches: residuals.len(),
         share: residuals.len() as f64 / matches.len().max(1) as f64,
         residual: median(residuals),
-    }
+    })
 }
 
 #[cfg(test)]
@@ -284,5 +322,25 @@ mod tests {
         let shift = |dx: f64| Matrix3::new(1.0, 0.0, dx, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
         assert!(leaves_in_place(&shift(0.2), &moved(0.2), 1.0));
         assert!(!leaves_in_place(&shift(3.0), &moved(3.0), 1.0));
+    }
+
+    #[test]
+    fn a_homography_that_chance_explains_is_not_told() {
+        let frame = Frame::new(800, 600);
+        let anywhere = |k: usize| {
+            let at = |n: usize, side: usize| ((k * n + 37) % side) as f64;
+            PointPair::new(at(131, 797), at(71, 599), at(211, 787), at(97, 593))
+        };
+        let on_a_plane = |k: usize| {
+            let pair = anywhere(k);
+            PointPair { point2: pair.point1 + crate::geometry::Vector::new(30.0, 5.0), ..pair }
+        };
+        let h = Matrix3::new(1.0, 0.0, 30.0, 0.0, 1.0, 5.0, 0.0, 0.0, 1.0);
+        let told = |on: usize| {
+            let matches: Vec<PointPair> =
+                (0..112).map(|k| if k < on { on_a_plane(k) } else { anywhere(k) }).collect();
+            plane_homography(&h, &matches, frame, 1.0).map(|plane| plane.matches)
+        };
+        assert_eq!((told(5), told(40)), (None, Some(40)));
     }
 }

@@ -8,8 +8,9 @@ use nalgebra::Matrix3;
 use super::{PLANE_TOLERANCE, leaves_in_place, lens, pattern, plane_homography, warp};
 use crate::estimate::evidence::patches::{UnguidedMatch, largest_plane};
 use crate::estimate::fit::Agreement;
+use crate::estimate::verdict::false_alarms::BY_CHANCE;
 use crate::estimate::verdict::trust::{
-    BY_CHANCE, Evidence, GivenPoints, OffPlane, PlaneEvidence, RefinedOn, USUAL_SIDE,
+    Evidence, GivenPoints, OffPlane, PlaneEvidence, RefinedOn, USUAL_SIDE,
 };
 use crate::estimate::{Match, PlaneHomography, Trust, Uncertainty};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
@@ -81,7 +82,7 @@ impl PointEvidence<'_> {
             ..Evidence::default()
         });
         let plane = plane.filter(|_| trust.says_one_plane());
-        (trust, margin, plane.map(|(h, _)| plane_homography(&h, agreeing, tolerance)))
+        (trust, margin, plane.and_then(|(h, _)| plane_homography(&h, agreeing, frames[1], tolerance)))
     }
 
     /// Returns the largest distance of a match from a homography that explains it, px: the usual one, or a smaller

@@ -167,8 +167,8 @@ pub(super) fn relief(
     let beside = |warp: &Warp, least| besides(found, warp, f, side, tolerance, least);
     let (warp, finer) = (fit(KNOTS)?, fit(FINER_KNOTS)?);
     let (mut on_warp, mut besides) = beside(&warp, LIKELY);
-    let [clear, finer] = [(&warp, CLEARLY_LIKELY), (&finer, LIKELY)].map(|(warp, least)| {
-        let (on_warp, besides) = beside(warp, least);
+    let [clear, finer] = [&warp, &finer].map(|warp| {
+        let (on_warp, besides) = beside(warp, CLEARLY_LIKELY);
         counted(&besides, on_warp, tolerance)
     });
     let first = counted(&besides, on_warp, tolerance);
@@ -194,13 +194,9 @@ fn besides(
 ) -> (usize, Vec<Beside>) {
     let mut on_warp = 0;
     let mut beside = Vec::new();
-    let mut taken = HashSet::new();
-    for m in found.iter().filter(|m| m.prior > least) {
-        let PointPair { point1, point2 } = m.pair;
-        if !taken.insert([point1.x, point1.y].map(|v| (v / SAME_PLACE).round() as i64)) {
-            continue;
-        }
-        let Some(off) = warp.beside(&m.pair) else { continue };
+    for pair in one_a_place(found, least) {
+        let PointPair { point1, point2 } = pair;
+        let Some(off) = warp.beside(&pair) else { continue };
         let distance = off.norm();
         if distance <= tolerance {
             on_warp += 1;
@@ -210,10 +206,19 @@ fn besides(
             // The part across the line, from the distances of both ends.
             let across = (line.signed_distance(point2) - line.signed_distance(point2 - off)).abs();
             let along = (distance * distance - across * across).max(0.0).sqrt();
-            beside.push(Beside { pair: m.pair, along, across });
+            beside.push(Beside { pair, along, across });
         }
     }
     (on_warp, beside)
+}
+
+/// Returns the matches with a probability above `least`, the first at each place of image 1.
+pub(super) fn one_a_place(found: &[UnguidedMatch], least: f32) -> impl Iterator<Item = PointPair> {
+    let mut taken = HashSet::new();
+    let pairs = found.iter().filter(move |m| m.prior > least).map(|m| m.pair);
+    pairs.filter(move |PointPair { point1, .. }| {
+        taken.insert([point1.x, point1.y].map(|v| (v / SAME_PLACE).round() as i64))
+    })
 }
 
 /// Counts the matches beside a warp by their direction.

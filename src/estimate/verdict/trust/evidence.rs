@@ -2,8 +2,12 @@
 //!
 //! Limits of chance are probabilities. The others are shares and sizes, with their reasons.
 
+use std::iter::repeat_n;
+
 use serde::Serialize;
 
+use crate::estimate::evidence::patches::MirrorMatches;
+use crate::estimate::verdict::false_alarms::{Agreement, BY_CHANCE, OF_A_PLANE};
 use crate::estimate::verdict::poisson::fewer_than;
 
 /// Share of the matches on one plane beyond which only a handful of matches would determine the
@@ -19,9 +23,6 @@ pub(in crate::estimate) const HALF_PLANE: f64 = 0.4;
 /// Share of the matches off the plane explained by a lens, beyond which a lens is the likelier
 /// cause: the majority. In a scene with depth, the one additional unknown explains few matches.
 const BENT: f64 = 0.5;
-/// Largest expected number of epipoles that do as well by chance: one in a thousand results without
-/// parallax passes.
-pub(in crate::estimate) const BY_CHANCE: f64 = 1e-3;
 /// Largest expected number of epipoles that do as well by chance if each motion counts once. It is
 /// looser, as static surfaces at different places can have equal parallax.
 pub(super) const MOTIONS_BY_CHANCE: f64 = 1.0;
@@ -176,7 +177,7 @@ pub(in crate::estimate) struct Relief {
     pub beside: Witnesses,
     /// The same, with [`ANY_EPIPOLE`] more planes counted as the warp.
     pub further: Witnesses,
-    /// Beside a warp that follows the rows more closely.
+    /// Beside a warp that follows the rows more closely, matches of `clear` alone.
     pub finer: Witnesses,
     /// Beside the warp, matches alone that are clearly likelier than all similar places together.
     pub clear: Witnesses,
@@ -215,19 +216,23 @@ fn tail(few: usize, n: usize, p: f64) -> f64 {
     sum.min(1.0)
 }
 
-/// Distinctive matches of image 1 with the mirror image of image 2 that one homography explains.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// Matches with image 2 and with its mirror image.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(in crate::estimate) struct Mirror {
-    /// Number of these matches.
-    pub flipped: usize,
-    /// Number of corners of image 1 that were compared.
-    pub corners: usize,
+    pub matches: MirrorMatches,
+    /// Whether most of the likely matches found without the geometry are off their lines.
+    pub is_suspect: bool,
 }
 
 impl Mirror {
-    /// Returns whether one image is a mirror image of the other.
+    /// Returns whether one image is a mirror image of the other. Symmetric things match either way, but as it
+    /// is, an image matches better than its mirror image.
     pub(super) fn is_likely(self) -> bool {
-        self.flipped as f64 >= MIRRORED * self.corners as f64 && self.flipped > 0
+        let MirrorMatches { flipped, all_flipped, upright, corners, by_chance } = self.matches;
+        let are_many = flipped as f64 >= MIRRORED * corners as f64 && flipped > 0;
+        let others = all_flipped.saturating_sub(flipped);
+        let each = repeat_n(by_chance, flipped).chain(repeat_n(1.0, others));
+        are_many && self.is_suspect || flipped > upright && Agreement::of(each, OF_A_PLANE).is_no_chance()
     }
 }
 
@@ -253,9 +258,31 @@ impl Together {
         if 1.0 - fewer_than(self.contradicting, expected) < WRONG_BY_CHANCE {
             return Some((self.contradicting, self.matches));
         }
-        let is_majority_off = tail(self.all - self.off, self.all, 0.5) < HALF_WRONG_BY_CHANCE;
-        is_majority_off.then_some((self.off, self.all))
+        is_majority(self.off, self.all).then_some((self.off, self.all))
     }
+}
+
+/// Agreement of given matches with a geometry.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::estimate) struct GivenFigures {
+    /// Number of given matches that agree with each other, or of all if no geometry agrees with enough of them.
+    pub matches: usize,
+    /// Number of these matches that are off their epipolar lines by more than their noise.
+    pub off: usize,
+    /// Median distance of these matches from their epipolar lines, px.
+    pub distance: f64,
+}
+
+impl GivenFigures {
+    /// Returns whether most of the matches contradict the geometry, and not by chance.
+    pub fn contradict(&self) -> bool {
+        is_majority(self.off, self.matches)
+    }
+}
+
+/// Returns whether more than half are unlikely to be so many by chance.
+fn is_majority(some: usize, all: usize) -> bool {
+    tail(all - some, all, 0.5) < HALF_WRONG_BY_CHANCE
 }
 
 /// Part of the residuals that neighbouring matches have in common.
@@ -347,9 +374,17 @@ pub(in crate::estimate) struct Evidence<'a> {
     pub plane: Option<PlaneEvidence>,
     /// Distinctive matches, found without the geometry.
     pub together: Together,
+    /// Whether a lens as strong as a fisheye explains the matches clearly better.
+    pub strong_lens: bool,
+    /// Agreement of the matches found without the geometry. `None` if no patches were compared.
+    pub unguided: Option<Agreement>,
+    /// Number of these matches on their epipolar lines.
+    pub unguided_on_lines: usize,
+    /// Agreement of the matches of another program. `None` without any.
+    pub given: Option<GivenFigures>,
     /// Matches beside the smooth warp. `None` without matches.
     pub relief: Option<Relief>,
-    /// Matches with the mirror image. `None` if most matches of the image as it is are right.
+    /// Matches with the mirror image. `None` without matches.
     pub mirror: Option<Mirror>,
     /// Pattern of the residuals. `None` without neighbouring matches.
     pub pattern: Option<ResidualPattern>,

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 pub use evidence::BarcodeFigures;
 pub(in crate::estimate) use evidence::{
-    ALONG, ANY_EPIPOLE, BY_CHANCE, Evidence, GivenPoints, HALF_PLANE, Mirror, OffPlane, PlaneEvidence,
+    ALONG, ANY_EPIPOLE, Evidence, GivenFigures, GivenPoints, HALF_PLANE, Mirror, OffPlane, PlaneEvidence,
     RefinedOn, Relief, ResidualPattern, Together, USUAL_SIDE, WRONG_TOGETHER, Witnesses,
 };
 pub(in crate::estimate) use rules::CHANCE_DEVIATIONS;
@@ -48,8 +48,17 @@ pub enum Reason {
     PointsAlone { agreeing: usize, matches: usize },
     /// There are no pictures, and chance explains that this number of all given matches agrees.
     PointsByChance { agreeing: usize, matches: usize },
+    /// The geometry follows from the matches of another program alone, and the matches of the images agree
+    /// with it no better than by chance: the number of given matches that agree with each other.
+    GivenAlone { matches: usize },
+    /// Most of the matches of another program contradict the geometry: the number of those that do, the number
+    /// that agree with each other, and their median distance from their lines.
+    GivenContradict { contradicting: usize, matches: usize, distance: f64 },
     /// The result rests on few matches.
     FewMatches { matches: usize },
+    /// The matches found without the geometry agree with it no better than by chance: the number of them on
+    /// their epipolar lines, and the number of all.
+    ByChance { agreeing: usize, matches: usize },
     /// The barcodes of corresponding lines agree no better than by chance: agreement, 1 for equal barcodes,
     /// and the largest by chance.
     BarcodesByChance { correlation: f64, by_chance: f64 },
@@ -64,6 +73,8 @@ pub enum Reason {
     Contradicted { contradicting: usize, matches: usize },
     /// Most matches follow one homography with radial distortion.
     Bent { percent: u32 },
+    /// A lens as strong as a fisheye makes the matches clearly likelier.
+    Fisheye,
     /// Neighbouring matches are off their lines by the same distance, the size of the pattern.
     Pattern { size: f64 },
     /// A clearly different geometry has nearly as much support as the result, or more: the relative

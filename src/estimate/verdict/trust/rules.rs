@@ -13,7 +13,8 @@
 //! figures).
 
 use super::evidence::{
-    BarcodeFigures, Evidence, GivenPoints, OffPlane, PlaneEvidence, RefinedOn, Relief, Witnesses,
+    BarcodeFigures, Evidence, GivenFigures, GivenPoints, OffPlane, PlaneEvidence, RefinedOn, Relief,
+    Witnesses,
 };
 use super::{Reason, Suspect, Trust, Verdict};
 
@@ -75,6 +76,17 @@ impl Trust {
             }
             _ => {}
         }
+        if let Some(agreement) = evidence.unguided.filter(|agreement| !agreement.is_no_chance()) {
+            let (agreeing, matches) = (evidence.unguided_on_lines, agreement.matches);
+            match (evidence.refined_on, evidence.given) {
+                (RefinedOn::Given(_), Some(given)) => {
+                    reasons.push(Reason::GivenAlone { matches: given.matches });
+                }
+                (RefinedOn::Clicks, _) => {}
+                _ => reasons.push(Reason::ByChance { agreeing, matches }),
+            }
+            unreliable |= evidence.refined_on != RefinedOn::Clicks;
+        }
         if let Some(margin) = evidence.margin.filter(|m| *m < CLEAR_MARGIN) {
             // No search has preferred a geometry of given matches or of clicks alone.
             let is_given = matches!(evidence.refined_on, RefinedOn::Given(_) | RefinedOn::Clicks);
@@ -91,7 +103,7 @@ impl Trust {
             reasons.push(Reason::Contradicted { contradicting, matches });
         }
         if let Some(mirror) = evidence.mirror.filter(|mirror| mirror.is_likely()) {
-            reasons.push(Reason::Mirrored { matches: mirror.flipped });
+            reasons.push(Reason::Mirrored { matches: mirror.matches.flipped });
         }
         if let Some(plane) = evidence.plane.filter(|plane| plane.leaves_the_epipoles_open(evidence.relief)) {
             let PlaneEvidence { share, off: OffPlane { groups, agreeing, .. }, is_still, .. } = plane;
@@ -103,6 +115,14 @@ impl Trust {
             reasons.push(Reason::Bent { percent: (100.0 * plane.bent_share) as u32 });
         } else if let Some(pattern) = evidence.pattern.filter(|pattern| pattern.is_bent(evidence.side)) {
             reasons.push(Reason::Pattern { size: pattern.size });
+        }
+        if evidence.strong_lens {
+            reasons.push(Reason::Fisheye);
+        }
+        if let Some(given) = evidence.given.filter(GivenFigures::contradict) {
+            let GivenFigures { matches, off: contradicting, distance } = given;
+            // First, because people trust the matches that they give.
+            reasons.insert(0, Reason::GivenContradict { contradicting, matches, distance });
         }
         let but_clicks = !reasons.is_empty();
         let suspect = if but_clicks { Suspect::Geometry } else { Suspect::Click };
@@ -133,10 +153,12 @@ impl Trust {
 #[cfg(test)]
 mod tests {
     use super::super::evidence::{
-        ANY_EPIPOLE, BY_CHANCE, HALF_PLANE, MOSTLY_PLANE, MOTIONS_BY_CHANCE, Mirror, ONE_PLANE, PATTERN,
-        PATTERN_SIZE, ResidualPattern, Together, USUAL_SIDE,
+        ANY_EPIPOLE, HALF_PLANE, MOSTLY_PLANE, MOTIONS_BY_CHANCE, Mirror, ONE_PLANE, PATTERN, PATTERN_SIZE,
+        ResidualPattern, Together, USUAL_SIDE,
     };
     use super::*;
+    use crate::estimate::evidence::patches::MirrorMatches;
+    use crate::estimate::verdict::false_alarms::{Agreement, BY_CHANCE, OF_LINES};
 
     const SHOWN: Witnesses = Witnesses { on_warp: 300, along: 90, across: 5, off: 20 };
     const NOTHING: Witnesses = Witnesses { on_warp: 0, along: 0, across: 0, off: 0 };
@@ -151,6 +173,10 @@ mod tests {
         plane: Some(plane(0.3, 1, 1.0)),
         together: Together { all: 260, off: 20, matches: 200, contradicting: 2 },
         relief: Some(Relief { beside: SHOWN, further: NOTHING, finer: SHOWN, clear: SHOWN }),
+        strong_lens: false,
+        unguided: None,
+        unguided_on_lines: 0,
+        given: None,
         mirror: None,
         pattern: Some(ResidualPattern { share: 0.1, size: 0.1 }),
         side: 768.0,
@@ -181,6 +207,7 @@ mod tests {
             Evidence { deviation: Some(3.0), ..GOOD },
             Evidence { plane: plane(0.98, 0.0), ..GOOD },
             Evidence { plane: plane(0.6, 0.1), ..GOOD },
+            Evidence { strong_lens: true, ..GOOD },
         ] {
             assert_eq!(verdict(&worse), Verdict::Doubtful);
         }
@@ -293,12 +320,48 @@ mod tests {
 
     #[test]
     fn a_pair_whose_corners_match_when_flipped_is_mirrored() {
-        let reasons = |flipped, corners| {
-            let mirror = Some(Mirror { flipped, corners });
-            Trust::judge(&Evidence { mirror, ..GOOD }).reasons
+        let reasons = |flipped, upright, is_suspect| {
+            let matches = MirrorMatches { flipped, all_flipped: 100, upright, corners: 600, by_chance: 4e-4 };
+            Trust::judge(&Evidence { mirror: Some(Mirror { matches, is_suspect }), ..GOOD }).reasons
         };
-        assert_eq!((reasons(59, 600), reasons(0, 0)), (vec![], vec![]));
-        assert_eq!(reasons(60, 600), [Reason::Mirrored { matches: 60 }]);
+        assert_eq!(reasons(59, 80, true), []);
+        assert_eq!(reasons(60, 80, true), [Reason::Mirrored { matches: 60 }]);
+        // A symmetric building matches either way, and better as it is.
+        assert_eq!(reasons(14, 14, false), []);
+        assert_eq!(reasons(14, 6, false), [Reason::Mirrored { matches: 14 }]);
+        // Chance explains seven of a hundred.
+        assert_eq!(reasons(7, 0, false), []);
+    }
+
+    #[test]
+    fn given_matches_that_contradict_the_result_come_first() {
+        let reasons = |off, margin| {
+            let given = Some(GivenFigures { matches: 54, off, distance: 8.4 });
+            Trust::judge(&Evidence { given, margin: Some(margin), ..GOOD }).reasons
+        };
+        // Of 54 coins, 35 show heads by chance (2 %), and 36 hardly do.
+        assert_eq!(reasons(35, 0.5), []);
+        let told = |contradicting| Reason::GivenContradict { contradicting, matches: 54, distance: 8.4 };
+        assert_eq!(reasons(36, 0.5), [told(36)]);
+        assert_eq!(reasons(54, 0.1), [told(54), Reason::Ambiguous { margin: 0.1 }]);
+    }
+
+    #[test]
+    fn a_geometry_that_chance_explains_is_unreliable() {
+        let with = |by_chance, refined_on| {
+            let unguided = Some(Agreement::of([by_chance; 40], OF_LINES));
+            let given = Some(GivenFigures { matches: 16, off: 0, distance: 0.8 });
+            Trust::judge(&Evidence { unguided, unguided_on_lines: 3, given, refined_on, ..GOOD })
+        };
+        let [images, given, clicks] = [RefinedOn::Matches(300), RefinedOn::Given(300), RefinedOn::Clicks];
+        for refined_on in [images, given] {
+            assert_eq!(with(0.01, refined_on).reasons, []);
+        }
+        let unreliable = |reason| Trust { verdict: Verdict::Unreliable, reasons: vec![reason] };
+        assert_eq!(with(0.9, images), unreliable(Reason::ByChance { agreeing: 3, matches: 40 }));
+        assert_eq!(with(0.9, given), unreliable(Reason::GivenAlone { matches: 16 }));
+        // The clicks contradict the images, and are told so.
+        assert_eq!(with(0.9, clicks).reasons, [Reason::ClicksAlone]);
     }
 
     #[test]
