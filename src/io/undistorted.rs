@@ -46,7 +46,7 @@ impl UndistortedFiles {
         let failed = |error: serde_json::Error| RectifiedError::Encode(error.to_string());
         let mut origin = serde_json::to_value(&geometry.pictures).map_err(failed)?;
         origin["images"] = json!(names);
-        let images = [0, 1].map(|k| ImageNote { name: NAMES[k].to_owned(), frame: drawn[k].frame() });
+        let images = [0, 1].map(|k| ImageNote::new(NAMES[k].to_owned(), drawn[k].frame()));
         // In the drawn pictures, all coordinates are those of the pictures as they are.
         let own = GeometryFile { images: Some(images), pictures: PicturesOf::Original, ..geometry };
         let mut file: Value = serde_json::from_str(&own.to_text(Format::Json)).map_err(failed)?;
