@@ -154,7 +154,7 @@ impl CalibrationArguments {
 
 fn tell_notes(notes: &[String]) {
     for note in notes {
-        tell(format_args!("calibration: {note}"));
+        tell(note);
     }
 }
 

@@ -1,7 +1,6 @@
 //! Tests of picture kinds, with small files made here.
 
 use image::{DynamicImage, ImageBuffer, Luma};
-use std::io::Cursor;
 
 use super::{LoadError, LoadOptions, Picture};
 use crate::geometry::Point;
@@ -256,7 +255,7 @@ fn what_is_not_read_is_named_with_a_way_around() {
     let tiff = |tag: u16, value: u64| Tiff::new(8, 1, gray.clone()).with(tag, 3, [value]).bytes();
     let preview = Tiff::new(8, 1, gray.clone()).with(254, 4, [1]).with(330, 4, [8]).bytes();
     let dicom = [&[0; 128][..], b"DICM"].concat();
-    let files: [(&[u8], &[&str]); 13] = [
+    let files: [(&[u8], &[&str]); 15] = [
         (&tiff(259, 34887), &["LERC", "gdal_translate"]),
         (&tiff(259, 6), &["old-style JPEG", "gdal_translate"]),
         (&tiff(259, 61234), &["unknown (61234)"]),
@@ -268,6 +267,8 @@ fn what_is_not_read_is_named_with_a_way_around() {
         (b"\0\0\0\x0cjP  \r\n\x87\n", &["JPEG 2000", "gdal_translate"]),
         (b"SIMPLE  =                    T", &["FITS"]),
         (b"\x93NUMPY\x01\0", &["NumPy", "TIFF"]),
+        (b"\x76\x2f\x31\x01\x02\0\0\0", &["EXR", "Convert it to TIFF or PNG"]),
+        (b"GIF89a\x01\0\x01\0", &["GIF", "an animation to a video"]),
         (b"%PDF-1.4", &["PDF", "pdftoppm"]),
         (&dicom, &["DICOM"]),
     ];

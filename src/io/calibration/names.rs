@@ -275,7 +275,7 @@ fn role_of(words: &[String], classes: &[Class], count: Option<usize>) -> Role {
         Role::Size if count != Some(2) => Role::Unknown,
         Role::Rotation | Role::Unknown | Role::Matrix if classes.contains(&Class::Derived) => {
             let is_rotation = role == Role::Rotation || count == Some(9) && says(&["rectification", "rect"]);
-            if is_rotation && role != Role::Matrix { Role::Rectification } else { Role::Harmless }
+            if is_rotation && !has(Role::Matrix) { Role::Rectification } else { Role::Harmless }
         }
         Role::Projection => Role::Projection,
         _ if classes.contains(&Class::Derived) => Role::Harmless,

@@ -6,7 +6,7 @@
 //! are those of the pose, or of a matrix that is fitted to the matches.
 
 use super::CalibratedCamera;
-use crate::camera::{CameraModel, ViewPair};
+use crate::camera::{CameraModel, Radial, ViewPair};
 use crate::estimate::{Match, estimate_fundamental};
 use crate::foreign::excerpt;
 use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair};
@@ -22,13 +22,21 @@ const NEAR: [f64; 3] = [1.0, 2.0, 4.0];
 /// not independent, so this is more than the usual three.
 const CLEAR: f64 = 5.0;
 
+/// Largest tangential coefficient of a usual lens: at one focal length from the centre it moves a pixel by a
+/// hundredth of the focal length.
+const TANGENTIAL: f64 = 0.01;
+/// Largest share of the last two coefficients in the first two, where the images do not decide and the reading
+/// is noted. The coefficients of a fisheye are terms of one series, and of like size.
+const SMALL: f64 = 0.1;
+
 impl CalibratedCamera {
     /// Chooses the cameras for images of these sizes, and the models of their lenses. Where four coefficients
     /// may be those of two models, the matches decide. They should be found without a geometry, and are asked
     /// for only if needed.
     ///
     /// # Errors
-    /// A clause for the user that asks for the model, if the matches do not decide.
+    /// A clause for the user that asks for the model, if neither the matches nor the sizes of the numbers
+    /// decide.
     pub fn settled(
         pair: [Self; 2],
         frames: [Frame; 2],
@@ -51,8 +59,15 @@ impl CalibratedCamera {
             return Ok(pair);
         }
         let matches = matches();
-        let (is_fisheye, [of_fisheye, of_radial]) =
-            better(&pair, [&fisheye, &radial], frames, &matches).ok_or_else(|| question(&pair))?;
+        let Some((is_fisheye, [of_fisheye, of_radial])) =
+            better(&pair, [&fisheye, &radial], frames, &matches)
+        else {
+            return if pair.iter().all(Self::is_plainly_radial) {
+                Ok(pair.map(Self::as_radial))
+            } else {
+                Err(question(&pair))
+            };
+        };
         for camera in &mut pair {
             let Some(fisheye) = camera.reading.fisheye.take() else { continue };
             if is_fisheye {
@@ -75,6 +90,27 @@ impl CalibratedCamera {
     /// A clause for the user that asks for the model.
     pub fn check_settled(pair: &[Self; 2]) -> Result<(), String> {
         if pair.iter().any(|camera| camera.reading.fisheye.is_some()) { Err(question(pair)) } else { Ok(()) }
+    }
+
+    /// Returns whether the last two of four coefficients are as small as tangential distortion. Those of a
+    /// fisheye are terms of one series with the first two, and of their size.
+    fn is_plainly_radial(&self) -> bool {
+        let lens = self.model.lens();
+        let Radial::Polynomial { numerator: [k1, k2, ..], .. } = lens.radial else { return true };
+        let last = lens.tangential.iter().fold(0.0f64, |most, p| most.max(p.abs()));
+        self.reading.fisheye.is_none() || last < TANGENTIAL && last < SMALL * k1.abs().max(k2.abs())
+    }
+
+    /// Reads four coefficients that are open as `k1 k2 p1 p2`, and notes it.
+    fn as_radial(mut self) -> Self {
+        if self.reading.fisheye.take().is_some() {
+            self.reading.notes.push(
+                "the four distortion coefficients are read as k1 k2 p1 p2, because the last two are small. The images \
+                 do not tell; if cv::fisheye made the file, add fisheye: 1 to it"
+                    .into(),
+            );
+        }
+        self
     }
 
     /// Returns the camera for pictures of a size, if the file has several.
