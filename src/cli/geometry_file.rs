@@ -77,7 +77,7 @@ impl GeometryInput {
             let cameras = self.calibration.scaled(cameras, frames)?;
             CalibratedCamera::check_settled(&cameras).map_err(CliError::Arguments)?;
             file = file.calibrated_essential(&cameras).ok_or_else(missing)?;
-            tell_notes(&self.file, &file.notes);
+            tell_remarks(&self.file, &file.remarks);
         }
         Ok((file, format))
     }

@@ -12,7 +12,7 @@ use super::CliError;
 use super::arguments::{ImagePair, on_threads, pixels, threads};
 use super::calibration::{CalibrationArguments, settled, undistort_matches, undistorted, views};
 use super::estimate::watched;
-use super::geometry_file::{read_geometry, read_matches, tell_notes};
+use super::geometry_file::{read_geometry, read_matches, tell_remarks};
 use super::output::Output;
 use crate::camera::{PicturesOf, PoseDifference};
 use crate::estimate::{
@@ -217,7 +217,7 @@ impl JudgeArguments {
         let (fundamental, file) = match files[..] {
             [left, right] => {
                 let read = GeometryFile::read_cameras([left, right])?;
-                tell_notes(left, &read.1.notes);
+                tell_remarks(left, &read.1.remarks);
                 read
             }
             [one, ..] => read_geometry(one)?,

@@ -138,10 +138,10 @@ impl GeometryFile {
     /// Adds the notes that follow from the geometry itself.
     fn noted(mut self) -> Self {
         if self.essential.is_some() {
-            self.notes.push(GeometryNote::Essential.to_string());
+            self.remarks.push(GeometryNote::Essential.to_string());
         }
         if self.cameras.is_some() && self.geometry().is_some_and(|f| f.has_rows()) {
-            self.notes.push(GeometryNote::Rectified.to_string());
+            self.remarks.push(GeometryNote::Rectified.to_string());
         }
         self
     }

@@ -71,8 +71,8 @@ impl GeometryFile {
         };
         let lens = pair.iter().any(|camera| !camera.model.lens().is_ideal());
         match (&self.fundamental, self.geometry()) {
-            (Some(own), _) if differs(own) => self.notes.push(GeometryNote::Contradicted.to_string()),
-            (None, Some(own)) if differs(&own) => self.notes.push(GeometryNote::OtherCameras.to_string()),
+            (Some(own), _) if differs(own) => self.remarks.push(GeometryNote::Contradicted.to_string()),
+            (None, Some(own)) if differs(&own) => self.remarks.push(GeometryNote::OtherCameras.to_string()),
             _ => {}
         }
         self.fundamental = self.fundamental.or(Some(fundamental));
@@ -80,8 +80,8 @@ impl GeometryFile {
         if lens {
             self.pictures = PicturesOf::Undistorted(None);
         }
-        self.notes.push(GeometryNote::OfCalibration { lens }.to_string());
-        self.notes.extend(CalibratedCamera::notes_of(pair));
+        self.remarks.push(GeometryNote::OfCalibration { lens }.to_string());
+        self.remarks.extend(CalibratedCamera::notes_of(pair));
         self
     }
 
@@ -90,9 +90,9 @@ impl GeometryFile {
     pub fn calibrated_essential(&self, pair: &[CalibratedCamera; 2]) -> Option<Self> {
         let fundamental = of_essential(&self.essential?, &pair.each_ref().map(|c| c.model.calibration()))?;
         let lens = pair.iter().any(|camera| !camera.model.lens().is_ideal());
-        let notes = vec![GeometryNote::OfCalibration { lens }.to_string()];
+        let remarks = vec![GeometryNote::OfCalibration { lens }.to_string()];
         let pictures = if lens { PicturesOf::Undistorted(None) } else { self.pictures.clone() };
-        Some(Self { fundamental: Some(fundamental), pictures, essential: None, notes, ..self.clone() })
+        Some(Self { fundamental: Some(fundamental), pictures, essential: None, remarks, ..self.clone() })
     }
 
     /// Returns `F` between the views of calibrated cameras. The calibration matrices of an essential matrix
