@@ -53,7 +53,7 @@ struct CheckFile<'a> {
     format: Format,
     /// How the file was read.
     #[serde(skip_serializing_if = "<[String]>::is_empty")]
-    notes: &'a [String],
+    remarks: &'a [String],
     #[serde(flatten)]
     check: &'a ConventionCheck,
     version: &'static str,
@@ -82,7 +82,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), CliError> {
         fits: check.fits(),
         message: &sentence,
         format,
-        notes: &file.notes,
+        remarks: &file.remarks,
         check: &check,
         version: env!("CARGO_PKG_VERSION"),
     };

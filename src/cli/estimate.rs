@@ -12,7 +12,7 @@ use super::calibration::{
     CameraArguments, settled, undistort_matches, undistorted, undistorted_pairs, views,
 };
 use super::console::tell;
-use super::geometry_file::read_matches;
+use super::geometry_file::{read_matches, tell_outside};
 use super::overrides::Overrides;
 use super::result_output::{Beside, ResultArguments};
 use crate::estimate::{
@@ -93,6 +93,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     let calibrated = arguments.cameras.calibration.read()?;
     let mut given = arguments.matches.as_deref().map(read_matches).transpose()?;
     let (mut pictures, mut pairs) = input(arguments, parameters.pairs_needed(), parameters.method)?;
+    given.iter().for_each(|given| tell_outside(given, &pictures));
     let (mut first, mut lambdas) = (None, None);
     if arguments.cameras.fits_lens() {
         let (found, lens) =

@@ -40,7 +40,7 @@ impl GeometryInput {
             Some(camera2) => (GeometryFile::read_cameras([&self.file, camera2])?.1, Format::Text),
             None => GeometryFile::read(&self.file)?,
         };
-        tell_notes(&self.file, &file.notes);
+        tell_remarks(&self.file, &file.remarks);
         if let Some(matches) = &self.matches {
             let pairs = read_matches(matches)?.into_iter().map(|found| found.pair).collect();
             file.pairs = in_pictures_of(&file.pictures, pairs)
@@ -70,14 +70,27 @@ impl GeometryInput {
 /// Reads matches, and tells what was read and what was left out.
 pub(super) fn read_matches(path: &Path) -> Result<Vec<Match>, CliError> {
     let file = MatchFile::read(path)?;
-    tell_notes(path, &file.notes);
+    tell_remarks(path, &file.remarks);
     Ok(file.matches)
 }
 
+/// Tells that matches lie outside the pictures, if so: they may belong to pictures of another size.
+pub(super) fn tell_outside(matches: &[Match], pictures: &[Picture; 2]) {
+    let [frame1, frame2] = pictures.each_ref().map(Picture::frame);
+    let is_inside = |pair: &PointPair| frame1.contains(pair.point1) && frame2.contains(pair.point2);
+    let outside = matches.iter().filter(|found| !is_inside(&found.pair)).count();
+    if outside > 0 {
+        tell(format_args!(
+            "note: {outside} of the {} given matches lie outside the pictures. They may belong to pictures of another size",
+            matches.len()
+        ));
+    }
+}
+
 /// Tells how a file was read.
-pub(super) fn tell_notes(path: &Path, notes: &[String]) {
-    for note in notes {
-        tell(format_args!("note: {}: {note}", shown_path(path)));
+pub(super) fn tell_remarks(path: &Path, remarks: &[String]) {
+    for remark in remarks {
+        tell(format_args!("note: {}: {remark}", shown_path(path)));
     }
 }
 
@@ -95,7 +108,7 @@ fn in_pictures_of(pictures: &PicturesOf, pairs: Vec<PointPair>) -> Option<Vec<Po
 /// is refused.
 pub(super) fn read_geometry(path: &Path) -> Result<(FundamentalMatrix, GeometryFile), CliError> {
     let (fundamental, file) = GeometryFile::read_geometry(path)?;
-    tell_notes(path, &file.notes);
+    tell_remarks(path, &file.remarks);
     if file.pictures.is_undistorted() {
         return Err(CliError::Arguments(format!(
             "{} belongs to pictures without distortion ({}), not to these. Draw such pictures with epiline estimate \

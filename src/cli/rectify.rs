@@ -10,7 +10,7 @@ use super::CliError;
 use super::arguments::{ImagePair, megapixels, on_threads, threads};
 use super::calibration::{CameraArguments, settled, undistorted_pairs, views};
 use super::console::{print, tell};
-use super::geometry_file::{read_matches, tell_notes};
+use super::geometry_file::{read_matches, tell_remarks};
 use crate::camera::{PicturesOf, RelativePose, ViewPair};
 use crate::cancel::CancelFlag;
 use crate::foreign::shown_path;
@@ -148,7 +148,7 @@ fn drawn(
 /// Reads a result. A result for views without distortion needs a calibration.
 fn read_result(path: &Path, is_calibrated: bool) -> Result<(FundamentalMatrix, GeometryFile), CliError> {
     let (fundamental, file) = GeometryFile::read_geometry(path)?;
-    tell_notes(path, &file.notes);
+    tell_remarks(path, &file.remarks);
     if file.pictures.is_undistorted() && !is_calibrated {
         return Err(CliError::Arguments(format!(
             "{} belongs to pictures without distortion ({}). Give the calibration or \

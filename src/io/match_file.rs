@@ -8,9 +8,9 @@ use std::path::Path;
 
 use zip::ZipArchive;
 
-use super::geometry_file::{names_matrix, read_pairs};
+use super::geometry_file::{UNDISTORTED, names_matrix, read_pairs};
 use super::match_arrays::{NamedArray, concerns_matches};
-use super::npy::Array;
+use super::npy::{Array, is_text};
 use super::read::ReadError;
 use crate::estimate::Match;
 
@@ -25,24 +25,24 @@ pub struct MatchFile {
     /// At least one. Scores became prior probabilities, covariances scales of the noise.
     pub matches: Vec<Match>,
     /// Clauses about what was read and what was left out.
-    pub notes: Vec<String>,
+    pub remarks: Vec<String>,
 }
 
 impl MatchFile {
     /// Reads the matches of a geometry file, a result or a matcher.
     pub fn read(path: &Path) -> Result<Self, ReadError> {
         let mut file = read_pairs(path)?;
-        let notes = std::mem::take(&mut file.notes);
+        let remarks = std::mem::take(&mut file.remarks);
         let weighted = std::mem::take(&mut file.weighted);
         if !weighted.is_empty() {
-            return Ok(Self { matches: weighted, notes });
+            return Ok(Self { matches: weighted, remarks });
         }
         let pairs = file.original_matches().map_err(|problem| ReadError::content(path, problem))?;
         let matches: Vec<Match> = pairs.into_iter().map(Match::from).collect();
         if matches.is_empty() {
             return Err(ReadError::content(path, "none of its matches lies within the range of the lenses"));
         }
-        Ok(Self { matches, notes })
+        Ok(Self { matches, remarks })
     }
 }
 
@@ -68,6 +68,10 @@ pub(super) fn archive(bytes: Vec<u8>) -> Result<Vec<NamedArray>, String> {
         read.map_err(|e| format!("{name} cannot be unpacked: {e}"))?;
         if content.len() as u64 <= most {
             total += content.len() as u64;
+            if name == "pictures" && is_text(&content, UNDISTORTED) {
+                arrays.push((UNDISTORTED.to_owned(), Ok(Array { shape: Vec::new(), numbers: vec![1.0] })));
+                continue;
+            }
             let array = Array::parse(&content);
             arrays.push((name, array));
         } else if has_meaning {

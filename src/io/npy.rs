@@ -172,6 +172,11 @@ impl Array {
     }
 }
 
+/// Returns whether a file is this text.
+pub(super) fn is_text(file: &[u8], text: &str) -> bool {
+    file == text_as_npy(text)
+}
+
 /// Returns whether a file is a NumPy array.
 pub(super) fn is_npy(file: &[u8]) -> bool {
     file.starts_with(b"\x93NUMPY")

@@ -161,6 +161,31 @@ fn check_knows_the_origin_of_the_format() {
 }
 
 #[test]
+fn check_reads_the_matches_of_matchers_and_tells_how() {
+    let scene = scene();
+    let (p1, p2) = (scene.text("p1.P"), scene.text("p2.P"));
+    let matches = std::fs::read_to_string(scene.path("matches.csv")).unwrap();
+    let numbers = |line: &str| line.split(',').map(|cell| cell.trim().parse().ok()).collect::<Option<Vec<f64>>>();
+    let rows: Vec<Vec<f64>> = matches.lines().filter_map(numbers).collect();
+    let points = |k: usize| rows.iter().map(|row| row[k..k + 2].to_vec()).collect::<Vec<_>>();
+    let (first, second) = (points(0), points(2));
+    let arrays = format!(
+        "{{\"inlier_kpts0\": {first:?}, \"inlier_kpts1\": {second:?}, \"mkpts0_f\": {first:?}, \"mkpts1_f\": {second:?}}}"
+    );
+    scene.write("arrays.json", &arrays);
+    let table = |row: &Vec<f64>| format!("{} {} {} {} 1.0\n", row[0], row[1], row[2], row[3]);
+    scene.write("table.txt", &rows.iter().map(table).collect::<String>());
+    for (name, told) in [
+        ("arrays.json", "mkpts0_f and mkpts1_f were read, inlier_kpts0 not"),
+        ("table.txt", "of 5 columns the first four were read as x1 y1 x2 y2"),
+    ] {
+        let output = run(&["check", &p1, &p2, "--matches", &scene.text(name)]);
+        let said = text(&output.stderr);
+        assert!(output.status.success() && said.contains(told), "{said}");
+    }
+}
+
+#[test]
 fn check_has_a_status_for_nothing_fits_and_sentences_for_bad_input() {
     let scene = scene();
     let (p1, p2) = (scene.text("p1.P"), scene.text("p2.P"));

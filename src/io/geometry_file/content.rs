@@ -58,7 +58,7 @@ pub struct GeometryFile {
     /// Calibrated part of a result. Read from results only.
     pub calibrated: Option<CalibratedNote>,
     /// Clauses about how the file was read and what was left out. Read only.
-    pub notes: Vec<String>,
+    pub remarks: Vec<String>,
     /// Point pairs with their weights, if the file has weights. Read only.
     pub weighted: Vec<Match>,
     /// Reason why no matrix of the file is `F`, if it has others. Read only.
@@ -107,7 +107,7 @@ impl GeometryFile {
             trust: None,
             covariance: None,
             calibrated: None,
-            notes: Vec::new(),
+            remarks: Vec::new(),
             weighted: Vec::new(),
             not_fundamental: None,
             cloud: None,

@@ -1,7 +1,7 @@
 //! Files of epipolar geometry for other programs, each in the convention of its readers.
 //!
 //! What is read is wider than what is written: XML of OpenCV, NumPy arrays and archives, and a matrix that is
-//! printed in any notation ([`printed`]). What was read and what was left out is in [`GeometryFile::notes`].
+//! printed in any notation ([`printed`]). What was read and what was left out is in [`GeometryFile::remarks`].
 //!
 //! | [`Format`] | read by | F | centre of the upper left pixel |
 //! |---|---|---|---|
@@ -42,6 +42,7 @@ use std::path::Path;
 
 use nalgebra::Matrix3;
 use serde::de::IgnoredAny;
+use serde_json::Value;
 
 use self::content::BareNumbers;
 use self::coordinates::WrittenGeometry;
@@ -63,7 +64,7 @@ pub use self::content::{CalibratedNote, GeometryFile, ImageNote};
 pub(super) use self::coordinates::shift;
 #[cfg(feature = "colmap")]
 pub(super) use self::coordinates::{moved_fundamental, moved_pair};
-pub(super) use self::fields::insert;
+pub(super) use self::fields::{UNDISTORTED, insert};
 pub use self::format::Format;
 pub use self::labels::{PairLabel, PairOrigin, TrustNote};
 pub(super) use self::matrix_name::parts as name_parts;
@@ -210,6 +211,10 @@ fn printed_matrix(text: &str, format: Format, problem: Problem) -> Result<Fields
         printed.notes.push("its pixels are counted from (1, 1), and F was converted to (0, 0)".to_owned());
     }
     let mut fields = Fields::default();
+    // Code that is copied for pictures without distortion says so in a comment.
+    if text.contains("without distortion") || text.contains("undistorted") {
+        fields.pictures.read("undistorted", &Value::Bool(true)).map_err(Problem::whole)?;
+    }
     fields.add_printed(printed)?;
     Ok(fields)
 }

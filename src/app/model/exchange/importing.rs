@@ -144,7 +144,7 @@ impl ImportQuestion {
                 "there are no point pairs and no fundamental matrix in it".to_owned()
             });
         }
-        let mut notes = in_sentences(&name, &file.notes);
+        let mut notes = in_sentences(&name, &file.remarks);
         let own = PicturesOf::from(self.views.as_ref());
         let has_geometry = geometry.is_some();
         match (&file.pictures, file.pictures.views()) {
@@ -202,7 +202,7 @@ impl ImportQuestion {
     /// Reads the matches of a NumPy archive.
     fn matches_of(&self, path: &Path) -> Result<ImportFound, String> {
         let name = self.pending.source.name();
-        let MatchFile { matches: all, notes } = MatchFile::read(path).map_err(|error| error.to_string())?;
+        let MatchFile { matches: all, remarks } = MatchFile::read(path).map_err(|error| error.to_string())?;
         let lies_on = |found: &&Match| is_inside(&found.pair, self.shown);
         // Matches of an archive are places in the pictures.
         let place = |pair: &PointPair| match &self.views {
@@ -218,7 +218,7 @@ impl ImportQuestion {
         let left_out = || {
             format!("Left out because outside the images: {outside} of the {} matches of {name}.", all.len())
         };
-        let mut notes = in_sentences(&name, &notes);
+        let mut notes = in_sentences(&name, &remarks);
         notes.extend((outside > 0).then(left_out));
         notes.extend(self.disagreement(&matches));
         Ok(ImportFound { name, format: "NumPy archive", pairs: Vec::new(), matches, matrix: None, notes })
@@ -260,8 +260,8 @@ impl ImportQuestion {
 }
 
 /// Returns clauses about how a file was read as sentences.
-fn in_sentences(name: &str, notes: &[String]) -> Vec<String> {
-    notes.iter().map(|note| format!("{name}: {note}.")).collect()
+fn in_sentences(name: &str, remarks: &[String]) -> Vec<String> {
+    remarks.iter().map(|remark| format!("{name}: {remark}.")).collect()
 }
 
 /// Returns the pairs on the images, and a message about the others.

@@ -114,6 +114,12 @@ impl Group {
         }
     }
 
+    /// Returns whether the numbers are the shape of a matrix, `3, 3` or `9`.
+    pub(super) fn is_shape(&self) -> bool {
+        let values: Vec<f64> = self.entries.iter().map(|entry| entry.value).collect();
+        values == [3.0, 3.0] || values == [9.0]
+    }
+
     /// Returns whether the name is that of a transposed matrix (`F' = …`).
     pub(super) fn is_named_transposed(&self) -> bool {
         self.labels.last().is_some_and(|label| label.is_transposed)

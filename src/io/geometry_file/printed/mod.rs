@@ -200,7 +200,7 @@ fn chosen<'a>(groups: &[Group], found: &'a [Candidate]) -> Result<Option<&'a Can
     let is_part = |at: usize| found.iter().any(|candidate| (candidate.from..=candidate.to).contains(&at));
     for (at, group) in groups.iter().enumerate() {
         let count = group.entries.len();
-        let is_matrix = group.is_assigned || count > 3;
+        let is_matrix = (group.is_assigned || count > 3) && !group.is_shape();
         if !is_part(at) && is_matrix && group.name().0 == MatrixName::Fundamental {
             let word = group.name().1.unwrap_or("F").to_owned();
             return Err(NoMatrix::Unclear(format!(
@@ -213,7 +213,7 @@ fn chosen<'a>(groups: &[Group], found: &'a [Candidate]) -> Result<Option<&'a Can
         _ => named(MatrixName::Fundamental).collect(),
     };
     let Some(first) = candidates.first() else { return Ok(None) };
-    let differ = candidates.iter().any(|other| {
+    let differ = candidates.iter().skip(1).any(|other| {
         other.nine != first.nine || other.name != first.name || other.is_transposed != first.is_transposed
     });
     let word =
@@ -241,7 +241,7 @@ fn check_surroundings(groups: &[Group], chosen: &Candidate) -> Result<(), NoMatr
     let outside = |at: &usize| !(chosen.from..=chosen.to).contains(at);
     let strange = (0..groups.len()).filter(outside).find(|at| {
         let group = &groups[*at];
-        !group.is_described && group.name().0 != MatrixName::Other
+        !group.is_described && !group.is_shape() && group.name().0 != MatrixName::Other
     });
     match strange {
         None if is_clear => Ok(()),
