@@ -82,7 +82,10 @@ fn changed_files_never_give_another_geometry() {
                     assert!((found.matrix() - f).norm() < 1e-9, "{said}");
                 }
                 assert!(found.cameras.is_none() || found.cameras == expected.cameras, "{said}");
-                assert!(found.homographies.is_none() || found.homographies == expected.homographies, "{said}");
+                assert!(
+                    found.homographies.is_none() || found.homographies == expected.homographies,
+                    "{said}"
+                );
                 assert!(found.pairs.iter().all(|pair| expected.pairs.contains(pair)), "{said}");
             }
         }

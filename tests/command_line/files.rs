@@ -165,7 +165,8 @@ fn check_reads_the_matches_of_matchers_and_tells_how() {
     let scene = scene();
     let (p1, p2) = (scene.text("p1.P"), scene.text("p2.P"));
     let matches = std::fs::read_to_string(scene.path("matches.csv")).unwrap();
-    let numbers = |line: &str| line.split(',').map(|cell| cell.trim().parse().ok()).collect::<Option<Vec<f64>>>();
+    let numbers =
+        |line: &str| line.split(',').map(|cell| cell.trim().parse().ok()).collect::<Option<Vec<f64>>>();
     let rows: Vec<Vec<f64>> = matches.lines().filter_map(numbers).collect();
     let points = |k: usize| rows.iter().map(|row| row[k..k + 2].to_vec()).collect::<Vec<_>>();
     let (first, second) = (points(0), points(2));

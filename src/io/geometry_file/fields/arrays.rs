@@ -132,7 +132,8 @@ impl Fields {
             let of_name = others.iter().filter(move |(other, _)| MatrixName::of(other) == name);
             of_name.filter(move |(_, table)| is_matrix(table)).collect::<Vec<_>>()
         };
-        let [own, other, unknown] = [MatrixName::Fundamental, MatrixName::Other, MatrixName::Unknown].map(named);
+        let [own, other, unknown] =
+            [MatrixName::Fundamental, MatrixName::Other, MatrixName::Unknown].map(named);
         let has_pairs = self.matches.is_some() || self.no_matches.is_some() || !self.is_empty();
         let (found, is_told) = match (&own[..], &unknown[..]) {
             ([], [found]) if other.is_empty() && !has_pairs => (*found, true),
@@ -143,10 +144,12 @@ impl Fields {
                 let listed = if own.is_empty() { [&unknown[..], &other[..]].concat() } else { own.clone() };
                 let names: Vec<&str> = listed.iter().map(|(name, _)| &**name).take(MOST_NAMES).collect();
                 let names = excerpt(&names.join(", "));
-                self.not_fundamental =
-                    Some(format!("none of its matrices is called F: {names}. Give the fundamental matrix this name"));
+                self.not_fundamental = Some(format!(
+                    "none of its matrices is called F: {names}. Give the fundamental matrix this name"
+                ));
                 if own.len() > 1 {
-                    self.not_fundamental = Some(format!("it has several fundamental matrices: {names}. Leave one of them"));
+                    self.not_fundamental =
+                        Some(format!("it has several fundamental matrices: {names}. Leave one of them"));
                 }
                 return;
             }

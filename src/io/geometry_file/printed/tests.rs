@@ -183,7 +183,7 @@ fn what_is_not_clear_is_refused() {
         (format!("[[{nine} 10]]"), 10),
         ("[[1 2 3] [4 5 6] [7 8 1/3]]".to_owned(), 8),
         (format!("{nine}\n\n{nine}"), 18),
-        ("1 2 3 - 4 5 6 7 8 9".to_owned(), 6),
+        ("1 2 3 - 4 5 6 7 8 9".to_owned(), 5),
     ] {
         assert_eq!(read(&text), Err(NoMatrix::Count(count)), "{text}");
     }
