@@ -304,8 +304,13 @@ impl Gatherer {
                     let describes =
                         matches!(self.current.entries.as_slice(), [only] if only.line == placed.line);
                     self.current.is_described |= describes;
-                    // A power of ten alone scales the matrix, which means the same F.
-                    if !(opens && self.bracket > 0) && !word.starts_with("10^") {
+                    // A power of ten before or behind the matrix scales it, which means the same F.
+                    let mut before = tokens[..at].iter().rev().map(|(item, _)| item);
+                    let last = before.find(|item| **item != Item::Token(Token::Times));
+                    let is_behind =
+                        self.current.entries.is_empty() || last == Some(&Item::Token(Token::Close));
+                    let is_factor = word.starts_with("10^") && is_behind;
+                    if !(opens && self.bracket > 0) && !is_factor {
                         self.word(word, placed.line, Index::new());
                     }
                 }
