@@ -238,7 +238,9 @@ fn chosen<'a>(groups: &[Group], found: &'a [Candidate]) -> Result<Option<&'a Can
 
 /// Refuses a matrix beside numbers that may belong to it.
 fn check_surroundings(groups: &[Group], chosen: &Candidate) -> Result<(), NoMatrix> {
-    let is_clear = groups[chosen.from].is_clear && groups.get(chosen.to + 1).is_none_or(|next| next.is_clear);
+    let is_clear = groups[chosen.from].is_clear
+        && !groups[chosen.from].is_broken
+        && groups.get(chosen.to + 1).is_none_or(|next| next.is_clear);
     let outside = |at: &usize| !(chosen.from..=chosen.to).contains(at);
     let strange = (0..groups.len()).filter(outside).find(|at| {
         let group = &groups[*at];
@@ -300,7 +302,8 @@ fn decimal_commas(text: &str) -> Option<PrintedMatrix> {
     let points: String = (0..digits.len()).map(|k| if is_decimal(k) { '.' } else { digits[k] }).collect();
     // Entries of F below 1 have a zero before the comma, or an exponent. Coordinates have neither.
     let small = |number: &f64| number.abs() < 1.0 && *number != 0.0;
-    if points == text {
+    // A comma that is left belongs to no number, so the others may not be decimal ones either.
+    if points == text || points.contains(',') {
         return None;
     }
     let mut found = read(&points).ok()?;
