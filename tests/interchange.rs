@@ -57,6 +57,41 @@ fn rows<const R: usize, const C: usize>(matrix: &nalgebra::SMatrix<f64, R, C>) -
     Value::Array(matrix.row_iter().map(|row| row.iter().copied().collect::<Value>()).collect())
 }
 
+/// A file with a line less or a name changed gives the same geometry or a sentence, never another geometry.
+#[test]
+fn changed_files_never_give_another_geometry() {
+    let expected = example();
+    let f = *expected.fundamental.unwrap().matrix();
+    for format in [Format::Json, Format::Text, Format::OpencvYaml] {
+        let text = expected.to_text(format);
+        let lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        for k in 0..lines.len() {
+            let mut less = lines.clone();
+            less.remove(k);
+            let mut renamed = lines.clone();
+            if let Some(at) = renamed[k].find(char::is_alphabetic) {
+                renamed[k].insert(at, 'x');
+            }
+            let mut shorter = lines.clone();
+            let cut = shorter[k].rfind([' ', ',']).unwrap_or(0);
+            shorter[k].truncate(cut);
+            for changed in [less, renamed, shorter] {
+                let Ok((found, _)) = GeometryFile::parse(&changed.join("\n")) else { continue };
+                let said = format!("{format:?}, line {}: {}", k + 1, lines[k]);
+                if let Some(found) = found.geometry() {
+                    assert!((found.matrix() - f).norm() < 1e-9, "{said}");
+                }
+                assert!(found.cameras.is_none() || found.cameras == expected.cameras, "{said}");
+                assert!(
+                    found.homographies.is_none() || found.homographies == expected.homographies,
+                    "{said}"
+                );
+                assert!(found.pairs.iter().all(|pair| expected.pairs.contains(pair)), "{said}");
+            }
+        }
+    }
+}
+
 /// Every number arrives bit for bit, and OpenCV's residual equals the one stated in the file.
 #[test]
 fn opencv_reads_what_we_write() {

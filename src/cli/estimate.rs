@@ -29,7 +29,8 @@ use crate::presentation::lens_in_words;
 #[derive(Debug, Args)]
 #[command(
     allow_negative_numbers = true,
-    mut_arg("left", |left| left.required_unless_present_any(["sample", "matches"]))
+    mut_arg("left", |left| left.index(1).required_unless_present_any(["sample", "matches"])),
+    mut_arg("right", |right| right.index(2))
 )]
 pub(super) struct EstimateArguments {
     #[command(flatten)]

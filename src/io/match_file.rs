@@ -13,6 +13,7 @@ use super::match_arrays::{NamedArray, concerns_matches};
 use super::npy::{Array, is_text};
 use super::read::ReadError;
 use crate::estimate::Match;
+use crate::foreign::excerpt;
 
 /// Largest array of an archive that is read, bytes, and the largest sum of all.
 const MOST_BYTES: u64 = 256 << 20;
@@ -58,7 +59,7 @@ pub(super) fn archive(bytes: Vec<u8>) -> Result<Vec<NamedArray>, String> {
     let (mut arrays, mut total) = (Vec::new(), 0);
     for index in 0..archive.len() {
         let file = archive.by_index(index).map_err(damaged)?;
-        let Some(name) = file.name().map_err(damaged)?.strip_suffix(".npy").map(str::to_owned) else {
+        let Some(name) = file.name().map_err(damaged)?.strip_suffix(".npy").map(excerpt) else {
             continue;
         };
         let has_meaning = concerns_matches(&name) || names_matrix(&name);

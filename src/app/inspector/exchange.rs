@@ -75,10 +75,13 @@ impl Inspector {
             return self.export_rectified(order.path, order.rectified);
         }
         if order.what == ExportKind::Undistorted {
-            return match undistorted(&self.model, order.path.clone()) {
-                Some(work) => self.tasks.saver.ask(saver::export_folder(order.path, work)),
+            match undistorted(&self.model, order.path.clone()) {
+                Some(work) => {
+                    self.tasks.saver.ask(saver::export_folder(order.path, work));
+                }
                 None => self.model.messages.tell(NOTHING_TO_EXPORT),
-            };
+            }
+            return;
         }
         if order.what == ExportKind::Figure {
             let panes = self.view.panes.each_ref().map(ImagePane::place);

@@ -126,6 +126,10 @@ mod tests {
         let other = ExactScene::moved([0.3, 0.02, 0.3]);
         let misled = run(&other.pairs(60));
         assert!(scene.error(misled.fundamental()) < 0.3, "{}", scene.error(misled.fundamental()));
+        // So do matches that are all wrong in one way, and their contradiction is told first.
+        let lower = |m: PointPair| PointPair::new(m.point1.x, m.point1.y, m.point2.x, m.point2.y + 25.0);
+        let misled = run(&scene.pairs(60).into_iter().map(lower).collect::<Vec<_>>());
+        assert!(scene.error(misled.fundamental()) < 0.3, "{}", scene.error(misled.fundamental()));
         let reasons = &misled.assessment.trust.as_ref().unwrap().reasons;
         assert!(matches!(reasons[0], Reason::GivenContradict { .. }), "{reasons:?}");
     }

@@ -17,8 +17,6 @@ enum Doubt {
     /// The support is weak: few matches, a rival, contradicting or imprecise matches.
     Support,
     Unreliable,
-    /// The matches found without the geometry agree with it as by chance.
-    Chance,
 }
 
 impl Doubt {
@@ -29,14 +27,13 @@ impl Doubt {
         Some(match trust.verdict {
             Verdict::Reliable => Self::Nothing,
             Verdict::Doubtful => of_reasons.into_iter().max().unwrap_or(Self::Nothing),
-            Verdict::Unreliable => of_reasons.into_iter().fold(Self::Unreliable, Self::max),
+            Verdict::Unreliable => Self::Unreliable,
         })
     }
 
     fn of_reason(reason: &Reason) -> Option<Self> {
         match reason {
             Reason::ClickOff { .. } => Some(Self::Click),
-            Reason::ByChance { .. } => Some(Self::Chance),
             Reason::OnePlane { .. }
             | Reason::NoRelief { .. }
             | Reason::Bent { .. }
@@ -44,6 +41,7 @@ impl Doubt {
             | Reason::Mirrored { .. } => Some(Self::Epipole),
             Reason::NotRefined
             | Reason::FewMatches { .. }
+            | Reason::ByChance { .. }
             | Reason::GivenContradict { .. }
             | Reason::Fisheye
             | Reason::Contradicted { .. }
@@ -69,8 +67,7 @@ impl Doubt {
             Self::Nothing | Self::Click => (142.0, 145.0),
             Self::Epipole => (105.0, 113.0),
             Self::Support => (31.0, 50.0),
-            Self::Unreliable => (5.0, 10.0),
-            Self::Chance => (1.0, 10.0),
+            Self::Unreliable => (7.0, 25.0),
         };
         (right + 1.0) / (all + 2.0)
     }
@@ -119,7 +116,7 @@ mod tests {
             doubtful(&[CLICK, PLANE]),
             doubtful(&[PLANE, FEW]),
             probability(Verdict::Unreliable, &[CLICK, PLANE]),
-            probability(Verdict::Unreliable, &[CHANCE, FEW]),
+            probability(Verdict::Unreliable, &[CHANCE]),
         ];
         assert!(falling.is_sorted_by(|better, worse| better >= worse), "{falling:?}");
         assert!(falling.iter().all(|probability| (0.001..0.999).contains(probability)), "{falling:?}");

@@ -176,7 +176,10 @@ impl GeometryFile {
         if format == Format::Matlab && text.contains("written by epiline") {
             return Err(Problem::whole(MATLAB_SCRIPT));
         }
-        let has_nine = || rows(text).map(|(_, row)| cells(row).count()).sum::<usize>() == 9;
+        let has_nine = || {
+            let mut numbers = rows(text).flat_map(|(_, row)| cells(row)).map(str::parse::<f64>);
+            numbers.by_ref().take(9).filter(Result::is_ok).count() == 9 && numbers.next().is_none()
+        };
         let strict = match format {
             // Numbers without anything around them.
             Format::Text if !text::has_sections(text) && has_nine() => Err(Problem::whole("")),

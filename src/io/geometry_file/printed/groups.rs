@@ -43,6 +43,8 @@ pub(super) struct Group {
     pub is_described: bool,
     /// Whether an assignment stands directly before the group.
     pub is_assigned: bool,
+    /// Whether a product, a quotient or a sign that is not worked out stands directly before the group.
+    pub is_broken: bool,
 }
 
 /// Numbers of a 3×3 matrix.
@@ -280,6 +282,7 @@ struct Gatherer {
     /// Whether a bracket, an assignment or a line end came since the last number.
     is_clear: bool,
     is_assigned: bool,
+    is_broken: bool,
 }
 
 impl Gatherer {
@@ -304,8 +307,13 @@ impl Gatherer {
                     let describes =
                         matches!(self.current.entries.as_slice(), [only] if only.line == placed.line);
                     self.current.is_described |= describes;
-                    // A power of ten alone scales the matrix, which means the same F.
-                    if !(opens && self.bracket > 0) && !word.starts_with("10^") {
+                    // A power of ten before or behind the matrix scales it, which means the same F.
+                    let mut before = tokens[..at].iter().rev().map(|(item, _)| item);
+                    let last = before.find(|item| **item != Item::Token(Token::Times));
+                    let is_behind =
+                        self.current.entries.is_empty() || last == Some(&Item::Token(Token::Close));
+                    let is_factor = word.starts_with("10^") && is_behind;
+                    if !(opens && self.bracket > 0) && !is_factor {
                         self.word(word, placed.line, Index::new());
                     }
                 }
@@ -357,12 +365,20 @@ impl Gatherer {
         match token(at + 1) {
             // A product or a quotient of numbers is not worked out.
             Some(Token::Times | Token::Slash) if matches!(token(at + 2), Some(Token::Number(_))) => {
-                self.word("*", line, Index::new());
+                self.broken("*", line);
                 return 3;
             }
-            // A factor of the whole matrix means the same F.
+            // A factor of the whole matrix means the same F. It stands before a bracket, a call or a line end.
             Some(Token::Times) => {
-                self.close();
+                let is_call = matches!(tokens.get(at + 3), Some((Item::Token(Token::Open('(' | '[')), next)) if next.is_glued);
+                let is_before_matrix = match token(at + 2) {
+                    None | Some(Token::Line | Token::Open(_)) => true,
+                    Some(Token::Word(_)) => is_call,
+                    _ => false,
+                };
+                if !(is_before_matrix && self.current.entries.is_empty()) {
+                    self.broken("*", line);
+                }
                 return 2;
             }
             _ => {}
@@ -373,7 +389,7 @@ impl Gatherer {
                 self.entry(-value, line);
             }
             // The sign may as well be a dash.
-            (Some(Token::Minus), _) => self.word("-", line, Index::new()),
+            (Some(Token::Minus), _) => self.broken("-", line),
             _ => self.entry(value, line),
         }
         1
@@ -387,6 +403,7 @@ impl Gatherer {
                 is_clear: self.is_clear || self.found.is_empty(),
                 is_described: has_words || self.is_assigned,
                 is_assigned: self.is_assigned,
+                is_broken: std::mem::take(&mut self.is_broken),
                 ..Group::default()
             };
             self.block = 0;
@@ -405,6 +422,12 @@ impl Gatherer {
         self.bracket = self.brackets.len();
         self.brackets.push(Bracket { parent, is_call: is_word && tokens[at].1.is_glued, count: 0 });
         self.is_clear = true;
+    }
+
+    /// Takes numbers that are not worked out. The group behind them is no matrix.
+    fn broken(&mut self, word: &str, line: usize) {
+        self.word(word, line, Index::new());
+        self.is_broken = true;
     }
 
     fn word(&mut self, word: &str, line: usize, index: Index) {

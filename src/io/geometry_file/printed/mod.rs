@@ -16,6 +16,7 @@ mod tokens;
 use self::groups::{Group, Label, MATRIX, groups};
 use self::layout::{Nine, nine};
 use super::matrix_name::MatrixName;
+use crate::foreign::excerpt;
 
 /// Nine numbers of `F`, row by row, and notes on how they were read.
 #[derive(Debug, Clone, PartialEq)]
@@ -117,7 +118,7 @@ fn candidates(groups: &[Group]) -> Result<Vec<Candidate>, NoMatrix> {
         let Some(nine) = nine(group) else { continue };
         let (name, word) = group.name();
         let is_transposed = group.is_transposed != group.is_named_transposed();
-        let word = word.map(str::to_owned);
+        let word = word.map(excerpt);
         found.push(Candidate { nine, name, word, is_transposed, from: at, to: at });
     }
     let mut at = 0;
@@ -135,7 +136,7 @@ fn candidates(groups: &[Group]) -> Result<Vec<Candidate>, NoMatrix> {
                 MatrixName::Unknown => groups[at].name().0,
                 known => known,
             };
-            let word = Some(base).filter(|base| !base.is_empty());
+            let word = Some(excerpt(&base)).filter(|base| !base.is_empty());
             found.push(Candidate { nine, name, word, is_transposed: false, from: at, to: at + count - 1 });
         }
         at += count;
@@ -202,7 +203,7 @@ fn chosen<'a>(groups: &[Group], found: &'a [Candidate]) -> Result<Option<&'a Can
         let count = group.entries.len();
         let is_matrix = (group.is_assigned || count > 3) && !group.is_shape();
         if !is_part(at) && is_matrix && group.name().0 == MatrixName::Fundamental {
-            let word = group.name().1.unwrap_or("F").to_owned();
+            let word = excerpt(group.name().1.unwrap_or("F"));
             return Err(NoMatrix::Unclear(format!(
                 "expected the nine numbers of a fundamental matrix, but {word} has {count}"
             )));
@@ -237,7 +238,9 @@ fn chosen<'a>(groups: &[Group], found: &'a [Candidate]) -> Result<Option<&'a Can
 
 /// Refuses a matrix beside numbers that may belong to it.
 fn check_surroundings(groups: &[Group], chosen: &Candidate) -> Result<(), NoMatrix> {
-    let is_clear = groups[chosen.from].is_clear && groups.get(chosen.to + 1).is_none_or(|next| next.is_clear);
+    let is_clear = groups[chosen.from].is_clear
+        && !groups[chosen.from].is_broken
+        && groups.get(chosen.to + 1).is_none_or(|next| next.is_clear);
     let outside = |at: &usize| !(chosen.from..=chosen.to).contains(at);
     let strange = (0..groups.len()).filter(outside).find(|at| {
         let group = &groups[*at];
@@ -299,7 +302,8 @@ fn decimal_commas(text: &str) -> Option<PrintedMatrix> {
     let points: String = (0..digits.len()).map(|k| if is_decimal(k) { '.' } else { digits[k] }).collect();
     // Entries of F below 1 have a zero before the comma, or an exponent. Coordinates have neither.
     let small = |number: &f64| number.abs() < 1.0 && *number != 0.0;
-    if points == text {
+    // A comma that is left belongs to no number, so the others may not be decimal ones either.
+    if points == text || points.contains(',') {
         return None;
     }
     let mut found = read(&points).ok()?;

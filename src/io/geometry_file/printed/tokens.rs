@@ -228,7 +228,8 @@ impl Scanner<'_> {
             "top" => self.push(Token::Transposed, length),
             "begin" | "end" => {
                 let used = braced(&self.rest[length..]).map_or(0, |(_, used)| used);
-                self.skip(length + used);
+                let token = if name == "begin" { Token::Open('{') } else { Token::Close };
+                self.push(token, length + used);
             }
             _ => self.skip(length),
         }
