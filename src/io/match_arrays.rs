@@ -161,7 +161,7 @@ pub(super) fn matches_of(arrays: &[NamedArray]) -> Result<Option<FoundMatches>, 
     };
     for name in ["batch_indexes", "batch_indices"] {
         if let Some(batch) = read(name)?
-            && batch.numbers.iter().any(|number| *number != batch.numbers[0])
+            && batch.numbers.iter().any(|number| number - batch.numbers[0] != 0.0)
         {
             return Err(format!(
                 "it has the matches of several image pairs ({name}). Save the matches of one"
@@ -349,7 +349,7 @@ fn points(name: &str, array: Option<&Array>, notes: &mut Vec<String>) -> Result<
             return Ok(x.iter().zip(y).map(|(x, y)| Point::new(*x, *y)).collect());
         }
         [_, columns] if *columns > 2 => {
-            let is_homogeneous = *columns == 3 && array.rows(3).all(|row| row[2] == 1.0);
+            let is_homogeneous = *columns == 3 && array.rows(3).all(|row| row[2] - 1.0 == 0.0);
             if !is_homogeneous {
                 notes.push(format!("of {columns} columns of {name} the first two were read as x and y"));
             }
@@ -558,7 +558,7 @@ mod tests {
         };
         let all = [of("all_kpts#", 1.0), of("inlier_kpts#", 2.0), of("mkpts#_f", 3.0), of("mkpts#_c", 4.0)];
         let found = read(&all.concat()).unwrap();
-        assert_eq!(found.matches[0].pair.point1.x, 3.0);
+        assert_eq!(found.matches[0].pair.point1, Point::new(3.0, 2.0));
         assert!(found.notes[0].starts_with("mkpts0_f and mkpts1_f were read"), "{:?}", found.notes);
         for (arrays, told) in [
             (of("mkpts#_c", 4.0).to_vec(), "coarse grid"),

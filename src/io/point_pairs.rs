@@ -92,11 +92,11 @@ pub(super) fn first_four(count: usize) -> String {
 pub(super) fn check_more_columns(rows: &[&[f64]]) -> Result<(), String> {
     let column = |k: usize| rows.iter().map(move |row| row[k]);
     let is_whole = |k: usize| column(k).all(|number| number.fract() == 0.0);
-    let counts = rows.len() > 1 && rows.windows(2).all(|two| two[1][0] - two[0][0] == 1.0);
+    let counts = rows.len() > 1 && rows.windows(2).all(|two| two[1][0] - two[0][0] - 1.0 == 0.0);
     let is_index = is_whole(0) && (counts || (!is_whole(1) && rows.len() > 1));
     let are_indices = rows[0].len() > 5 && is_whole(0) && is_whole(1) && !(is_whole(2) && is_whole(3));
     let is_constant =
-        rows.len() > 1 && [0, 1, 2, 3].iter().any(|k| column(*k).all(|number| number == rows[0][*k]));
+        rows.len() > 1 && [0, 1, 2, 3].iter().any(|k| column(*k).all(|number| number - rows[0][*k] == 0.0));
     let unlike = match () {
         () if is_index => "begin with the number of the point",
         () if are_indices => "begin with two numbers of points",

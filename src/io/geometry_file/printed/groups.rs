@@ -119,7 +119,7 @@ impl Group {
     /// Returns whether the numbers are the shape of a matrix, `3, 3` or `9`.
     pub(super) fn is_shape(&self) -> bool {
         let values: Vec<f64> = self.entries.iter().map(|entry| entry.value).collect();
-        values == [3.0, 3.0] || values == [9.0]
+        matches!(values[..], [3.0, 3.0] | [9.0])
     }
 
     /// Returns whether the name is that of a transposed matrix (`F' = …`).

@@ -84,7 +84,7 @@ fn in_blocks(entries: &[Entry], last: usize) -> Option<Nine> {
 /// Leaves out the shape `3, 3` before or behind the numbers.
 fn without_shape(entries: &[Entry]) -> &[Entry] {
     let apart = |shape: &[Entry], rest: &[Entry]| {
-        shape.iter().all(|entry| entry.value == 3.0)
+        shape.iter().all(|entry| entry.value - 3.0 == 0.0)
             && (rest.iter().all(|entry| entry.bracket != shape[0].bracket)
                 || (shape[0].line == shape[1].line && rest.iter().all(|entry| entry.line != shape[0].line)))
     };
@@ -102,7 +102,7 @@ fn without_headings(entries: &[Entry]) -> Option<Vec<Entry>> {
     let counts = |mut numbers: [f64; 3]| {
         let first = numbers[0];
         numbers.iter_mut().for_each(|number| *number -= first);
-        (first == 0.0 || first == 1.0) && numbers == [0.0, 1.0, 2.0]
+        matches!(first, 0.0 | 1.0) && matches!(numbers, [0.0, 1.0, 2.0])
     };
     let ([a, b, c], [x, y, z]) = (*heading, rows) else { return None };
     let is_table = [x, y, z].iter().all(|row| row.len() == 4)

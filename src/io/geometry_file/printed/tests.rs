@@ -30,7 +30,7 @@ fn notations() -> Vec<String> {
     let numpy = joined(&plain, " ", "]\n [");
     let short = |power: i32| {
         cells(move |v| {
-            let exponent = if v == 1.0 { 0 } else { v.abs().log10().floor() as i32 };
+            let exponent = if v - 1.0 == 0.0 { 0 } else { v.abs().log10().floor() as i32 };
             format!(
                 "{} {power_of}{{{exponent}}}",
                 v / 10f64.powi(exponent),

@@ -182,10 +182,12 @@ impl Scanner<'_> {
             (None, _) => true,
         };
         if ends && !(self.is_glued && (self.before.is_alphanumeric() || self.before == '.')) {
-            return match value.is_finite() {
-                true => self.push(Token::Number(value), length),
-                false => self.push(Token::NotFinite(self.rest[..length].to_owned()), length),
+            let token = if value.is_finite() {
+                Token::Number(value)
+            } else {
+                Token::NotFinite(self.rest[..length].to_owned())
             };
+            return self.push(token, length);
         }
         // A date, a time, a version, a shape: everything up to the next mark.
         let run = rest.find(|c: char| c.is_whitespace() || ",;()[]{}&|\"'".contains(c)).unwrap_or(rest.len());
