@@ -111,8 +111,8 @@ fn change_in_words(change: &Change) -> String {
         }
         Change::Cameras { mistake } => match mistake {
             CameraChange::CameraToWorld => {
-                "the poses are inverted: they map the camera to the world, not the \
-                                            world to the camera"
+                "the poses are inverted (they map the camera to the world, not the world to the camera), or the pictures of \
+                 two similar cameras are exchanged"
             }
             CameraChange::OpenGlAxes => {
                 "the camera axes are those of OpenGL (y up, z backwards), or the pose is \

@@ -219,6 +219,18 @@ fn a_stereo_calibration_is_judged_and_a_wrong_lens_is_found() {
             assert!(text(&output.stdout).contains("which may be chance"), "{}", text(&output.stdout));
         }
     }
+    let right = lens.pictures.text("right.json");
+    let exchanged = run(&["judge", &far, &near, "--calibration", &right]);
+    assert_eq!(exchanged.status.code(), Some(1), "{}", text(&exchanged.stdout));
+    let mut negated = stereo(DISTORTION);
+    for k in 0..3 {
+        negated["T"][k] = (-negated["T"][k].as_f64().unwrap()).into();
+    }
+    lens.pictures.write("negated.json", &negated.to_string());
+    let output = run(&["judge", &near, &far, "--calibration", &lens.pictures.text("negated.json")]);
+    let words = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(1), "{words}");
+    assert!(words.contains("behind both cameras") && words.contains("F stays the same"), "{words}");
     let single = lens.pictures.text("cameras.txt");
     fails(&["judge", &near, &far, "--calibration", &single], 2, "does not tell where the second camera is");
     let small = lens.pictures.text("left.png");
