@@ -512,7 +512,7 @@ fn f_is_exported_for_numpy() {
     export(&mut window, &["NumPy array"], &path);
     window.get_by_label_contains("Exported F as a NumPy array to");
     let written = std::fs::read(&path).unwrap();
-    assert_eq!(written, epiline::io::fundamental_as_npy(f, &PicturesOf::Original).unwrap());
+    assert_eq!(written, epiline::io::fundamental_as_npy(&f, &PicturesOf::Original).unwrap());
     // It can be read again, like an array of point pairs.
     assert_eq!(epiline::io::read_fundamental(&path).unwrap(), f);
     drop_files(&mut window, &[path]);

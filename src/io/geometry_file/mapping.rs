@@ -1,6 +1,6 @@
 //! Source code that leads from places in a picture to the view without distortion that `F` belongs to.
 //!
-//! OpenCV's own function serves its own models in Python and C++. All other cases are written out: from
+//! OpenCV's own function serves its own models in C++. All other cases are written out: from
 //! coordinates without unit, `x, y`, to those without distortion. Models without a closed inverse iterate
 //! `u ← (x − g(u)) / f(u)`.
 
@@ -35,9 +35,6 @@ pub(super) fn mapping(views: &ViewPair, language: Language, origin: f64) -> Stri
     let mut text = String::new();
     if views.views.iter().any(|view| view.camera().lens().named().0 == LensModel::Other) {
         return text;
-    }
-    if language == Language::Python && views.views.iter().any(|view| function(view, language).is_some()) {
-        text.push_str("import cv2\n");
     }
     for (view, k) in views.views.iter().zip(1..) {
         text += &of_view(view, k, language, origin);
@@ -85,6 +82,17 @@ fn of_view(view: &UndistortedView, k: usize, language: Language, origin: f64) ->
         text += &call.replace('#', &k.to_string());
         return text;
     }
+    let alike = match model {
+        LensModel::OpenCv => "cv2.undistortPoints",
+        LensModel::OpenCvFisheye => "cv2.fisheye.undistortPoints",
+        _ => "",
+    };
+    if language == Language::Python && !alike.is_empty() {
+        let _ = writeln!(
+            text,
+            "    # {alike}(points, K{k}, D{k}, P=View{k}) with enough iterations for strong lenses."
+        );
+    }
     let steps = formula(model);
     let mut body = String::new();
     match language {
@@ -118,20 +126,12 @@ fn of_view(view: &UndistortedView, k: usize, language: Language, origin: f64) ->
     text.replace("D#", &format!("D{k}"))
 }
 
-/// Returns the call of OpenCV for its own models. Its functions ignore a skew.
+/// Returns the call of OpenCV for its own models in C++. Its functions ignore a skew. In Python the number of
+/// iterations has another place in each version of OpenCV, so the formula is written out there.
 fn function(view: &UndistortedView, language: Language) -> Option<String> {
     let has_skew = view.camera().calibration()[(0, 1)] != 0.0;
     let call = match (language, view.camera().lens().named().0) {
         _ if has_skew => return None,
-        (Language::Python, LensModel::OpenCv) => {
-            "    # cv2.undistortPoints with enough iterations for strong lenses.\n    return \
-             cv2.undistortPointsIter(np.float64(points).reshape(-1, 1, 2), K#, D#, np.eye(3), View#, (3, 100, \
-             1e-12)).reshape(-1, 2)\n"
-        }
-        (Language::Python, LensModel::OpenCvFisheye) => {
-            "    return cv2.fisheye.undistortPoints(np.float64(points).reshape(-1, 1, 2), K#, D#, P=View#).reshape(-1, \
-             2)\n"
-        }
         (Language::Cpp, LensModel::OpenCv) => {
             "    // Enough iterations for strong lenses.\n    cv::undistortPoints(points, mapped, K#, D#, cv::noArray(), \
              View#, cv::TermCriteria(3, 100, 1e-12));\n    return mapped;\n}\n"
