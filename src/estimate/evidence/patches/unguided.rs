@@ -180,9 +180,11 @@ mod tests {
         let [plane, other] = ExactScene::aside().planes();
         let frame = plane.frame();
         let flipped = GrayPlane::from_fn(frame, |x, y| plane.values()[y * frame.width + frame.width - 1 - x]);
-        let [[mirrored, corners], [upright, _]] =
-            [&flipped, &other].map(|second| levels(&plane, second).mirrored());
-        assert!(5 * mirrored > corners, "{mirrored} of {corners}");
-        assert!(50 * upright < corners, "{upright} of {corners}");
+        let [mirrored, pair] = [&flipped, &other].map(|second| levels(&plane, second).mirrored());
+        assert!(
+            5 * mirrored.flipped > mirrored.corners && mirrored.flipped > mirrored.upright,
+            "{mirrored:?}"
+        );
+        assert!(50 * pair.flipped < pair.corners && pair.flipped < pair.upright, "{pair:?}");
     }
 }
