@@ -214,7 +214,7 @@ fn kinds_of_tiff_files_are_the_same_picture() {
     let open = Tiff::new(8, 2, gray.iter().flat_map(|v| [*v, *v, *v, 0]).collect()).with(277, 3, [4]);
     assert_eq!(same(&open).interpretation.masked, None);
     // Sixteen levels of four bits.
-    let packed = gray.as_chunks::<2>().0.iter().map(|[a, b]| a / 16 << 4 | b / 16).collect();
+    let packed = gray.as_chunks::<2>().0.iter().map(|[a, b]| ((a / 16) << 4) | (b / 16)).collect();
     let four = Tiff::new(4, 1, packed).read().unwrap();
     assert!(
         four.gray

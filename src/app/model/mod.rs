@@ -90,7 +90,7 @@ use session::{SessionState, Work};
 use thumbnails::Thumbnails;
 use truth::KnownTruth;
 
-use crate::estimate::Preset;
+use crate::estimate::{Estimate, Preset};
 use crate::geometry::{PointPair, Vector};
 use crate::judge::{ROW_LIMIT, RowMatches, judge_rows};
 use crate::presentation::rows_in_words;
