@@ -119,7 +119,7 @@ impl Picture {
         let [black, white] = self.levels.map(f64::from);
         let level = |number: f64| (black + (number - low) * (white - black) / (high - low)) as f32;
         let levels = range.map(level);
-        if levels == self.levels || !levels.iter().all(|v| v.is_finite()) {
+        if !levels.iter().all(|v| v.is_finite()) {
             return self;
         }
         let interpretation = Interpretation { range: Some(range), ..self.interpretation };
@@ -129,7 +129,8 @@ impl Picture {
     /// Returns a part of the pixels, or pixels drawn from them, as they are shown: with the range of
     /// this picture from black to white.
     pub fn displayed<'p>(&self, part: &'p DynamicImage) -> Cow<'p, DynamicImage> {
-        let is_plain = self.levels == [0.0, 65535.0] || self.levels[0] >= self.levels[1];
+        let is_plain = self.levels.map(f32::to_bits) == [0.0, 65535.0].map(f32::to_bits)
+            || self.levels[0] >= self.levels[1];
         if is_plain { Cow::Borrowed(part) } else { Cow::Owned(displayed(part, self.levels)) }
     }
 

@@ -57,11 +57,23 @@ macro_rules! numbers {
     ($($t:ty),*) => { $(impl Number for $t {
         #[inline]
         fn number(self) -> f64 {
-            self as f64
+            f64::from(self)
         }
     })* };
 }
-numbers!(u8, i8, u16, i16, u32, i32, u64, i64, f32, f64);
+numbers!(u8, i8, u16, i16, u32, i32, f32, f64);
+
+impl Number for u64 {
+    fn number(self) -> f64 {
+        self as f64
+    }
+}
+
+impl Number for i64 {
+    fn number(self) -> f64 {
+        self as f64
+    }
+}
 
 /// Channel values of an image, pixel by pixel.
 #[derive(Clone, Copy)]
@@ -135,7 +147,9 @@ impl<T: Number> Numbers<'_, T> {
     pub fn flags(&self, declared: Option<f64>) -> Option<Vec<bool>> {
         // A value is declared in decimal digits, and the numbers may have fewer.
         let is_declared = |value: f64| {
-            declared.is_some_and(|fill| value.to_bits() == fill.to_bits() || value as f32 == fill as f32)
+            declared.is_some_and(|fill| {
+                value.to_bits() == fill.to_bits() || (value as f32).to_bits() == (fill as f32).to_bits()
+            })
         };
         let opaque = if self.has_alpha { opaque(self.values, self.channels) } else { None };
         let is_valid = |k: usize| {

@@ -66,9 +66,11 @@ pub(super) fn read(
     let layout = decoder.read_image_to_buffer(&mut pixels)?;
     let picture = Layout::new(tags, layout.planes);
     let decoded = match pixels {
-        DecodingResult::U8(values) if tags.bits < 8 => picture.with_palette(tags, unpacked(tags, &values)),
-        DecodingResult::U8(values) if tags.colours == Colours::Palette => picture.with_palette(tags, values),
-        DecodingResult::U16(values) if tags.colours == Colours::Palette => picture.with_palette(tags, values),
+        DecodingResult::U8(values) if tags.bits < 8 => picture.with_palette(tags, &unpacked(tags, &values)),
+        DecodingResult::U8(values) if tags.colours == Colours::Palette => picture.with_palette(tags, &values),
+        DecodingResult::U16(values) if tags.colours == Colours::Palette => {
+            picture.with_palette(tags, &values)
+        }
         DecodingResult::U8(values) if tags.colours == Colours::YCbCr => {
             Ok(rgb_from_ycbcr(&picture.chosen(&values)))
         }
@@ -159,9 +161,9 @@ impl Layout {
     fn with_palette<T: Copy + Into<usize>>(
         &self,
         tags: &TiffTags,
-        values: Vec<T>,
+        values: &[T],
     ) -> Result<Vec<u8>, TiffFault> {
-        let indices = self.chosen(&values);
+        let indices = self.chosen(values);
         if tags.colours != Colours::Palette {
             let most = (1usize << tags.bits) - 1;
             return Ok(indices.iter().map(|v| ((*v).into() * 255 / most).min(255) as u8).collect());

@@ -14,7 +14,7 @@ pub(super) const PHOTOMETRIC: u16 = 262;
 #[derive(Debug, Clone)]
 pub(super) struct TiffHeader {
     pub big_endian: bool,
-    /// Whether it is a BigTIFF file, with 64-bit offsets.
+    /// Whether it is a `BigTIFF` file, with 64-bit offsets.
     pub is_big: bool,
     /// Length of the file, bytes.
     pub length: u64,

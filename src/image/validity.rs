@@ -28,7 +28,9 @@ impl Validity {
             for x in 1..width.saturating_sub(1) {
                 let rows = [y - 1, y, y + 1].map(|v| v * width + x - 1);
                 if rows.iter().all(|first| valid[*first..first + 3].iter().all(|valid| !valid)) {
-                    rows.iter().for_each(|first| distances[*first..first + 3].fill(0));
+                    for first in rows {
+                        distances[first..first + 3].fill(0);
+                    }
                 }
             }
         }
@@ -60,7 +62,7 @@ impl Validity {
             let first = k / frame.width * 2 * width + k % frame.width * 2;
             let four = [first, first + 1, first + width, first + width + 1].map(|k| self.distances[k]);
             // A single pixel is a hole.
-            let masked = four.iter().filter(|distance| **distance == 0).count();
+            let masked = four.into_iter().map(|distance| usize::from(distance == 0)).sum::<usize>();
             let nearest = four.into_iter().filter(|distance| *distance > 0).min();
             match nearest {
                 Some(FAR) => FAR,
