@@ -178,7 +178,7 @@ impl GeometryFile {
         }
         let has_nine = || {
             let mut numbers = rows(text).flat_map(|(_, row)| cells(row)).map(str::parse::<f64>);
-            numbers.by_ref().take(9).filter(Result::is_ok).count() == 9 && numbers.next().is_none()
+            numbers.by_ref().take(9).flatten().count() == 9 && numbers.next().is_none()
         };
         let strict = match format {
             // Numbers without anything around them.
