@@ -108,7 +108,9 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     let calibrated = arguments.cameras.calibration.read()?;
     let mut given = arguments.matches.as_deref().map(read_matches).transpose()?;
     let (mut pictures, mut pairs) = input(arguments, parameters.pairs_needed(), parameters.method)?;
-    given.iter().for_each(|given| tell_outside(given, &pictures));
+    if let Some(given) = &given {
+        tell_outside(given, &pictures);
+    }
     let (mut first, mut lambdas) = (None, None);
     if arguments.cameras.fits_lens() {
         let (found, lens) =

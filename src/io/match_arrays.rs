@@ -68,13 +68,12 @@ impl PointsName {
                 _ => return None,
             }
             match word {
-                "" => {}
                 "m" | "matched" | "match" | "matches" | "matching" => kind = Some(Kind::Matched),
                 "inlier" | "inliers" | "ransac" | "verified" => kind = Some(Kind::Inlier),
                 "all" | "raw" | "detected" => kind = Some(Kind::All),
                 "c" | "coarse" => kind = Some(Kind::Coarse),
                 "norm" | "normalized" | "normalised" | "resized" | "scaled" => kind = Some(Kind::Scaled),
-                "f" | "fine" | "final" | "xy" => {}
+                "" | "f" | "fine" | "final" | "xy" => {}
                 "orig" | "original" => is_original = true,
                 "left" | "l" | "a" | "src" if side.is_none() => side = Some(0),
                 "right" | "r" | "b" | "dst" | "tgt" if side.is_none() => side = Some(1),
@@ -272,6 +271,9 @@ impl Origin {
     }
 }
 
+/// Array of points without a partner.
+type Alone<'a> = Option<(&'a str, Kind)>;
+
 /// Two arrays of points.
 struct Candidate<'a> {
     kind: Kind,
@@ -280,7 +282,7 @@ struct Candidate<'a> {
 
 /// Returns the pairs of arrays whose names differ in the image alone.
 /// Returns an array without a partner, too.
-fn candidates(arrays: &[NamedArray]) -> Result<(Vec<Candidate<'_>>, Option<(&str, Kind)>), String> {
+fn candidates(arrays: &[NamedArray]) -> Result<(Vec<Candidate<'_>>, Alone<'_>), String> {
     let named: Vec<(&str, PointsName)> =
         arrays.iter().filter_map(|(name, _)| Some((&**name, PointsName::of(name)?))).collect();
     let mut found: Vec<Candidate<'_>> = Vec::new();

@@ -3,7 +3,7 @@
 //!
 //! Blank lines and lines that start with `#` are skipped. A heading in the first row may name the columns
 //! in any order, among others. Without a heading, the first four of more columns are the pair, as in the text of
-//! MicMac (`x1 y1 x2 y2 weight`); rows that begin with numbers of points are refused. Pitfall: a decimal comma is
+//! `MicMac` (`x1 y1 x2 y2 weight`); rows that begin with numbers of points are refused. Pitfall: a decimal comma is
 //! indistinguishable from a separator, except beside another separator.
 
 use super::number::{cells, finite_number, finite_numbers, rows};

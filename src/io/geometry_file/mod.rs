@@ -178,7 +178,7 @@ impl GeometryFile {
         }
         let has_nine = || {
             let mut numbers = rows(text).flat_map(|(_, row)| cells(row)).map(str::parse::<f64>);
-            numbers.by_ref().take(9).filter(Result::is_ok).count() == 9 && numbers.next().is_none()
+            numbers.by_ref().take(9).flatten().count() == 9 && numbers.next().is_none()
         };
         let strict = match format {
             // Numbers without anything around them.
@@ -219,7 +219,12 @@ fn printed_matrix(text: &str, format: Format, problem: Problem) -> Result<Fields
     };
     let mut printed = printed::read(text).map_err(|error| match error {
         NoMatrix::Unclear(unclear) if may_be_unclear => Problem::whole(unclear),
-        NoMatrix::Count(count) if problem.problem.is_empty() => expected_nine(count),
+        // Brackets without a name in quotation marks are a printed array, not JSON; a row or less is neither.
+        NoMatrix::Count(count)
+            if problem.problem.is_empty() || (format == Format::Json && count > 3 && !text.contains('"')) =>
+        {
+            expected_nine(count)
+        }
         _ => problem,
     })?;
     if text.contains("upper left pixel is (1, 1)") {

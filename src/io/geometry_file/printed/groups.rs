@@ -28,6 +28,7 @@ pub(super) struct Label {
 }
 
 /// Numbers with no word between them.
+#[expect(clippy::struct_excessive_bools, reason = "independent facts about the text around the numbers")]
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Group {
     pub entries: Vec<Entry>,
@@ -313,7 +314,7 @@ impl Gatherer {
                     let is_behind =
                         self.current.entries.is_empty() || last == Some(&Item::Token(Token::Close));
                     let is_factor = word.starts_with("10^") && is_behind;
-                    if !(opens && self.bracket > 0) && !is_factor {
+                    if !(is_factor || opens && self.bracket > 0) {
                         self.word(word, placed.line, Index::new());
                     }
                 }
@@ -341,7 +342,7 @@ impl Gatherer {
                     (self.is_clear, self.is_assigned) = (true, true);
                 }
                 Token::Transposed if self.current.entries.len() >= MATRIX => {
-                    self.current.is_transposed ^= true
+                    self.current.is_transposed ^= true;
                 }
                 Token::Transposed if !self.current.entries.is_empty() => {
                     self.word("'", placed.line, Index::new());

@@ -101,7 +101,9 @@ fn without_headings(entries: &[Entry]) -> Option<Vec<Entry>> {
     let [heading, rows @ ..] = &lines[..] else { return None };
     let counts = |mut numbers: [f64; 3]| {
         let first = numbers[0];
-        numbers.iter_mut().for_each(|number| *number -= first);
+        for number in &mut numbers {
+            *number -= first;
+        }
         matches!(first, 0.0 | 1.0) && matches!(numbers, [0.0, 1.0, 2.0])
     };
     let ([a, b, c], [x, y, z]) = (*heading, rows) else { return None };

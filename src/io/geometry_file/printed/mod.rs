@@ -58,10 +58,9 @@ pub(super) fn read(text: &str) -> Result<PrintedMatrix, NoMatrix> {
     if total > MOST_NUMBERS {
         return Err(NoMatrix::Count(total));
     }
-    let found = candidates(&groups)?;
-    let chosen = match chosen(&groups, &found)? {
-        Some(chosen) => chosen,
-        None => return decimal_commas(text).ok_or_else(|| none(&groups)),
+    let found = candidates(&groups);
+    let Some(chosen) = chosen(&groups, &found)? else {
+        return decimal_commas(text).ok_or_else(|| none(&groups));
     };
     check_surroundings(&groups, chosen)?;
     let mut nine = chosen.nine.clone().map_err(NoMatrix::Unclear)?;
@@ -112,7 +111,7 @@ fn listed(words: &[&str]) -> String {
 }
 
 /// Returns all groups of nine numbers, and those whose rows or entries are named one by one.
-fn candidates(groups: &[Group]) -> Result<Vec<Candidate>, NoMatrix> {
+fn candidates(groups: &[Group]) -> Vec<Candidate> {
     let mut found: Vec<Candidate> = Vec::new();
     for (at, group) in groups.iter().enumerate() {
         let Some(nine) = nine(group) else { continue };
@@ -141,7 +140,7 @@ fn candidates(groups: &[Group]) -> Result<Vec<Candidate>, NoMatrix> {
         }
         at += count;
     }
-    Ok(found)
+    found
 }
 
 /// Place of a row, a column or an entry: row and column, `None` for all of them.
@@ -173,7 +172,7 @@ fn assembled(groups: &[Group]) -> Option<Result<Nine, String>> {
     }
     let places: Vec<Place> = groups.iter().filter_map(|group| Some(part(group)?.0)).collect();
     // C counts from 0, MATLAB from 1.
-    let first = if places.iter().flatten().any(|place| *place == Some(0)) { 0 } else { 1 };
+    let first = usize::from(places.iter().flatten().all(|place| *place != Some(0)));
     let mut numbers = [f64::NAN; MATRIX];
     let mut is_filled = [false; MATRIX];
     for (place, group) in places.iter().zip(groups) {

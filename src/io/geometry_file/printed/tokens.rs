@@ -119,7 +119,7 @@ impl Scanner<'_> {
             ';' => self.push(Token::Row, 1),
             ',' | '&' | '|' => self.push(Token::Comma, 1),
             '<' if self.rest.starts_with("<<") || self.rest.starts_with("<-") => {
-                self.push(Token::Assign('='), 2)
+                self.push(Token::Assign('='), 2);
             }
             ':' if self.rest.starts_with(":=") => self.push(Token::Assign('='), 2),
             '=' | '→' => self.push(Token::Assign('='), c.len_utf8()),
@@ -176,10 +176,9 @@ impl Scanner<'_> {
         let mut next = rest.chars();
         let ends = match (next.next(), next.next()) {
             // `1.5x10^-5`
-            (Some('x' | 'X'), Some('1')) => true,
+            (Some('x' | 'X'), Some('1')) | (None, _) => true,
             (Some('+' | '-' | ':' | '/' | '.'), Some(c)) => !c.is_ascii_digit(),
             (Some(c), _) => !(c.is_alphanumeric() || "_^`".contains(c)),
-            (None, _) => true,
         };
         if ends && !(self.is_glued && (self.before.is_alphanumeric() || self.before == '.')) {
             let token = if value.is_finite() {
@@ -288,8 +287,7 @@ fn braced(text: &str) -> Option<(&str, usize)> {
 fn scanned(text: &str) -> (usize, f64) {
     let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
     let whole = digits(text);
-    let point =
-        text[whole..].starts_with('.') && !text[whole + 1..].starts_with(|c: char| c == '.' || c == '\'');
+    let point = text[whole..].starts_with('.') && !text[whole + 1..].starts_with(['.', '\'']);
     let mantissa = if point { whole + 1 + digits(&text[whole + 1..]) } else { whole };
     let exponent_of = |text: &str, mark: usize| {
         let sign = usize::from(text[mark..].starts_with(['-', '+']));
