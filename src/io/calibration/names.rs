@@ -354,11 +354,16 @@ fn classes(words: &[String], is_section: bool) -> Vec<Class> {
     let role = |word: &str| ROLES.iter().find(|(name, _)| *name == word).map(|(_, role)| *role);
     let is_said = words.iter().any(|word| word.len() > 1 && role(word).is_some());
     let has_letter = words.iter().any(|word| word != "r" && role(word).is_some());
+    // `cameraMatrixR` has no word with a role, and is no rotation either.
+    let has = |some: &[&str]| words.iter().any(|word| some.contains(&word.as_str()));
+    let is_matrix = has(&["camera", "cam"]) && has(&["matrix", "mat"]);
     let mut has_rotation = false;
     let class = |word: &String| match word.as_str() {
         "fisheye" => Class::Fisheye,
         // `r` is the right camera beside another role, and a rotation otherwise.
-        "r" if is_section || is_said || has_letter || has_rotation => Class::Other("right".to_owned()),
+        "r" if is_section || is_said || is_matrix || has_letter || has_rotation => {
+            Class::Other("right".to_owned())
+        }
         "r" => {
             has_rotation = true;
             Class::Role(Role::Rotation)
@@ -444,8 +449,11 @@ fn parted(word: &str) -> Vec<String> {
         return vec![word.to_owned()];
     }
     // A side at the end may be one letter, as in `mtxl` and `KR`.
-    let head_of =
-        |part: &str| ["k", "d", "m", "mtx", "dist", "cam", "matrix", "coeffs", "kc"].contains(&part);
+    let neutral = ["cam", "camera", "matrix", "mat", "coeffs", "coeff", "coefs", "coef"];
+    let head_of = |part: &str| {
+        let is_role = ROLES.iter().any(|(known, _)| *known == part && part.len() > 1);
+        is_role || ["k", "d", "m"].contains(&part) || neutral.contains(&part)
+    };
     for length in (1..word.len()).rev() {
         let (head, tail) = word.split_at(length);
         let is_long = length > 2 || ["k", "d", "m", "r", "t", "kc"].contains(&head);

@@ -382,6 +382,11 @@ impl Rig {
                     | Role::Scalar(Scalar::K(_) | Scalar::P(_))
             );
             let is_word = matches!(field.content, Content::Word(_));
+            if let (Content::Broken(problem), false) =
+                (&field.content, matches!(field.meaning.role, Role::Harmless | Role::Unknown))
+            {
+                return Err(format!("{}: {problem}", excerpt(&field.name())));
+            }
             if is_lens && !is_word && !self.cameras.contains(&field.meaning.camera) {
                 return Err(format!("there is {}, but no camera matrix for it", excerpt(&field.name())));
             }

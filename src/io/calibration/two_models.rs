@@ -62,7 +62,11 @@ impl CalibratedCamera {
         let Some((is_fisheye, [of_fisheye, of_radial])) =
             better(&pair, [&fisheye, &radial], frames, &matches)
         else {
-            return if pair.iter().all(Self::is_plainly_radial) { Ok(pair.map(Self::as_radial)) } else { Err(question(&pair)) };
+            return if pair.iter().all(Self::is_plainly_radial) {
+                Ok(pair.map(Self::as_radial))
+            } else {
+                Err(question(&pair))
+            };
         };
         for camera in &mut pair {
             let Some(fisheye) = camera.reading.fisheye.take() else { continue };
