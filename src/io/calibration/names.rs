@@ -95,7 +95,7 @@ enum Class {
 const NEUTRAL: &str = "camera cameras cam cams c matrix mat vector vec coefficients coefficient coeffs coeff coefs \
     coef params param parameters parameter calibration calib calibrations stereo the of model intr values value \
     data result results image img frame opencv pinhole lens extrinsic extrinsics pose relative raw sensor config info \
-    length lengths point section and";
+    length lengths point section and transform transformation";
 /// Words of numbers that are known and have no use here.
 const HARMLESS: &str = "rms rmse mse ret retval error errors err reprojection rpe baseline essential fundamental \
     disparity depth roi rois valid board pattern square squares checker checkerboard chessboard chess marker markers \
@@ -203,7 +203,10 @@ pub(super) fn meaning(path: &[&str], count: Option<usize>) -> Meaning {
             inherited = role;
         }
         let is_transform = matches!(role, Role::Transform(_));
-        camera.extend(camera_of(&own).into_iter().filter(|word| !is_transform || is_camera(word)));
+        let is_of_pair =
+            matches!(role, Role::Transform(Direction::SecondFromFirst | Direction::FirstFromSecond));
+        let is_kept = |word: &String| !is_of_pair && (!is_transform || is_camera(word));
+        camera.extend(camera_of(&own).into_iter().filter(is_kept));
     }
     let words = words(name);
     let classes = classes(&words, false);

@@ -335,7 +335,11 @@ impl Rig {
             let Some((camera, section)) = near else { return true };
             let of = field.section_camera();
             let is_inside = || section.starts_with(field.section()) || field.section().starts_with(section);
-            of.is_empty() || of == camera || matches!(field.content, Content::List(_)) && is_inside()
+            let is_of_rig = matches!(field.meaning.role, Role::Transform(_));
+            is_of_rig
+                || of.is_empty()
+                || of == camera
+                || matches!(field.content, Content::List(_)) && is_inside()
         };
         let is_unknown = |field: &Field| match field.meaning.role {
             Role::Unknown => !is_setting(&field.setting().0),
