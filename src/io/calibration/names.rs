@@ -95,7 +95,7 @@ enum Class {
 const NEUTRAL: &str = "camera cameras cam cams c matrix mat vector vec coefficients coefficient coeffs coeff coefs \
     coef params param parameters parameter calibration calib calibrations stereo the of model intr values value \
     data result results image img frame opencv pinhole lens extrinsic extrinsics pose relative raw sensor config info \
-    length lengths point section and";
+    length lengths point section and transform transformation";
 /// Words of numbers that are known and have no use here.
 const HARMLESS: &str = "rms rmse mse ret retval error errors err reprojection rpe baseline essential fundamental \
     disparity depth roi rois valid board pattern square squares checker checkerboard chessboard chess marker markers \
@@ -203,7 +203,10 @@ pub(super) fn meaning(path: &[&str], count: Option<usize>) -> Meaning {
             inherited = role;
         }
         let is_transform = matches!(role, Role::Transform(_));
-        camera.extend(camera_of(&own).into_iter().filter(|word| !is_transform || is_camera(word)));
+        let is_of_pair =
+            matches!(role, Role::Transform(Direction::SecondFromFirst | Direction::FirstFromSecond));
+        let is_kept = |word: &String| !is_of_pair && (!is_transform || is_camera(word));
+        camera.extend(camera_of(&own).into_iter().filter(is_kept));
     }
     let words = words(name);
     let classes = classes(&words, false);
@@ -354,11 +357,16 @@ fn classes(words: &[String], is_section: bool) -> Vec<Class> {
     let role = |word: &str| ROLES.iter().find(|(name, _)| *name == word).map(|(_, role)| *role);
     let is_said = words.iter().any(|word| word.len() > 1 && role(word).is_some());
     let has_letter = words.iter().any(|word| word != "r" && role(word).is_some());
+    // `cameraMatrixR` has no word with a role, and is no rotation either.
+    let has = |some: &[&str]| words.iter().any(|word| some.contains(&word.as_str()));
+    let is_matrix = has(&["camera", "cam"]) && has(&["matrix", "mat"]);
     let mut has_rotation = false;
     let class = |word: &String| match word.as_str() {
         "fisheye" => Class::Fisheye,
         // `r` is the right camera beside another role, and a rotation otherwise.
-        "r" if is_section || is_said || has_letter || has_rotation => Class::Other("right".to_owned()),
+        "r" if is_section || is_said || is_matrix || has_letter || has_rotation => {
+            Class::Other("right".to_owned())
+        }
         "r" => {
             has_rotation = true;
             Class::Role(Role::Rotation)
@@ -444,8 +452,11 @@ fn parted(word: &str) -> Vec<String> {
         return vec![word.to_owned()];
     }
     // A side at the end may be one letter, as in `mtxl` and `KR`.
-    let head_of =
-        |part: &str| ["k", "d", "m", "mtx", "dist", "cam", "matrix", "coeffs", "kc"].contains(&part);
+    let neutral = ["cam", "camera", "matrix", "mat", "coeffs", "coeff", "coefs", "coef"];
+    let head_of = |part: &str| {
+        let is_role = ROLES.iter().any(|(known, _)| *known == part && part.len() > 1);
+        is_role || ["k", "d", "m"].contains(&part) || neutral.contains(&part)
+    };
     for length in (1..word.len()).rev() {
         let (head, tail) = word.split_at(length);
         let is_long = length > 2 || ["k", "d", "m", "r", "t", "kc"].contains(&head);

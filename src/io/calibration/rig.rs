@@ -335,7 +335,11 @@ impl Rig {
             let Some((camera, section)) = near else { return true };
             let of = field.section_camera();
             let is_inside = || section.starts_with(field.section()) || field.section().starts_with(section);
-            of.is_empty() || of == camera || matches!(field.content, Content::List(_)) && is_inside()
+            let is_of_rig = matches!(field.meaning.role, Role::Transform(_));
+            is_of_rig
+                || of.is_empty()
+                || of == camera
+                || matches!(field.content, Content::List(_)) && is_inside()
         };
         let is_unknown = |field: &Field| match field.meaning.role {
             Role::Unknown => !is_setting(&field.setting().0),
@@ -382,6 +386,11 @@ impl Rig {
                     | Role::Scalar(Scalar::K(_) | Scalar::P(_))
             );
             let is_word = matches!(field.content, Content::Word(_));
+            if let (Content::Broken(problem), false) =
+                (&field.content, matches!(field.meaning.role, Role::Harmless | Role::Unknown))
+            {
+                return Err(format!("{}: {problem}", excerpt(&field.name())));
+            }
             if is_lens && !is_word && !self.cameras.contains(&field.meaning.camera) {
                 return Err(format!("there is {}, but no camera matrix for it", excerpt(&field.name())));
             }

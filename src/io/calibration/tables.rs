@@ -106,6 +106,7 @@ pub(super) fn middlebury(text: &str) -> Result<Vec<CalibratedCamera>, String> {
     let known = number("baseline")?;
     let unit = if known.is_some() { LengthUnit::Millimetre } else { LengthUnit::Baseline };
     let baseline = known.unwrap_or(1.0);
+    let unread = unread(text, '=', is_known);
     let mut cameras = Vec::new();
     for (name, offset) in [("cam0", 0.0), ("cam1", -baseline)] {
         let text = entry(name).ok_or_else(|| format!("{name} is missing"))?;
@@ -117,7 +118,7 @@ pub(super) fn middlebury(text: &str) -> Result<Vec<CalibratedCamera>, String> {
         let pose =
             CameraPose { rotation: Rotation3::identity(), translation: Vector3::new(offset, 0.0, 0.0) };
         let (name, pose) = (name.to_owned(), Some(pose));
-        let reading = CameraReading { unread: unread(text, '=', is_known), ..CameraReading::default() };
+        let reading = CameraReading { unread: unread.clone(), ..CameraReading::default() };
         cameras.push(CalibratedCamera { name, model, frame, pose, unit, reading });
     }
     Ok(cameras)
