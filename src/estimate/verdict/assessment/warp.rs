@@ -167,8 +167,8 @@ pub(super) fn relief(
     let beside = |warp: &Warp, least| besides(found, warp, f, side, tolerance, least);
     let (warp, finer) = (fit(KNOTS)?, fit(FINER_KNOTS)?);
     let (mut on_warp, mut besides) = beside(&warp, LIKELY);
-    let [clear, finer] = [&warp, &finer].map(|warp| {
-        let (on_warp, besides) = beside(warp, CLEARLY_LIKELY);
+    let [clear, finer] = [(&warp, CLEARLY_LIKELY), (&finer, LIKELY)].map(|(warp, least)| {
+        let (on_warp, besides) = beside(warp, least);
         counted(&besides, on_warp, tolerance)
     });
     let first = counted(&besides, on_warp, tolerance);

@@ -177,7 +177,7 @@ pub(in crate::estimate) struct Relief {
     pub beside: Witnesses,
     /// The same, with [`ANY_EPIPOLE`] more planes counted as the warp.
     pub further: Witnesses,
-    /// Beside a warp that follows the rows more closely, matches of `clear` alone.
+    /// Beside a warp that follows the rows more closely.
     pub finer: Witnesses,
     /// Beside the warp, matches alone that are clearly likelier than all similar places together.
     pub clear: Witnesses,
