@@ -339,7 +339,7 @@ impl Rig {
             is_of_rig
                 || of.is_empty()
                 || of == camera
-                || matches!(field.content, Content::List(_)) && is_inside()
+                || matches!(field.content, Content::List(_)) && (is_inside() || !self.cameras.contains(&of))
         };
         let is_unknown = |field: &Field| match field.meaning.role {
             Role::Unknown => !is_setting(&field.setting().0),
