@@ -28,7 +28,7 @@ impl Lens {
     /// Returns the model of the lens, and its coefficients in the order of [`LensModel`].
     pub fn named(&self) -> (LensModel, Vec<f64>) {
         let Self { projection, radial, tangential: [p1, p2], prism: [s1, s2, s3, s4] } = *self;
-        let is_radial = self.tangential == [0.0; 2] && self.prism == [0.0; 4];
+        let is_radial = self.tangential.iter().chain(&self.prism).all(|c| *c == 0.0);
         if self.is_ideal() {
             return (LensModel::Ideal, Vec::new());
         }

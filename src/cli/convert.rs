@@ -53,7 +53,9 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<(), CliError> {
     let read = shown_path(arguments.input.path());
     let pictures = match &file.pictures {
         PicturesOf::Untold | PicturesOf::Original => String::new(),
-        undistorted => format!(", all of pictures without distortion ({})", lenses_in_words(undistorted)),
+        undistorted @ PicturesOf::Undistorted(_) => {
+            format!(", all of pictures without distortion ({})", lenses_in_words(undistorted))
+        }
     };
     let text =
         format!("{}{pictures} from {read} ({}) to {}\n", parts.join(", "), format.label(), output.place());

@@ -172,6 +172,7 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     };
     let limit = arguments.limit.unwrap_or(LIMIT);
     let own_covariance = own_covariance.flatten();
+    let own_covariance = own_covariance.as_ref();
     let reference = shown.reference(frames, own_covariance);
     let mut found: Judgement = judge(&given, &reference, limit).ok_or_else(too_few)?;
     if found.finding == Finding::DoesNotFit {
@@ -235,7 +236,7 @@ impl JudgeArguments {
 impl Shown {
     /// Returns the reference of a judgement. Both geometries may be uncertain; without a covariance, the
     /// judged one counts as exact.
-    fn reference(&self, frames: [Frame; 2], own_covariance: Option<Matrix9>) -> Reference<'_> {
+    fn reference(&self, frames: [Frame; 2], own_covariance: Option<&Matrix9>) -> Reference<'_> {
         let Self { fundamental, matches, witnesses, is_trusted, has_epipoles, covariance, .. } = self;
         Reference {
             fundamental: *fundamental,
@@ -244,7 +245,7 @@ impl Shown {
             frames,
             is_trusted: *is_trusted,
             has_epipoles: *has_epipoles,
-            covariance: covariance.map(|own| own + own_covariance.unwrap_or_else(Matrix9::zeros)),
+            covariance: covariance.map(|own| own + own_covariance.copied().unwrap_or_else(Matrix9::zeros)),
         }
     }
 }

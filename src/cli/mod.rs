@@ -11,6 +11,7 @@ mod console;
 mod convert;
 mod error;
 mod estimate;
+mod estimate_arguments;
 mod geometry_file;
 mod judge;
 mod output;
@@ -51,7 +52,7 @@ enum CliCommand {
     Barcode(Box<barcode::BarcodeArguments>),
     Check(check::CheckArguments),
     Convert(convert::ConvertArguments),
-    Estimate(Box<estimate::EstimateArguments>),
+    Estimate(Box<estimate_arguments::EstimateArguments>),
     Judge(judge::JudgeArguments),
     Rectify(rectify::RectifyArguments),
     Suggest(suggest::SuggestArguments),

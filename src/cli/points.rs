@@ -6,7 +6,7 @@ use super::CliError;
 use super::arguments::on_threads;
 use super::calibration::{settled_by, undistort_matches, views};
 use super::console::tell;
-use super::estimate::EstimateArguments;
+use super::estimate_arguments::EstimateArguments;
 use super::geometry_file::read_matches;
 use super::result_output::with_views;
 use crate::camera::PicturesOf;
@@ -75,7 +75,7 @@ pub(super) fn run(arguments: &EstimateArguments, path: &Path) -> Result<(), CliE
     if let Some(views) = &views {
         result = result.calibrated(views, pose.as_ref(), baseline);
         words += &match &pose {
-            Some(_) if is_open => format!("Relative pose: {NO_BASELINE}\n"),
+            Some(_) if is_open => ["Relative pose: ", NO_BASELINE, "\n"].concat(),
             Some(pose) => pose_in_words(pose),
             None if views.has_focal_lengths() => "Relative pose: too few matches for one\n".to_owned(),
             None => String::new(),

@@ -119,7 +119,7 @@ fn every_kind_of_numbers_gives_the_same_plane() {
         assert!(off(&picture) < 1e-3, "{}", off(&picture));
         assert!(picture.interpretation.range.is_some() && picture.interpretation.masked.is_none());
         let shown = picture.displayed(&picture.pixels).to_luma16();
-        assert!(shown.iter().any(|v| *v == 0) && shown.iter().any(|v| *v == u16::MAX));
+        assert!(shown.contains(&0) && shown.contains(&u16::MAX));
     }
     let files = [
         float_tiff(floats(|v| 15.0 + v as f32 / 20.0)),

@@ -326,7 +326,7 @@ mod tests {
     fn hot_pixels_and_highlights_do_not_darken_the_rest() {
         let mut values = texture();
         let [low, high] = gray(&values).meaning(None).range;
-        assert_eq!([low, high], [0.0, 1023.0]);
+        assert!(low == 0.0 && high == 1023.0, "{low} {high}");
         for k in 0..20 {
             values[200 * k + 7] = if k % 2 == 0 { 1e6 } else { -1e6 };
         }

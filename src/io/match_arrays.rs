@@ -659,7 +659,7 @@ mod tests {
             let expected = pairs(read(file).unwrap());
             for k in 0..file.len() {
                 let mut less = file.clone();
-                less.remove(k);
+                let _ = less.remove(k);
                 let mut renamed = file.clone();
                 renamed[k].0 = format!("x{}", file[k].0);
                 for changed in [less, renamed] {

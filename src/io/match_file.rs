@@ -3,22 +3,11 @@
 //! Any geometry file with point pairs has matches. NumPy archives (`.npz`) and JSON may have arrays with the names
 //! of matchers.
 
-use std::io::{Cursor, Read};
 use std::path::Path;
 
-use zip::ZipArchive;
-
-use super::geometry_file::{UNDISTORTED, names_matrix, read_pairs};
-use super::match_arrays::{NamedArray, concerns_matches};
-use super::npy::{Array, is_text};
+use super::geometry_file::read_pairs;
 use super::read::ReadError;
 use crate::estimate::Match;
-use crate::foreign::excerpt;
-
-/// Largest array of an archive that is read, bytes, and the largest sum of all.
-const MOST_BYTES: u64 = 256 << 20;
-/// Largest array of an archive with a name without meaning that is read, bytes.
-const MOST_UNNAMED: u64 = 16 << 20;
 
 /// Matches of a file, in the pictures as they are.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,39 +41,9 @@ pub fn read_matches(path: &Path) -> Result<Vec<Match>, ReadError> {
     Ok(MatchFile::read(path)?.matches)
 }
 
-/// Reads the arrays of an archive whose names have a meaning, and small others.
-pub(super) fn archive(bytes: Vec<u8>) -> Result<Vec<NamedArray>, String> {
-    let damaged = |e: zip::result::ZipError| format!("the archive is damaged: {e}");
-    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(damaged)?;
-    let (mut arrays, mut total) = (Vec::new(), 0);
-    for index in 0..archive.len() {
-        let file = archive.by_index(index).map_err(damaged)?;
-        let Some(name) = file.name().map_err(damaged)?.strip_suffix(".npy").map(excerpt) else {
-            continue;
-        };
-        let has_meaning = concerns_matches(&name) || names_matrix(&name);
-        let most = (if has_meaning { MOST_BYTES } else { MOST_UNNAMED }).min(MOST_BYTES - total);
-        let mut content = Vec::new();
-        let read = file.take(most + 1).read_to_end(&mut content);
-        read.map_err(|e| format!("{name} cannot be unpacked: {e}"))?;
-        if content.len() as u64 <= most {
-            total += content.len() as u64;
-            if name == "pictures" && is_text(&content, UNDISTORTED) {
-                arrays.push((UNDISTORTED.to_owned(), Ok(Array { shape: Vec::new(), numbers: vec![1.0] })));
-                continue;
-            }
-            let array = Array::parse(&content);
-            arrays.push((name, array));
-        } else if has_meaning {
-            return Err(format!("{name} is larger than {} MiB, the limit", most >> 20));
-        }
-    }
-    Ok(arrays)
-}
-
 #[cfg(test)]
 mod tests {
-    use std::io::Write;
+    use std::io::{Cursor, Write};
 
     use zip::ZipWriter;
     use zip::write::SimpleFileOptions;

@@ -14,6 +14,7 @@ mod identity;
 mod match_arrays;
 mod match_file;
 mod npy;
+mod npz;
 mod number;
 mod opencv_xml;
 mod output;

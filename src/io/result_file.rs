@@ -9,7 +9,7 @@ use super::geometry_file::{Format, ImageNote, PairLabel, TrustNote};
 use crate::camera::{Baseline, CameraDoubt, PicturesOf, PoseFit, UndistortedView, ViewPair};
 use crate::estimate::{
     BarcodeFigures, Determined, EpipoleBearing, Estimate, Method, Parameters, PatchSupport, PlaneHomography,
-    Preset, Reason, SearchCounts, StageTiming, Verdict, Warning,
+    Preset, Reason, SearchCounts, SearchTrace, StageTiming, Verdict, Warning,
 };
 use crate::geometry::{
     Frame, FundamentalMatrix, HomogeneousPoint, PointPair, finite_point, sampson_distance,
@@ -468,7 +468,15 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2], pictures: &Pic
     for warning in &assessment.warnings {
         let _ = writeln!(text, "Warning: {}", warning_in_words(warning));
     }
-    let Some(trace) = &found.trace else { return text };
+    if let Some(trace) = &found.trace {
+        text += &trace_in_words(trace, images);
+    }
+    text
+}
+
+/// Describes the search of a result in words.
+fn trace_in_words(trace: &SearchTrace, images: &[ImageNote; 2]) -> String {
+    let mut text = String::new();
     let counts = &trace.counts;
     // With features only, no lines are compared.
     if !counts.lines1.is_empty() {

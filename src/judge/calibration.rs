@@ -105,11 +105,15 @@ fn equidistant(lens: &Lens) -> Option<Lens> {
     else {
         return None;
     };
-    let is_read = lens.projection == Projection::Perspective && lens.prism == [0.0; 4] && !lens.is_ideal();
+    let is_read = lens.projection == Projection::Perspective && is_zero(&lens.prism) && !lens.is_ideal();
     let [p1, p2] = lens.tangential;
     let radial = Radial::Polynomial { numerator: [k1, k2, p1, p2], denominator: [0.0; 3] };
     let lens = Lens { projection: Projection::Equidistant, radial, tangential: [0.0; 2], prism: [0.0; 4] };
     is_read.then_some(lens)
+}
+
+fn is_zero(coefficients: &[f64]) -> bool {
+    coefficients.iter().all(|c| *c == 0.0)
 }
 
 /// Reads the four coefficients of an equidistant lens as `k1 k2 p1 p2`.
@@ -117,7 +121,7 @@ fn radial(lens: &Lens) -> Option<Lens> {
     let Radial::Polynomial { numerator: [k1, k2, p1, p2], denominator: [0.0, 0.0, 0.0] } = lens.radial else {
         return None;
     };
-    let is_read = lens.projection == Projection::Equidistant && lens.tangential == [0.0; 2];
+    let is_read = lens.projection == Projection::Equidistant && is_zero(&lens.tangential);
     let radial = Radial::Polynomial { numerator: [k1, k2, 0.0, 0.0], denominator: [0.0; 3] };
     let lens = Lens { projection: Projection::Perspective, radial, tangential: [p1, p2], prism: [0.0; 4] };
     is_read.then_some(lens)

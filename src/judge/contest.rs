@@ -2,7 +2,7 @@
 //!
 //! Neighbouring matches share their errors, and may lie on one thing that moves. So each place of image 1
 //! has one vote. If two explanations are equally good, a place that prefers one of them prefers either with
-//! probability ½ (McNemar 1947).
+//! probability ½ (`McNemar` 1947).
 
 use std::collections::HashMap;
 

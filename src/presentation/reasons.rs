@@ -7,6 +7,7 @@
 use crate::estimate::{ENOUGH_MATCHES, Reason, Suspect, Warning};
 
 /// Returns the message of a reason.
+#[expect(clippy::too_many_lines, reason = "it is a table")]
 pub fn reason_in_words(reason: &Reason) -> String {
     match *reason {
         Reason::NotChecked => "Only lines were compared, so nothing else confirms this geometry. \

@@ -2,7 +2,7 @@
 //!
 //! | written by | recognised by |
 //! |---|---|
-//! | OpenCV (YAML, XML, JSON), ROS, ORB-SLAM, VINS, EuRoC, NumPy (`.npz`), MATLAB (JSON) | names such as `K1`, `dist_coeffs_left`, `Camera.fx`: [`names`] |
+//! | OpenCV (YAML, XML, JSON), ROS, ORB-SLAM, VINS, `EuRoC`, NumPy (`.npz`), MATLAB (JSON) | names such as `K1`, `dist_coeffs_left`, `Camera.fx`: [`names`] |
 //! | ROS (`ost.txt`) | `# oST version 5.0 parameters` |
 //! | Kalibr (YAML) | `cam0: … intrinsics: …` |
 //! | caliscope, anipose (TOML) | sections with `matrix` and `distortions` |
@@ -14,6 +14,7 @@
 //! A number without a known name is never left out in silence: [`CalibratedCamera::unread`] names it. Where it
 //! may be the distortion of a lens, the file is refused.
 
+mod cameras;
 mod fields;
 mod kalibr;
 mod lens;
@@ -35,7 +36,6 @@ use std::path::Path;
 use nalgebra::{Rotation3, Vector3};
 use thiserror::Error;
 
-use self::source::Source;
 use super::read::{ReadError, read_bytes};
 use crate::camera::{Baseline, CameraModel, LengthUnit, RelativePose};
 use crate::foreign::excerpt;
@@ -125,13 +125,14 @@ impl Calibration {
         let mut sources = Vec::new();
         for path in paths {
             let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-            let source = Source::of_bytes(read_bytes(path)?, stem.as_deref().unwrap_or_default());
+            let source = source::Source::of_bytes(read_bytes(path)?, stem.as_deref().unwrap_or_default());
             sources.push(source.map_err(|problem| ReadError::content(path, problem))?);
         }
-        let mut found: Vec<_> = sources.iter().map(Source::cameras).collect();
+        let mut found: Vec<_> = sources.iter().map(source::Source::cameras).collect();
         let lacks_cameras = |found: &Result<_, _>| matches!(found, Err(NoCalibration::NoCamera(_)));
         if paths.len() > 1 && found.iter().any(lacks_cameras) {
-            let both = Source::merged(&sources).map_err(|problem| ReadError::content(paths[1], problem))?;
+            let both =
+                source::Source::merged(&sources).map_err(|problem| ReadError::content(paths[1], problem))?;
             found = both.map_or(found, |both| vec![both.cameras()]);
         }
         let mut files = Vec::new();
@@ -142,7 +143,7 @@ impl Calibration {
                 Err(problem) => return Err(ReadError::content(path, problem.to_string())),
             }
         }
-        Ok(Self::joined(files).map_err(NoCalibration::Wrong))
+        Ok(Self::joined(&files).map_err(NoCalibration::Wrong))
     }
 
     /// Reads a text; its content tells the format.
@@ -150,13 +151,13 @@ impl Calibration {
     /// # Errors
     /// A clause for the user.
     pub fn parse(text: &str) -> Result<Self, String> {
-        let cameras = Source::of_text(text)?.cameras().map_err(|problem| problem.to_string())?;
+        let cameras = source::Source::of_text(text)?.cameras().map_err(|problem| problem.to_string())?;
         Ok(Self { cameras })
     }
 
     /// Joins the cameras of several files: the first of each file comes first.
-    fn joined(files: Vec<Vec<CalibratedCamera>>) -> Result<Self, String> {
-        if let [first, second] = &files[..]
+    fn joined(files: &[Vec<CalibratedCamera>]) -> Result<Self, String> {
+        if let [first, second] = files
             && (first.len() > 1 || second.len() > 1)
             && first.len() != second.len()
         {
@@ -216,7 +217,7 @@ impl CalibratedCamera {
         unread.extend(second.unread.iter().filter(|name| !first.unread.contains(name)).cloned());
         let mut sentences = Vec::new();
         if !unread.is_empty() {
-            let (names, are) = (rig::listed(&unread), if unread.len() == 1 { "was" } else { "were" });
+            let (names, are) = (cameras::listed(&unread), if unread.len() == 1 { "was" } else { "were" });
             sentences.push(format!("{names} of the calibration {are} not understood and not used."));
         }
         let name = |k: usize| excerpt(&pair[k].name);

@@ -11,6 +11,7 @@ use crate::geometry::Frame;
 const R: &str = "0.99980001, 0.0, 0.01999867, 0.0, 1.0, 0.0, -0.01999867, 0.0, 0.99980001";
 
 /// Small calibrations as programs write them.
+#[expect(clippy::too_many_lines, reason = "it is a table")]
 pub(super) fn known() -> Vec<(&'static str, String)> {
     let matrix = |name: &str, rows: usize, columns: usize, data: &str| {
         format!(
@@ -148,7 +149,10 @@ pub(super) fn known() -> Vec<(&'static str, String)> {
 /// What a calibration says.
 type Said = [(CameraModel, Option<CameraModel>, Option<Frame>); 2];
 
-fn said(text: &str) -> Result<(Said, Option<Matrix3<f64>>, [CalibratedCamera; 2]), String> {
+/// What a calibration says of each camera, its pose, and its cameras.
+type Read = (Said, Option<Matrix3<f64>>, [CalibratedCamera; 2]);
+
+fn said(text: &str) -> Result<Read, String> {
     let pair = Calibration::parse(text)?.open_pair(None)?;
     let pose = CalibratedCamera::relative_pose(&pair);
     // Rotation and direction in one matrix, with the length in a corner that R alone leaves free.

@@ -11,7 +11,7 @@ use super::super::number::{cells, finite_numbers, rows};
 use super::super::opencv_xml::{is_xml, xml_value};
 use super::fields::fields;
 use super::names::Role;
-use super::{CalibratedCamera, NoCalibration, kalibr, rig, tables, zed};
+use super::{CalibratedCamera, NoCalibration, cameras, kalibr, tables, zed};
 use crate::foreign::excerpt;
 
 /// Content of a file.
@@ -78,8 +78,7 @@ impl Source {
         } else if first.starts_with('[') || has(is_section) {
             let value = toml::from_str(text);
             match (value, sections(text)) {
-                (Ok(value), _) => Self::Tree(value),
-                (Err(_), Ok(value)) => Self::Tree(value),
+                (Ok(value), _) | (Err(_), Ok(value)) => Self::Tree(value),
                 (Err(e), Err(_)) => return Err(format!("this is not valid TOML: {}", e.message())),
             }
         } else if !text.trim_start().starts_with("%YAML") && has(is_assignment) {
@@ -100,7 +99,7 @@ impl Source {
         }
         match kalibr::kalibr(root).map_err(NoCalibration::Wrong)? {
             Some(chain) => Ok(chain),
-            None => rig::cameras(root),
+            None => cameras::cameras(root),
         }
     }
 

@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use super::Problem;
 use super::content::{BareNumbers, CalibratedNote, GeometryFile, ImageNote};
 use super::printed::{PrintedMatrix, ROW_BY_ROW};
-use super::quantity::Quantity;
+use super::quantity::{Quantity, there_twice};
 use super::views::PicturesRead;
 use crate::estimate::Match;
 use crate::foreign::excerpt;
@@ -17,9 +17,6 @@ use crate::io::match_arrays::{FoundMatches, check_pixels, names_points, names_sc
 use crate::io::npy::Array;
 use crate::io::number::finite_number;
 use crate::io::point_pairs::{check_more_columns, first_four};
-
-pub(in crate::io) use self::arrays::UNDISTORTED;
-use self::arrays::{array_of, matrices_in, named_arrays};
 
 /// Rectangular table of finite numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -155,13 +152,13 @@ impl Fields {
         let mut fields = Self::default();
         let Some(object) = value.as_object() else {
             let is_table = |array: &Array| array.shape.len() > 1 && array.numbers.len() != 9;
-            if let Some(array) = array_of(value).filter(is_table) {
+            if let Some(array) = arrays::array_of(value).filter(is_table) {
                 return Self::from_arrays(&[(String::new(), Ok(array))]);
             }
             fields.add_bare(table(value).map_err(Problem::whole)?, BareNumbers::Anything)?;
             return Ok(fields);
         };
-        let arrays = named_arrays(object);
+        let arrays = arrays::named_arrays(object);
         // Beside keypoints, `matches` has their indices.
         let has = |named: fn(&str) -> bool| arrays.iter().any(|(name, _)| named(name));
         let has_keypoints = has(|name| Quantity::named(name).is_none() && names_points(name))
@@ -189,7 +186,7 @@ impl Fields {
                         *place = image(value);
                     }
                 }
-                (None, _) => matrices_in(name, value, &mut others),
+                (None, _) => arrays::matrices_in(name, value, &mut others),
             }
         }
         if has_keypoints {
@@ -337,23 +334,6 @@ impl Fields {
     }
 }
 
-/// Adds a field to an object. A known name must not occur twice with different values.
-pub(in crate::io) fn insert(
-    object: &mut Map<String, Value>,
-    name: String,
-    value: Value,
-) -> Result<(), String> {
-    match object.get(&name) {
-        Some(known) if Quantity::named(&name).is_some() && *known != value => return Err(there_twice(&name)),
-        _ => object.insert(name, value),
-    };
-    Ok(())
-}
-
-fn there_twice(name: &str) -> String {
-    format!("{name} occurs twice with different values. Remove one of them")
-}
-
 /// Returns whether the value is a list of lists.
 fn is_rows(value: &Value) -> bool {
     value.as_array().is_some_and(|rows| rows.iter().all(Value::is_array))
@@ -365,7 +345,8 @@ pub(super) fn table(value: &Value) -> Result<NumberTable, String> {
         Value::Object(_) => opencv_matrix(value),
         // Pairs of points: N×2×2.
         Value::Array(rows) if rows.iter().all(is_rows) && !rows.is_empty() => {
-            let Some(Array { shape, numbers }) = array_of(value).filter(|array| array.shape[1..] == [2, 2])
+            let Some(Array { shape, numbers }) =
+                arrays::array_of(value).filter(|array| array.shape[1..] == [2, 2])
             else {
                 return Err("this is not a list of rows".into());
             };

@@ -9,8 +9,8 @@ use serde_json::{Map, Value, json};
 
 use super::content::CalibratedNote;
 use super::coordinates::{NamedTable, WrittenGeometry};
-use super::fields::{Fields, insert, table};
-use super::quantity::Quantity;
+use super::fields::{Fields, table};
+use super::quantity::{Quantity, insert};
 use super::{ImageNote, Problem};
 use crate::camera::{PicturesOf, RelativePose};
 use crate::geometry::{Frame, PointPair};

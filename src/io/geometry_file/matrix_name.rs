@@ -1,5 +1,7 @@
 //! What the name of a 3×3 matrix says about it, in files of people and of other programs.
 
+use super::quantity::Quantity;
+
 /// Meaning of the name of a matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::io) enum MatrixName {
@@ -56,7 +58,7 @@ impl MatrixName {
     /// letters other than `f` count in capitals alone.
     pub(in crate::io) fn of(name: &str) -> Self {
         let mut found = Self::Unknown;
-        for part in parts(name) {
+        for part in name_parts(name) {
             let word = part.trim_end_matches(|c: char| c.is_ascii_digit());
             let lower = word.to_lowercase();
             if word.len() == 1 && word == lower && word != "f" && part == name {
@@ -75,7 +77,7 @@ impl MatrixName {
 }
 
 /// Splits a name at marks and before capitals that follow small letters.
-pub(in crate::io) fn parts(name: &str) -> Vec<&str> {
+pub(in crate::io) fn name_parts(name: &str) -> Vec<&str> {
     let mut parts = Vec::new();
     let (mut start, mut before) = (0, ' ');
     for (at, c) in name.char_indices() {
@@ -92,6 +94,11 @@ pub(in crate::io) fn parts(name: &str) -> Vec<&str> {
     parts.push(&name[start..]);
     parts.retain(|part| !part.is_empty());
     parts
+}
+
+/// Returns whether the name of an array is that of `F` or of another quantity of a geometry file.
+pub(in crate::io) fn names_matrix(name: &str) -> bool {
+    Quantity::named(name).is_some() || MatrixName::of(name) == MatrixName::Fundamental
 }
 
 #[cfg(test)]

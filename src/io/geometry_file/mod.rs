@@ -53,8 +53,8 @@ use self::matrix_name::MatrixName;
 use self::notes::GeometryNote;
 use self::printed::NoMatrix;
 use self::yaml::NOT_YAML;
-use super::match_file::archive;
 use super::npy::{Array, is_npy};
+use super::npz::archive;
 use super::number::{cells, rows};
 use super::opencv_xml::{is_xml, xml_value};
 use super::output::{OutputFile, WriteError};
@@ -67,11 +67,11 @@ pub use self::content::{CalibratedNote, GeometryFile, ImageNote};
 pub(super) use self::coordinates::shift;
 #[cfg(feature = "colmap")]
 pub(super) use self::coordinates::{moved_fundamental, moved_pair};
-pub(super) use self::fields::{UNDISTORTED, insert};
 pub use self::format::Format;
 pub use self::labels::{PairLabel, PairOrigin, TrustNote};
-pub(super) use self::matrix_name::parts as name_parts;
+pub(super) use self::matrix_name::{name_parts, names_matrix};
 pub use self::notation::Notation;
+pub(super) use self::quantity::insert;
 pub(super) use self::yaml::{DEEPEST, plain_scalar, yaml_value};
 
 /// Largest structured text that is read, bytes. Parsing takes about 15 times its length in memory.
@@ -223,7 +223,7 @@ fn printed_matrix(text: &str, format: Format, problem: Problem) -> Result<Fields
         NoMatrix::Count(count)
             if problem.problem.is_empty() || (format == Format::Json && count > 3 && !text.contains('"')) =>
         {
-            expected_nine(count)
+            text::expected_nine(count)
         }
         _ => problem,
     })?;
@@ -240,16 +240,6 @@ fn printed_matrix(text: &str, format: Format, problem: Problem) -> Result<Fields
     }
     fields.add_printed(printed)?;
     Ok(fields)
-}
-
-/// Returns whether the name of an array is that of `F` or of another quantity of a geometry file.
-pub(super) fn names_matrix(name: &str) -> bool {
-    quantity::Quantity::named(name).is_some() || MatrixName::of(name) == MatrixName::Fundamental
-}
-
-/// Says how many numbers there are in place of the nine of `F`.
-fn expected_nine(count: usize) -> Problem {
-    Problem::whole(format!("expected the nine numbers of a fundamental matrix, found {count}"))
 }
 
 const SAME_CENTRE: &str = "the two cameras have the same centre, so there is no fundamental matrix";

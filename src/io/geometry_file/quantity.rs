@@ -1,5 +1,7 @@
 //! Quantities of a geometry file, with their names.
 
+use serde_json::{Map, Value};
+
 /// Named table of numbers in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Quantity {
@@ -78,6 +80,23 @@ impl Quantity {
     pub(super) fn meaning(self) -> &'static str {
         QUANTITIES[self as usize].2
     }
+}
+
+/// Adds a field to an object. A known name must not occur twice with different values.
+pub(in crate::io) fn insert(
+    object: &mut Map<String, Value>,
+    name: String,
+    value: Value,
+) -> Result<(), String> {
+    match object.get(&name) {
+        Some(known) if Quantity::named(&name).is_some() && *known != value => return Err(there_twice(&name)),
+        _ => object.insert(name, value),
+    };
+    Ok(())
+}
+
+pub(super) fn there_twice(name: &str) -> String {
+    format!("{name} occurs twice with different values. Remove one of them")
 }
 
 #[cfg(test)]

@@ -18,7 +18,7 @@ use super::coordinates::{WrittenGeometry, numbers, one_line};
 use super::fields::{Fields, NumberTable};
 use super::labels::runs;
 use super::quantity::Quantity;
-use super::{BareNumbers, ImageNote, Problem, expected_nine, views};
+use super::{BareNumbers, ImageNote, Problem, views};
 use crate::geometry::{Frame, PointPair};
 use crate::io::number::{cells, finite_numbers, rows};
 use crate::io::point_pairs::parse_point_pairs;
@@ -154,4 +154,9 @@ fn bare(text: &str, wanted: BareNumbers) -> Result<Fields, Problem> {
     let table = NumberTable::from_rows(&lists).map_err(|_| expected_nine(count))?;
     fields.add_bare(table, wanted)?;
     Ok(fields)
+}
+
+/// Says how many numbers there are in place of the nine of `F`.
+pub(super) fn expected_nine(count: usize) -> Problem {
+    Problem::whole(format!("expected the nine numbers of a fundamental matrix, found {count}"))
 }

@@ -136,7 +136,7 @@ impl PicturesRead {
                 return Err(format!("pictures: {} is no name of pictures", excerpt(&other.to_string())));
             }
             ("undistorted", value) => {
-                self.is_marked |= *value == Value::Bool(true) || value.as_u64() == Some(1)
+                self.is_marked |= *value == Value::Bool(true) || value.as_u64() == Some(1);
             }
             ("views", value) => self.take(value),
             ("calibrated", value) => {

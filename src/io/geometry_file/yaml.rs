@@ -7,7 +7,7 @@ use saphyr_parser::{Event, Parser, ScalarStyle};
 use serde_json::{Map, Value};
 
 use super::Problem;
-use super::fields::insert;
+use super::quantity::insert;
 
 /// Maximum depth of nested lists. Matrices need three.
 pub(in crate::io) const DEEPEST: usize = 32;

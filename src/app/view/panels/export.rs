@@ -379,8 +379,11 @@ impl FileExport {
             }
         };
         let pictures_of = match self.order.what {
-            ExportKind::Geometry | ExportKind::Array | ExportKind::Plane => model.open.pictures_of(),
-            ExportKind::Report | ExportKind::Profile => model.open.pictures_of(),
+            ExportKind::Geometry
+            | ExportKind::Array
+            | ExportKind::Plane
+            | ExportKind::Report
+            | ExportKind::Profile => model.open.pictures_of(),
             ExportKind::Pairs | ExportKind::Table => PicturesOf::Original,
             _ => PicturesOf::Untold,
         };

@@ -96,12 +96,11 @@ impl PictureTexture {
             self.tiles.clear();
         }
         let whole;
-        let source = match &self.reduced.reduced {
-            Some(reduced) => reduced,
-            None => {
-                whole = self.picture.displayed(&self.picture.pixels);
-                &*whole
-            }
+        let source = if let Some(reduced) = &self.reduced.reduced {
+            reduced
+        } else {
+            whole = self.picture.displayed(&self.picture.pixels);
+            &*whole
         };
         self.is_draft = changing && source.width().max(source.height()) > DRAFT_SIDE;
         let shown = if self.is_draft {

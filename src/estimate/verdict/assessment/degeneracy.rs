@@ -108,12 +108,12 @@ pub(in crate::estimate) fn check_images(prepared: &PreparedPair) -> Result<(), E
 
 /// Returns whether all corners of both images are black, as around the round picture of a fisheye lens.
 pub(super) fn have_dark_corners(prepared: &PreparedPair) -> bool {
-    let is_dark = |plane: &&GrayPlane| {
+    let is_dark = |plane: &GrayPlane| {
         let Frame { width, height } = plane.frame();
         let square = (width.min(height) / DARK_SQUARES).max(1);
         let mean = |x: usize, y: usize| {
             let sum: f64 =
-                (y..y + square).map(|y| &plane.row(y)[x..x + square]).flatten().map(|v| f64::from(*v)).sum();
+                (y..y + square).flat_map(|y| &plane.row(y)[x..x + square]).map(|v| f64::from(*v)).sum();
             sum / (square * square) as f64
         };
         let (right, bottom) = (width - square, height - square);

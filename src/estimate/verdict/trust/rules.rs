@@ -59,9 +59,10 @@ impl Trust {
             }
         } else if let RefinedOn::Points(GivenPoints { agreeing, matches, is_chance }) = evidence.refined_on {
             unreliable |= is_chance;
-            reasons.push(match is_chance {
-                true => Reason::PointsByChance { agreeing, matches },
-                false => Reason::PointsAlone { agreeing, matches },
+            reasons.push(if is_chance {
+                Reason::PointsByChance { agreeing, matches }
+            } else {
+                Reason::PointsAlone { agreeing, matches }
             });
         } else if !evidence.patches {
             reasons.push(Reason::NotChecked);

@@ -3,15 +3,13 @@
 use serde_json::{Map, Value};
 
 use super::{Fields, NumberTable, opencv_matrix, table};
+use crate::camera::PicturesOf;
 use crate::foreign::excerpt;
-use crate::io::geometry_file::Problem;
 use crate::io::geometry_file::matrix_name::MatrixName;
 use crate::io::geometry_file::quantity::Quantity;
 use crate::io::match_arrays::{NamedArray, concerns_matches, matches_of, shape_in_words};
 use crate::io::npy::Array;
-
-/// Name of the mark of an archive for pictures without distortion.
-pub(in crate::io) const UNDISTORTED: &str = "undistorted";
+use crate::io::read::Problem;
 
 /// Maximum number of names in a message.
 const MOST_NAMES: usize = 8;
@@ -72,11 +70,11 @@ pub(super) fn matrices_in(name: &str, value: &Value, found: &mut Vec<(String, Nu
 
 impl Fields {
     /// Reads the arrays of an archive, by their names or by their shapes.
-    pub(in crate::io::geometry_file) fn from_arrays(arrays: &[NamedArray]) -> Result<Self, Problem> {
+    pub(in crate::io) fn from_arrays(arrays: &[NamedArray]) -> Result<Self, Problem> {
         let mut fields = Self::default();
         let mut others = Vec::new();
         for (name, array) in arrays {
-            if name == UNDISTORTED {
+            if name == PicturesOf::UNDISTORTED {
                 fields.pictures.read(name, &Value::Bool(true)).map_err(Problem::whole)?;
                 continue;
             }

@@ -24,6 +24,7 @@ fn joined(cells: &[String], cell: &str, row: &str) -> String {
 }
 
 /// Returns the same matrix in the notations of many programs.
+#[expect(clippy::too_many_lines, reason = "it is a table")]
 fn notations() -> Vec<String> {
     let plain = cells(|v| format!("{v:e}"));
     let python = joined(&plain, ", ", "],\n       [");
@@ -46,7 +47,8 @@ fn notations() -> Vec<String> {
         (0..3).map(|r| plain[3 * r..][columns.clone()].join("   ")).collect::<Vec<_>>().join("\n   ")
     };
     let entry = |write: fn(usize, usize) -> String| {
-        (0..9).map(|k| format!("{} = {};\n", write(k / 3, k % 3), plain[k])).collect::<String>()
+        let lines = (0..9).map(|k| format!("{} = {};\n", write(k / 3, k % 3), plain[k]));
+        lines.collect::<Vec<_>>().concat()
     };
     let by_columns: Vec<String> = (0..9).map(|k| plain[3 * (k % 3) + k / 3].clone()).collect();
     vec![
