@@ -165,12 +165,12 @@ pub(super) fn settled(
     pictures: &[Picture; 2],
     given: Option<&[Match]>,
 ) -> Result<[CalibratedCamera; 2], CliError> {
-    let matches = || match given {
-        Some(given) => given.iter().map(|found| found.pair).collect(),
-        None => {
-            let prepared = PreparedPair::new(&pictures[0].gray, &pictures[1].gray);
-            prepared.putative_matches().iter().map(|found| found.pair).collect()
+    let matches = || {
+        if let Some(given) = given {
+            return given.iter().map(|found| found.pair).collect();
         }
+        let prepared = PreparedPair::new(&pictures[0].gray, &pictures[1].gray);
+        prepared.putative_matches().iter().map(|found| found.pair).collect()
     };
     settled_by(cameras, pictures.each_ref().map(Picture::frame), matches)
 }

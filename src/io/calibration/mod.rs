@@ -2,7 +2,7 @@
 //!
 //! | written by | recognised by |
 //! |---|---|
-//! | OpenCV (YAML, XML, JSON), ROS, ORB-SLAM, VINS, EuRoC, NumPy (`.npz`), MATLAB (JSON) | names such as `K1`, `dist_coeffs_left`, `Camera.fx`: [`names`] |
+//! | OpenCV (YAML, XML, JSON), ROS, ORB-SLAM, VINS, `EuRoC`, NumPy (`.npz`), MATLAB (JSON) | names such as `K1`, `dist_coeffs_left`, `Camera.fx`: [`names`] |
 //! | ROS (`ost.txt`) | `# oST version 5.0 parameters` |
 //! | Kalibr (YAML) | `cam0: … intrinsics: …` |
 //! | caliscope, anipose (TOML) | sections with `matrix` and `distortions` |
@@ -142,7 +142,7 @@ impl Calibration {
                 Err(problem) => return Err(ReadError::content(path, problem.to_string())),
             }
         }
-        Ok(Self::joined(files).map_err(NoCalibration::Wrong))
+        Ok(Self::joined(&files).map_err(NoCalibration::Wrong))
     }
 
     /// Reads a text; its content tells the format.
@@ -155,8 +155,8 @@ impl Calibration {
     }
 
     /// Joins the cameras of several files: the first of each file comes first.
-    fn joined(files: Vec<Vec<CalibratedCamera>>) -> Result<Self, String> {
-        if let [first, second] = &files[..]
+    fn joined(files: &[Vec<CalibratedCamera>]) -> Result<Self, String> {
+        if let [first, second] = files
             && (first.len() > 1 || second.len() > 1)
             && first.len() != second.len()
         {

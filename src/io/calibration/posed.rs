@@ -25,7 +25,7 @@ pub(super) enum PoseSource {
 
 /// Poses of all cameras.
 pub(super) struct Poses {
-    pub poses: Vec<Option<CameraPose>>,
+    pub cameras: Vec<Option<CameraPose>>,
     pub source: Option<PoseSource>,
     pub notes: Vec<String>,
 }
@@ -63,7 +63,7 @@ pub(super) fn poses(rig: &Rig, is_transposed: bool) -> Result<Poses, String> {
                 return Err("there is one R and T, but more than two cameras".into());
             }
             let poses = vec![Some(CameraPose::origin()), Some(pose)];
-            return Ok(Poses { poses, source: Some(PoseSource::Pair), notes });
+            return Ok(Poses { cameras: poses, source: Some(PoseSource::Pair), notes });
         }
     }
     let mut poses = Vec::new();
@@ -78,7 +78,7 @@ pub(super) fn poses(rig: &Rig, is_transposed: bool) -> Result<Poses, String> {
             notes.push("only the second camera has a pose, which is taken as relative to the first".into());
             poses[0] = Some(CameraPose::origin());
         }
-        return Ok(Poses { poses, source: Some(PoseSource::Cameras), notes });
+        return Ok(Poses { cameras: poses, source: Some(PoseSource::Cameras), notes });
     }
     let poses = rig.cameras.iter().map(|camera| rectified(rig, camera)).collect::<Result<Vec<_>, _>>()?;
     let known = poses.iter().flatten().count();
@@ -89,7 +89,7 @@ pub(super) fn poses(rig: &Rig, is_transposed: bool) -> Result<Poses, String> {
         );
     }
     let source = (known == count).then_some(PoseSource::Rectification);
-    Ok(Poses { poses, source, notes })
+    Ok(Poses { cameras: poses, source, notes })
 }
 
 fn rotation_and_translation(rig: &Rig, camera: &[String]) -> Result<Option<CameraPose>, String> {

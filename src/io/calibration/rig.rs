@@ -24,7 +24,7 @@ pub(super) struct Rig {
 
 /// Calibration matrix of a camera.
 struct Matrix {
-    matrix: Matrix3<f64>,
+    entries: Matrix3<f64>,
     /// Sections of the matrix.
     section: Vec<String>,
     /// Whether the file has the transpose, as MATLAB writes it.
@@ -87,7 +87,7 @@ impl Rig {
         }
         let poses = poses(self, any_transposed)?;
         let mut has_lens = Vec::new();
-        for ((camera, (matrix, model)), posed) in self.cameras.iter().zip(models).zip(poses.poses) {
+        for ((camera, (matrix, model)), posed) in self.cameras.iter().zip(models).zip(poses.cameras) {
             let name = self.name(camera);
             let told = |e: String| format!("{}: {e}", excerpt(&name));
             let lens = lens_of(self, camera, model).map_err(told)?;
@@ -95,7 +95,7 @@ impl Rig {
                 self.refuse_hidden_lens(camera, &name, &matrix.section)?;
             }
             has_lens.push(lens.is_given || model == Some(Model::Ideal));
-            let mut k = matrix.matrix;
+            let mut k = matrix.entries;
             let counts_from_one = is_matlab || matrix.is_transposed;
             if counts_from_one {
                 k[(0, 2)] -= 1.0;
@@ -278,7 +278,7 @@ impl Rig {
             let of_pairs = pair(Role::FocalLengths)?.zip(pair(Role::PrincipalPoint)?);
             let matrix = of_scalars.or(of_pairs.map(|(focal, principal)| calibration(focal, principal)));
             let matrix = matrix.ok_or("fx, fy, cx and cy must all be given")?;
-            return Ok(Matrix { matrix, section: self.section(camera), is_transposed: false });
+            return Ok(Matrix { entries: matrix, section: self.section(camera), is_transposed: false });
         };
         let section = field.section().to_vec();
         let written = match field.numbers() {
@@ -296,7 +296,7 @@ impl Rig {
         {
             return Err(format!("{} and fx, fy, cx, cy differ", excerpt(&field.name())));
         }
-        Ok(Matrix { matrix, section, is_transposed })
+        Ok(Matrix { entries: matrix, section, is_transposed })
     }
 
     /// Returns the sections of the numbers of a camera without a matrix.

@@ -78,8 +78,7 @@ impl Source {
         } else if first.starts_with('[') || has(is_section) {
             let value = toml::from_str(text);
             match (value, sections(text)) {
-                (Ok(value), _) => Self::Tree(value),
-                (Err(_), Ok(value)) => Self::Tree(value),
+                (Ok(value), _) | (Err(_), Ok(value)) => Self::Tree(value),
                 (Err(e), Err(_)) => return Err(format!("this is not valid TOML: {}", e.message())),
             }
         } else if !text.trim_start().starts_with("%YAML") && has(is_assignment) {

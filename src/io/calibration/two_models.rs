@@ -63,7 +63,7 @@ impl CalibratedCamera {
             better(&pair, [&fisheye, &radial], frames, &matches)
         else {
             return if pair.iter().all(Self::is_plainly_radial) {
-                Ok(pair.map(Self::as_radial))
+                Ok(pair.map(Self::with_radial))
             } else {
                 Err(question(&pair))
             };
@@ -102,7 +102,7 @@ impl CalibratedCamera {
     }
 
     /// Reads four coefficients that are open as `k1 k2 p1 p2`, and notes it.
-    fn as_radial(mut self) -> Self {
+    fn with_radial(mut self) -> Self {
         if self.reading.fisheye.take().is_some() {
             self.reading.notes.push(
                 "the four distortion coefficients are read as k1 k2 p1 p2, because the last two are small. The images \
@@ -197,7 +197,7 @@ impl Seen {
     }
 }
 
-/// Compares how many matches two readings explain, as in McNemar's test: the matches that only one of them
+/// Compares how many matches two readings explain, as in `McNemar`'s test: the matches that only one of them
 /// explains tell them apart. The difference of their numbers has the deviation of the square root of their sum.
 fn clearer(distances: &[Vec<f64>; 2], count: usize) -> Option<(bool, [usize; 2])> {
     let near = |reading: usize, k: usize, limit: f64| distances[reading].get(k).is_some_and(|d| *d < limit);
