@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
+use epiline::camera::PicturesOf;
 use epiline::geometry::Frame;
 use epiline::io::{ImageReference, ImageSource, SessionFile};
 
@@ -16,7 +17,13 @@ fn session(number: u32) -> SessionFile<Vec<u32>> {
         source: ImageSource::File { path: "a.png".into(), sha256: "0".repeat(64) },
         frame: Frame::new(4, 3),
     };
-    SessionFile { images: [image(), image()], fundamental: None, trust: None, content: vec![number; 20_000] }
+    SessionFile {
+        images: [image(), image()],
+        fundamental: None,
+        pictures: PicturesOf::Original,
+        trust: None,
+        content: vec![number; 20_000],
+    }
 }
 
 /// Body of the child process; not a test by itself.

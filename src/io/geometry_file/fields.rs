@@ -3,7 +3,7 @@
 mod arrays;
 
 use nalgebra::{Matrix3, Matrix3x4, SMatrix};
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use super::Problem;
 use super::content::{BareNumbers, CalibratedNote, GeometryFile, ImageNote};

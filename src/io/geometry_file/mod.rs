@@ -49,7 +49,6 @@ use serde_json::Value;
 use self::content::BareNumbers;
 use self::coordinates::WrittenGeometry;
 use self::fields::Fields;
-use self::matrix_name::MatrixName;
 use self::notes::GeometryNote;
 use self::printed::NoMatrix;
 use self::yaml::NOT_YAML;
