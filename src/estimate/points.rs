@@ -12,10 +12,10 @@ use thiserror::Error;
 
 use super::evidence::patches::{RefinedMatch, Refinement, largest_plane};
 use super::fit::{
-    Agreement, EpipoleBearing, FEWEST, Match, MatchFit, Uncertainty, estimate_fundamental, fit_few, widening,
+    Agreement, EpipoleBearing, FEWEST, MOST_FEW, Match, MatchFit, Uncertainty, estimate_fundamental, fit_few,
+    widening,
 };
 use super::verdict::assessment::PointEvidence;
-use super::verdict::false_alarms::BY_CHANCE;
 use super::verdict::result::{Assessment, Determined, Estimate};
 use crate::geometry::{Frame, FundamentalMatrix, Matrix9, Point, PointPair, Vector};
 
@@ -89,8 +89,6 @@ const MEDIAN: f64 = 0.6745;
 /// Smallest standard deviation of a match that a test of planes assumes, as a share of the longer side: what
 /// the correction of a lens leaves.
 const LEAST_SIGMA: f64 = 5e-5;
-/// Largest number of matches of which a handful may be right. Among more, a consensus has 14.
-const MOST_FEW: usize = 500;
 /// Degrees of freedom of F.
 const FREEDOM: usize = 7;
 
@@ -129,7 +127,7 @@ pub fn estimate_points(
         }
     }
     let rival = fitted(&others, extent.frames, seed);
-    let rival = rival.filter(|(_, rival)| rival.log_by_chance <= BY_CHANCE.ln());
+    let rival = rival.filter(|(_, rival)| !rival.is_chance());
     let rival = rival.and_then(|(rival, _)| Agreement::of(&rival.fundamental, &local, extent.frames));
     let (trust, margin, plane) = PointEvidence {
         matches: &local,
@@ -144,7 +142,7 @@ pub fn estimate_points(
         seed,
     }
     .judge();
-    let is_chance = agreement.log_by_chance > BY_CHANCE.ln();
+    let is_chance = agreement.is_chance();
     let refinement = Refinement {
         matches: agreeing.iter().map(|pair| RefinedMatch { pair: *pair, correlation: 0.0 }).collect(),
         uncertainty: fit.uncertainty,
@@ -205,8 +203,7 @@ fn fitted(matches: &[Match], frames: [Frame; 2], seed: u64) -> Option<(MatchFit,
         let agreement = Agreement::of(&fit.fundamental, matches, frames)?;
         Some((widened(fit), agreement))
     });
-    let is_chance = |(_, agreement): &(MatchFit, Agreement)| agreement.log_by_chance > BY_CHANCE.ln();
-    if matches.len() > MOST_FEW || many.as_ref().is_some_and(|fit| !is_chance(fit)) {
+    if matches.len() > MOST_FEW || many.as_ref().is_some_and(|(_, agreement)| !agreement.is_chance()) {
         return many;
     }
     let both = many.into_iter().chain(fit_few(matches, frames, seed));

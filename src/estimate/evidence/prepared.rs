@@ -8,7 +8,7 @@ use crate::estimate::evidence::features::{MatchedFeatures, putative};
 use crate::estimate::evidence::lazy::Lazy;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::PatchLevels;
-use crate::estimate::fit::{Match, MatchFit, MatchFitError, Uncertainty, estimate_fundamental};
+use crate::estimate::fit::{Match, MatchFit, MatchFitError, Uncertainty, fit_given};
 use crate::estimate::{CancelFlag, EstimateError, Parameters, PencilParameters};
 use crate::features::FeatureViews;
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
@@ -80,10 +80,10 @@ impl PreparedPair {
     /// result as it is.
     ///
     /// # Errors
-    /// The errors of [`estimate_fundamental`]. The matches take no part then, and an estimate from them alone
+    /// The errors of [`estimate_fundamental`](crate::estimate::estimate_fundamental). The matches take no part then, and an estimate from them alone
     /// fails.
     pub fn add_matches(&mut self, matches: &[Match], seed: u64) -> Result<(), MatchFitError> {
-        let fit = estimate_fundamental(matches, self.frames(), seed);
+        let fit = fit_given(matches, self.frames(), seed);
         let outcome = fit.as_ref().map(|_| ()).map_err(|error| *error);
         let fit = fit.map(|MatchFit { fundamental, noise, inlier_probabilities, uncertainty }| {
             let inliers = matches.iter().zip(&inlier_probabilities).filter(|(_, right)| **right > 0.5);

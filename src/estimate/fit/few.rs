@@ -15,13 +15,17 @@ use rayon::prelude::*;
 
 use super::noise::{LEAST_SCALE, Noise, residuals};
 use super::scoring::Units;
-use super::{Match, MatchFit, Uncertainty};
+use super::{Match, MatchFit, MatchFitError, Uncertainty, estimate_fundamental};
 use crate::estimate::sampling::{Draws, Purpose, different};
 use crate::geometry::{
     Equation, Frame, FundamentalMatrix, Matrix9, Observation, PointPair, fit_fundamental, point_equation,
     sampson_distance, solve_seven,
 };
 
+/// Largest number of false alarms of a geometry that chance does not explain: one in a thousand results.
+pub(in crate::estimate) const BY_CHANCE: f64 = 1e-3;
+/// Largest number of matches of which a handful may be right. Among more, a consensus has 14.
+pub(in crate::estimate) const MOST_FEW: usize = 500;
 /// Fewest matches that a geometry is fitted to: seven fit up to three geometries, and the eighth tests them.
 pub(in crate::estimate) const FEWEST: usize = 8;
 /// Largest number of matches of which all samples of seven are tried: 1,716.
@@ -73,6 +77,36 @@ impl Agreement {
             Self { matches: k, log_by_chance: tests + (k - 7) as f64 * within.ln(), within }
         };
         (FEWEST..=n).map(of).min_by(|a, b| a.log_by_chance.total_cmp(&b.log_by_chance))
+    }
+}
+
+impl Agreement {
+    /// Returns whether chance explains the agreement.
+    pub fn is_chance(&self) -> bool {
+        self.log_by_chance > BY_CHANCE.ln()
+    }
+}
+
+/// Fits to matches, of which there may be few. A consensus estimates their noise together with the geometry. Where
+/// chance explains what it found, the geometry is taken that chance explains least, if that is no chance.
+///
+/// # Errors
+/// The errors of [`estimate_fundamental`].
+pub(in crate::estimate) fn fit_given(
+    matches: &[Match],
+    frames: [Frame; 2],
+    seed: u64,
+) -> Result<MatchFit, MatchFitError> {
+    let many = estimate_fundamental(matches, frames, seed);
+    let agreement = |fit: &MatchFit| Agreement::of(&fit.fundamental, matches, frames);
+    let is_clear = many.as_ref().is_ok_and(|fit| agreement(fit).is_some_and(|a| !a.is_chance()));
+    let is_valid = !matches!(many, Err(MatchFitError::Invalid(_)));
+    if is_clear || !is_valid || matches.len() > MOST_FEW || matches.len() < FEWEST {
+        return many;
+    }
+    match fit_few(matches, frames, seed) {
+        Some((fit, agreement)) if !agreement.is_chance() => Ok(fit),
+        _ => many,
     }
 }
 
@@ -247,6 +281,21 @@ mod tests {
             assert!(wrong1 < 0.1 && wrong2 < 0.1, "{:?}", fit.inlier_probabilities);
             assert!(scene.error(&fit.fundamental) < 6.0, "{}", scene.error(&fit.fundamental));
         }
+    }
+
+    #[test]
+    fn few_matches_by_hand_are_fitted_whatever_their_noise() {
+        let scene = ExactScene::aside();
+        for (count, sigma) in [(10, 0.3), (16, 1.0), (19, 1.5), (200, 0.3)] {
+            for seed in 0..3 {
+                let given = noisy(&scene, count, sigma, 20 + seed);
+                let fit = fit_given(&given, [FRAME; 2], seed).unwrap();
+                let error = scene.error(&fit.fundamental);
+                assert!(error < 12.0 * sigma, "{count} matches off by {sigma} px: {error} px");
+            }
+        }
+        let one = noisy(&scene, 7, 0.3, 1);
+        assert_eq!(fit_given(&one, [FRAME; 2], 0).unwrap_err(), MatchFitError::TooFew(7));
     }
 
     #[test]

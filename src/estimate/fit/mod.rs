@@ -21,7 +21,7 @@ pub use uncertainty::{EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Uncertai
 
 pub(super) use consensus::{Evidence, Fitted};
 pub(super) use division::{fit_division, strong_lens_is_likelier};
-pub(super) use few::{Agreement, FEWEST, fit_few, widening};
+pub(super) use few::{Agreement, BY_CHANCE, FEWEST, MOST_FEW, fit_few, fit_given, widening};
 pub(super) use noise::LEAST_SCALE;
 pub(super) use scoring::{BAND, Consensus, Units, Witness, residual};
 

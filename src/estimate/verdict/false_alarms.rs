@@ -16,8 +16,8 @@
 
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 
-/// Largest number of false alarms of a geometry that chance does not explain: one in a thousand results.
-pub(in crate::estimate) const BY_CHANCE: f64 = 1e-3;
+pub(in crate::estimate) use crate::estimate::fit::BY_CHANCE;
+
 /// Smallest error of a position, px. Nearer matches are no less likely by chance.
 const PRECISION: f64 = 0.15;
 
