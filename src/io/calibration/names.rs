@@ -277,7 +277,8 @@ fn role_of(words: &[String], classes: &[Class], count: Option<usize>) -> Role {
         Role::Rotation | Role::Translation if matches!(count, Some(12 | 16)) => Role::Unknown,
         Role::Size if count != Some(2) => Role::Unknown,
         Role::Rotation | Role::Unknown | Role::Matrix if classes.contains(&Class::Derived) => {
-            let is_rotation = role == Role::Rotation || count == Some(9) && says(&["rectification", "rect"]);
+            let is_rotation =
+                role == Role::Rotation || matches!(count, Some(0 | 9)) && says(&["rectification", "rect"]);
             if is_rotation && !has(Role::Matrix) { Role::Rectification } else { Role::Harmless }
         }
         Role::Projection => Role::Projection,

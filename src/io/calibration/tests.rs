@@ -289,7 +289,7 @@ fn a_lens_is_never_dropped() {
 
 #[test]
 fn rectifications_of_ros_tell_the_pose() {
-    let [left, right] = ["0.999, 0, 0.044_710_2, 0, 1, 0, -0.0447102, 0, 0.999", "1, 0, 0, 0, 1, 0, 0, 0, 1"];
+    let [left, right] = ["0.999, 0, 0.0447102, 0, 1, 0, -0.0447102, 0, 0.999", "1, 0, 0, 0, 1, 0, 0, 0, 1"];
     let text = |rotation: &str, offset: &str| {
         format!(
             "camera_matrix: {{rows: 3, cols: 3, data: [861, 0, 646, 0, 857, 524, 0, 0, 1]}}\ndistortion_model: \
