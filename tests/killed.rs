@@ -10,6 +10,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
+use epiline::camera::PicturesOf;
 use epiline::geometry::Frame;
 use epiline::io::{ImageReference, ImageSource, OutputFile, SessionFile};
 
@@ -41,7 +42,13 @@ fn session(number: u64) -> SessionFile<Vec<u64>> {
         frame: Frame::new(640, 480),
     };
     // Long enough to be interrupted in the middle.
-    SessionFile { images: [image(), image()], fundamental: None, trust: None, content: vec![number; 40_000] }
+    SessionFile {
+        images: [image(), image()],
+        fundamental: None,
+        pictures: PicturesOf::Original,
+        trust: None,
+        content: vec![number; 40_000],
+    }
 }
 
 /// Body of the child process; as a test it does nothing.
