@@ -358,9 +358,7 @@ fn a_reference_on_a_shifted_pattern_does_not_accuse() {
     assert_eq!((board.finding, board.change), (Finding::Undecided, None));
     assert_eq!(board.doubt, Some(Doubt::FewWitnesses { places: Contest::default() }));
     // Wrong matches of one place, such as the edge of the board.
-    let edge: Vec<PointPair> =
-        shifted.iter().filter(|m| m.point1.x < 230.0 && m.point1.y < 230.0).copied().collect();
-    assert!(edge.len() > 5);
+    let edge = [shifted[0]; 20];
     assert_eq!(judged(&edge).finding, Finding::Undecided);
     // The distinctive points of the background know better.
     let right: Vec<PointPair> = scene.matches.iter().step_by(2).copied().collect();

@@ -95,7 +95,7 @@ impl Source {
             Self::Tree(root) => root,
         };
         if !root.is_object() && !root.is_array() {
-            return Err(NoCalibration::Wrong("there are no named values in it".into()));
+            return Err(NoCalibration::NoCamera("there are no named values in it".into()));
         }
         match kalibr::kalibr(root).map_err(NoCalibration::Wrong)? {
             Some(chain) => Ok(chain),

@@ -116,7 +116,7 @@ mod tests {
     use super::super::levels::PatchLevels;
     use super::*;
     use crate::estimate::exact::ExactScene;
-    use crate::geometry::Vector;
+    use crate::geometry::{Frame, Vector};
     use crate::image::{GrayPlane, PyramidPair, RelativeView};
 
     fn levels(plane1: &GrayPlane, plane2: &GrayPlane) -> PatchLevels {
@@ -138,21 +138,22 @@ mod tests {
 
     #[test]
     fn a_repeated_pattern_has_no_distinctive_matches() {
-        let scene = ExactScene::aside();
-        let [plane1, plane2] = scene.planes();
-        let off = |m: &PointPair| -> Vector { scene.partner(m.point1) - m.point2 };
-        let found = levels(&plane1, &plane2);
-        let found = found.distinctive();
-        let right = found.iter().filter(|m| off(m).norm() < 0.3).count();
-        assert!(found.len() > 20 && 20 * right > 19 * found.len(), "{right} of {}", found.len());
-        // Equal tiles, of which the second picture shows others at the borders.
-        let tile = |x: usize, y: usize| {
-            let cell = ((x % 40 / 5) as u64).wrapping_mul(0x9E37_79B9)
-                ^ ((y % 40 / 6) as u64).wrapping_mul(0x85EB_CA6B);
-            (cell.wrapping_mul(0xC2B2_AE35_85EB_CA77) >> 56) as f32
+        // Blocks of random brightness that repeat after `period` px. The second picture is moved by 7 px.
+        let found = |period: usize| {
+            let block = |x: usize, y: usize| {
+                let cell = ((x % period / 5) as u64).wrapping_mul(0x9E37_79B9)
+                    ^ ((y % period / 6) as u64).wrapping_mul(0x85EB_CA6B);
+                (cell.wrapping_mul(0xC2B2_AE35_85EB_CA77) >> 56) as f32
+            };
+            let picture = |moved| GrayPlane::from_fn(Frame::new(320, 240), |x, y| block(x + moved, y));
+            levels(&picture(0), &picture(7))
         };
-        let tiles = |shift| GrayPlane::from_fn(plane1.frame(), |x, y| tile(x + shift, y));
-        let tiles = levels(&tiles(0), &tiles(7));
+        let once = found(1000);
+        let once = once.distinctive();
+        let right =
+            once.iter().filter(|m| (m.point1 - m.point2 - Vector::new(7.0, 0.0)).norm() < 0.3).count();
+        assert!(once.len() > 20 && 20 * right > 19 * once.len(), "{right} of {}", once.len());
+        let tiles = found(40);
         assert!(tiles.unguided().len() > 20 && tiles.distinctive().is_empty());
     }
 
