@@ -182,6 +182,7 @@ fn corpus() -> Vec<Sample> {
     let session = SessionFile {
         images: [reference("a.png"), reference("b/ä.jpg")],
         fundamental: file.fundamental,
+        pictures: PicturesOf::Original,
         trust: None,
         content,
     };
