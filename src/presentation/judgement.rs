@@ -81,7 +81,7 @@ const PATTERNS_SHOW_NOTHING: &str = "Boards and other repeated patterns do not s
 /// Tells that a matrix looks like an essential matrix.
 fn essential_in_words(judgement: &Judgement) -> &'static str {
     if judgement.looks_essential {
-        " The matrix has two equal singular values, like an essential matrix E. F of the pictures is K2⁻ᵀ E K1⁻¹: \
+        " The matrix has two equal singular values, like an essential matrix E. F of the pictures is inv(K2)' E inv(K1): \
          give that."
     } else {
         ""
@@ -149,7 +149,7 @@ fn change_in_words(change: &Change) -> String {
         },
         Change::Essential { focal } => format!(
             "the matrix is an essential matrix E, not F, with a focal length of about {focal:.0} px: give \
-             F = K2⁻ᵀ E K1⁻¹"
+             F = inv(K2)' E inv(K1)"
         ),
         Change::TranslationReversed => "the translation has the opposite sign".to_owned(),
         Change::Mirrored { images, mirror } => {

@@ -97,7 +97,9 @@ fn clicks_in_bent_pictures_give_the_geometry_of_straight_ones_and_a_pose() {
         assert!(error < 0.2, "{error} px");
         assert_eq!(result["verdict"], "reliable");
         let pose = &result["calibrated"]["pose"];
-        assert_eq!(pose["in_front"], pose["matches"]);
+        // One match in a thousand may be wrong.
+        let [in_front, all] = ["in_front", "matches"].map(|name| pose[name].as_u64().unwrap());
+        assert!(1000 * in_front >= 999 * all, "{in_front} of {all}");
         let view = &result["calibrated"]["views"][0];
         assert_eq!((&view["is_original"], &view["original_matrix"][0][0]), (&false.into(), &FOCAL.into()));
         let distances = result["calibrated"]["curve_distances"].as_array().unwrap();
@@ -368,7 +370,7 @@ fn a_lens_without_a_calibration_is_fitted_to_the_matches() {
     // Its lines do not fit the pictures with distortion.
     let suggested = run(&["suggest", &near, &far, "--at", "300,250", "--fundamental", &json]);
     let told = text(&suggested.stderr);
-    assert!(told.contains("fitted.json belongs to views without lens distortion"), "{told}");
+    assert!(told.contains("fitted.json belongs to pictures without distortion"), "{told}");
     fails(&["estimate", &near, &far, "--division", "7"], 2, "a number from -0.9 to 0.9, or auto");
     // Without distortion there is nothing to fit.
     let straight = run(&["estimate", "--sample", "courtyard", "--division", "auto"]);

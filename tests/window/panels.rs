@@ -407,6 +407,7 @@ fn the_window_tells_whether_the_pair_is_rectified() {
             let at = |k: usize| ((k * 37 % 700) as f64, (k * 53 % 400) as f64);
             let pair = |(x, y): (f64, f64)| PointPair::new(x, y, x + 9.0, y + offset);
             let found = (0..60).map(|k| RefinedMatch { pair: pair(at(k)), correlation: 1.0 });
+            estimate.assessment.distinctive = (0..60).map(|k| pair(at(k))).collect();
             estimate.assessment.refinement.as_mut().unwrap().matches = found.collect();
             Ok(estimate)
         });

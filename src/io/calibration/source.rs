@@ -97,6 +97,12 @@ impl Source {
         if !root.is_object() && !root.is_array() {
             return Err(NoCalibration::NoCamera("there are no named values in it".into()));
         }
+        // Geometry files of this program describe the views of their pictures.
+        if root.get("pictures").is_some() {
+            return Err(NoCalibration::NoCamera(
+                "it is a geometry of two pictures, and no calibration".into(),
+            ));
+        }
         match kalibr::kalibr(root).map_err(NoCalibration::Wrong)? {
             Some(chain) => Ok(chain),
             None => cameras::cameras(root),
