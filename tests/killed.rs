@@ -45,7 +45,7 @@ fn session(number: u64) -> SessionFile<Vec<u64>> {
     SessionFile {
         images: [image(), image()],
         fundamental: None,
-        pictures: PicturesOf::Original,
+        pictures: PicturesOf::Untold,
         trust: None,
         content: vec![number; 40_000],
     }

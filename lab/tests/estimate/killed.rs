@@ -20,7 +20,7 @@ fn session(number: u32) -> SessionFile<Vec<u32>> {
     SessionFile {
         images: [image(), image()],
         fundamental: None,
-        pictures: PicturesOf::Original,
+        pictures: PicturesOf::Untold,
         trust: None,
         content: vec![number; 20_000],
     }
