@@ -214,6 +214,8 @@ fn printed_matrix(text: &str, format: Format, problem: Problem) -> Result<Fields
     // Any other problem tells more of YAML that is valid.
     let may_be_unclear = match format {
         Format::OpencvYaml => problem.problem.starts_with(NOT_YAML),
+        // A list of names that is almost JSON is damaged.
+        Format::Json if text.trim_start().starts_with('{') => false,
         _ => !text::has_sections(text),
     };
     let mut printed = printed::read(text).map_err(|error| match error {
