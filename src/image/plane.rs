@@ -40,6 +40,7 @@ impl GrayPlane {
     }
 
     /// Returns the fraction of the pixels that are no picture.
+    #[cfg_attr(not(feature = "pictures"), expect(dead_code, reason = "the decoders mark missing pixels"))]
     pub(super) fn masked(&self) -> f64 {
         let Some(validity) = &self.validity else { return 0.0 };
         let masked = (0..self.values.len()).filter(|k| !validity.is_picture(*k)).count();

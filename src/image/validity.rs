@@ -20,6 +20,7 @@ const FAR: u8 = u8::MAX;
 
 impl Validity {
     /// Computes the distances. `valid` tells row by row which pixels are picture.
+    #[cfg_attr(not(feature = "pictures"), expect(dead_code, reason = "the decoders mark missing pixels"))]
     pub fn new(frame: Frame, valid: &[bool]) -> Self {
         let mut distances = vec![FAR; valid.len()];
         // Regions are squares of 3×3 pixels and their unions.
