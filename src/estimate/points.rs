@@ -11,9 +11,10 @@ use nalgebra::Matrix3;
 use thiserror::Error;
 
 use super::evidence::patches::{RefinedMatch, Refinement, largest_plane};
+use super::fit::false_alarms::Agreement;
 use super::fit::{
-    Agreement, EpipoleBearing, FEWEST, MOST_FEW, Match, MatchFit, Uncertainty, estimate_fundamental, fit_few,
-    widening,
+    EpipoleBearing, FEWEST, MOST_FEW, Match, MatchFit, Uncertainty, agreement_of, estimate_fundamental,
+    fit_few, widening,
 };
 use super::verdict::assessment::PointEvidence;
 use super::verdict::result::{Assessment, Determined, Estimate};
@@ -127,13 +128,13 @@ pub fn estimate_points(
         }
     }
     let rival = fitted(&others, extent.frames, seed);
-    let rival = rival.filter(|(_, rival)| !rival.is_chance());
-    let rival = rival.and_then(|(rival, _)| Agreement::of(&rival.fundamental, &local, extent.frames));
+    let rival = rival.filter(|(_, rival)| rival.is_no_chance());
+    let rival = rival.map(|(rival, _)| agreement_of(&rival.fundamental, &local, extent.frames));
     let (trust, margin, plane) = PointEvidence {
         matches: &local,
         agreeing: &agreeing,
         agreement,
-        rival: rival.map(|rival| rival.matches),
+        rival: rival.map(|rival| rival.agreeing),
         fundamental: &fit.fundamental,
         uncertainty: fit.uncertainty.as_ref(),
         sigma: (std::f64::consts::SQRT_2 * fit.noise.scale / MEDIAN)
@@ -142,7 +143,7 @@ pub fn estimate_points(
         seed,
     }
     .judge();
-    let is_chance = agreement.is_chance();
+    let is_chance = !agreement.is_no_chance();
     let refinement = Refinement {
         matches: agreeing.iter().map(|pair| RefinedMatch { pair: *pair, correlation: 0.0 }).collect(),
         uncertainty: fit.uncertainty,
@@ -199,15 +200,15 @@ fn fitted(matches: &[Match], frames: [Frame; 2], seed: u64) -> Option<(MatchFit,
     if matches.len() < FEWEST {
         return None;
     }
-    let many = estimate_fundamental(matches, frames, seed).ok().and_then(|fit| {
-        let agreement = Agreement::of(&fit.fundamental, matches, frames)?;
-        Some((widened(fit), agreement))
+    let many = estimate_fundamental(matches, frames, seed).ok().map(|fit| {
+        let agreement = agreement_of(&fit.fundamental, matches, frames);
+        (widened(fit), agreement)
     });
-    if matches.len() > MOST_FEW || many.as_ref().is_some_and(|(_, agreement)| !agreement.is_chance()) {
+    if matches.len() > MOST_FEW || many.as_ref().is_some_and(|(_, agreement)| agreement.is_no_chance()) {
         return many;
     }
     let both = many.into_iter().chain(fit_few(matches, frames, seed));
-    both.min_by(|(_, a), (_, b)| a.log_by_chance.total_cmp(&b.log_by_chance))
+    both.min_by(|(_, a), (_, b)| a.by_false_alarms(b))
 }
 
 /// Widens the covariance of a fit to matches whose noise follows from their own residuals: a fit to `k`

@@ -1,18 +1,11 @@
 //! Few matches: a fit that needs no estimate of the noise, and the number of false alarms.
 //!
-//! Seven matches fit a geometry, right or wrong. The expected number of geometries that `k` of `n`
-//! matches of chance fit within `α` is (a contrario; Moisan & Stival 2004)
-//!
-//! ```text
-//!     N(k) = 3 (n − 7) C(n, k) C(k, 7) α_k^(k − 7) .
-//! ```
-//!
-//! `α_k` is the k-th smallest probability that a point anywhere in the image lies as near to the epipolar
-//! line: `2 d D / A` for a distance `d`, in an image of diagonal `D` and area `A`, and the larger of both
-//! images. The geometry and the `k` with the smallest `N` are taken, so no threshold is needed.
+//! Seven matches fit a geometry, right or wrong. The geometry with the smallest number of false alarms is taken,
+//! so no threshold of distance is needed.
 
 use rayon::prelude::*;
 
+use super::false_alarms::{Agreement, near_lines_by_chance};
 use super::noise::{LEAST_SCALE, Noise, residuals};
 use super::scoring::Units;
 use super::{Match, MatchFit, MatchFitError, Uncertainty, estimate_fundamental};
@@ -22,8 +15,6 @@ use crate::geometry::{
     sampson_distance, solve_seven,
 };
 
-/// Largest number of false alarms of a geometry that chance does not explain: one in a thousand results.
-pub(in crate::estimate) const BY_CHANCE: f64 = 1e-3;
 /// Largest number of matches of which a handful may be right. Among more, a consensus has 14.
 pub(in crate::estimate) const MOST_FEW: usize = 500;
 /// Fewest matches that a geometry is fitted to: seven fit up to three geometries, and the eighth tests them.
@@ -47,46 +38,6 @@ const MEDIAN: f64 = 0.6745;
 /// Half of the 95 % interval of a Gaussian variable, in standard deviations.
 const WITHIN: f64 = 1.96;
 
-/// Matches that agree with a geometry, against chance.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::estimate) struct Agreement {
-    /// Number of agreeing matches.
-    pub matches: usize,
-    /// Logarithm of the expected number of geometries that as many matches of chance fit as well.
-    pub log_by_chance: f64,
-    /// Largest probability of an agreeing match by chance.
-    within: f64,
-}
-
-impl Agreement {
-    /// Returns the agreement with the smallest number of false alarms. `None` for fewer than eight matches.
-    pub fn of(f: &FundamentalMatrix, matches: &[Match], frames: [Frame; 2]) -> Option<Self> {
-        let mut chances: Vec<f64> = matches.iter().map(|m| chance(f, &m.pair, frames)).collect();
-        chances.sort_by(f64::total_cmp);
-        let n = chances.len();
-        let logs: Vec<f64> = std::iter::once(0.0)
-            .chain((1..=n).scan(0.0, |sum, k| {
-                *sum += (k as f64).ln();
-                Some(*sum)
-            }))
-            .collect();
-        let choose = |n: usize, k: usize| logs[n] - logs[k] - logs[n - k];
-        let of = |k: usize| {
-            let within = chances[k - 1];
-            let tests = (3.0 * (n - 7) as f64).ln() + choose(n, k) + choose(k, 7);
-            Self { matches: k, log_by_chance: tests + (k - 7) as f64 * within.ln(), within }
-        };
-        (FEWEST..=n).map(of).min_by(|a, b| a.log_by_chance.total_cmp(&b.log_by_chance))
-    }
-}
-
-impl Agreement {
-    /// Returns whether chance explains the agreement.
-    pub fn is_chance(&self) -> bool {
-        self.log_by_chance > BY_CHANCE.ln()
-    }
-}
-
 /// Fits to matches, of which there may be few. A consensus estimates their noise together with the geometry. Where
 /// chance explains what it found, the geometry is taken that chance explains least, if that is no chance.
 ///
@@ -98,28 +49,29 @@ pub(in crate::estimate) fn fit_given(
     seed: u64,
 ) -> Result<MatchFit, MatchFitError> {
     let many = estimate_fundamental(matches, frames, seed);
-    let agreement = |fit: &MatchFit| Agreement::of(&fit.fundamental, matches, frames);
-    let is_clear = many.as_ref().is_ok_and(|fit| agreement(fit).is_some_and(|a| !a.is_chance()));
+    let is_clear =
+        many.as_ref().is_ok_and(|fit| agreement_of(&fit.fundamental, matches, frames).is_no_chance());
     let is_valid = !matches!(many, Err(MatchFitError::Invalid(_)));
     if is_clear || !is_valid || matches.len() > MOST_FEW || matches.len() < FEWEST {
         return many;
     }
     match fit_few(matches, frames, seed) {
-        Some((fit, agreement)) if !agreement.is_chance() => Ok(fit),
+        Some((fit, agreement)) if agreement.is_no_chance() => Ok(fit),
         _ => many,
     }
 }
 
-/// Returns the probability that a point anywhere in its image lies as near to its epipolar line as that of
-/// the pair, in the image where it is larger.
+/// Returns the agreement of matches that need no picture, so that nothing limits their precision.
+pub(in crate::estimate) fn agreement_of(
+    f: &FundamentalMatrix,
+    matches: &[Match],
+    frames: [Frame; 2],
+) -> Agreement {
+    Agreement::with_lines(f, matches.iter().map(|m| m.pair), frames, LEAST_SCALE)
+}
+
 fn chance(f: &FundamentalMatrix, pair: &PointPair, frames: [Frame; 2]) -> f64 {
-    let distance1 = f.line1_from_point2(pair.point2).map_or(0.0, |line| line.distance(pair.point1));
-    let distance2 = f.line2_from_point1(pair.point1).map_or(0.0, |line| line.distance(pair.point2));
-    let of = |distance: f64, frame: Frame| {
-        let area = (frame.width * frame.height) as f64;
-        (2.0 * distance.max(LEAST_SCALE) * frame.diagonal() / area).min(1.0)
-    };
-    of(distance1, frames[0]).max(of(distance2, frames[1]))
+    near_lines_by_chance(f, pair, frames, LEAST_SCALE)
 }
 
 /// Fits a geometry to the matches that agree beyond chance. Returns the fit and the agreement. `None` if
@@ -129,13 +81,10 @@ pub(in crate::estimate) fn fit_few(
     frames: [Frame; 2],
     seed: u64,
 ) -> Option<(MatchFit, Agreement)> {
-    let mut scored: Vec<(Agreement, FundamentalMatrix)> = samples(matches, frames, seed)
-        .into_iter()
-        .filter_map(|f| Some((Agreement::of(&f, matches, frames)?, f)))
-        .collect();
-    let least = |a: &(Agreement, FundamentalMatrix), b: &(Agreement, FundamentalMatrix)| {
-        a.0.log_by_chance.total_cmp(&b.0.log_by_chance)
-    };
+    let mut scored: Vec<(Agreement, FundamentalMatrix)> =
+        samples(matches, frames, seed).into_iter().map(|f| (agreement_of(&f, matches, frames), f)).collect();
+    let least =
+        |a: &(Agreement, FundamentalMatrix), b: &(Agreement, FundamentalMatrix)| a.0.by_false_alarms(&b.0);
     scored.sort_by(least);
     scored.truncate(OPTIMISED);
     let optimised = scored.into_par_iter().map(|start| optimised(start, matches, frames));
@@ -182,9 +131,8 @@ fn optimised(
     for _ in 0..ROUNDS {
         let observations = observations(&best.1, &best.0, matches, frames, 1.0);
         let fitted = fit_fundamental(&best.1, &observations, ALL_ALIKE).map(|fit| fit.fundamental);
-        let next = fitted.and_then(|f| Some((Agreement::of(&f, matches, frames)?, f)));
-        match next {
-            Some(next) if next.0.log_by_chance < best.0.log_by_chance => best = next,
+        match fitted.map(|f| (agreement_of(&f, matches, frames), f)) {
+            Some(next) if next.0.by_false_alarms(&best.0).is_lt() => best = next,
             _ => break,
         }
     }
@@ -218,7 +166,7 @@ fn of_agreeing(
     let deviation = (squares.sum::<f64>() / freedom as f64).sqrt().max(LEAST_SCALE);
     let noise = Noise {
         scale: MEDIAN * deviation,
-        inliers: (agreement.matches as f64 / matches.len() as f64).clamp(0.01, 0.99),
+        inliers: (agreement.agreeing as f64 / matches.len() as f64).clamp(0.01, 0.99),
         spread: frames[0].longer_side().max(frames[1].longer_side()),
     };
     let widened = fit.covariance.map(|covariance| covariance * widening(freedom).powi(2));
@@ -276,7 +224,7 @@ mod tests {
             all[3].pair.point2.y += 60.0;
             all[8].pair.point2.y -= 45.0;
             let (fit, agreement) = fit_few(&all, [FRAME; 2], 0).unwrap();
-            assert!(agreement.matches >= 9 && agreement.log_by_chance < 1e-3f64.ln(), "{agreement:?}");
+            assert!(agreement.agreeing >= 9 && agreement.is_no_chance(), "{agreement:?}");
             let [wrong1, wrong2] = [3, 8].map(|k| fit.inlier_probabilities[k]);
             assert!(wrong1 < 0.1 && wrong2 < 0.1, "{:?}", fit.inlier_probabilities);
             assert!(scene.error(&fit.fundamental) < 6.0, "{}", scene.error(&fit.fundamental));
@@ -309,10 +257,10 @@ mod tests {
                 wrong.push(Match::from(PointPair { point1: a.point1, point2: b.point2 }));
             }
             let (_, agreement) = fit_few(&wrong, [FRAME; 2], 0).unwrap();
-            assert!(agreement.log_by_chance > 1e-3f64.ln(), "{count}: {agreement:?}");
+            assert!(!agreement.is_no_chance(), "{count}: {agreement:?}");
         }
         let (_, agreement) = fit_few(&noisy(&scene, 11, 0.1, 1), [FRAME; 2], 0).unwrap();
-        assert!(agreement.log_by_chance < 1e-3f64.ln(), "{agreement:?}");
+        assert!(agreement.is_no_chance(), "{agreement:?}");
     }
 
     /// The 95 % bands hold the true lines whatever the number of matches.

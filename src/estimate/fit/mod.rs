@@ -5,6 +5,7 @@
 
 mod consensus;
 mod division;
+pub(super) mod false_alarms;
 mod few;
 mod matches;
 mod neighbours;
@@ -21,7 +22,7 @@ pub use uncertainty::{EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Uncertai
 
 pub(super) use consensus::{Evidence, Fitted};
 pub(super) use division::{fit_division, strong_lens_is_likelier};
-pub(super) use few::{Agreement, BY_CHANCE, FEWEST, MOST_FEW, fit_few, fit_given, widening};
+pub(super) use few::{FEWEST, MOST_FEW, agreement_of, fit_few, fit_given, widening};
 pub(super) use noise::LEAST_SCALE;
 pub(super) use scoring::{BAND, Consensus, Units, Witness, residual};
 

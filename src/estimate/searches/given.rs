@@ -16,8 +16,8 @@ use crate::estimate::evidence::features::view_of_pairs;
 use crate::estimate::evidence::patches::{PatchLevels, Refined, Settling};
 use crate::estimate::evidence::prepared::{GivenFit, GivenMatches};
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
+use crate::estimate::fit::false_alarms::{Agreement, PRECISION};
 use crate::estimate::verdict::assessment::{RestsOn, given_figures, unguided_agreement};
-use crate::estimate::verdict::false_alarms::{Agreement, OF_LINES, near_lines_by_chance};
 use crate::estimate::verdict::selection::ClickedPairs;
 use crate::estimate::{Estimate, EstimateError, Stage};
 use crate::features::FeatureViews;
@@ -67,11 +67,8 @@ struct Standing {
 
 impl Standing {
     fn new(f: &FundamentalMatrix, patches: &PatchLevels, given: &GivenMatches, frames: [Frame; 2]) -> Self {
-        let by_chance = given.all.iter().map(|m| near_lines_by_chance(f, &m.pair, frames));
-        Self {
-            of_images: unguided_agreement(patches, f, frames),
-            of_given: Agreement::of(by_chance, OF_LINES),
-        }
+        let of_given = Agreement::with_lines(f, given.all.iter().map(|m| m.pair), frames, PRECISION);
+        Self { of_images: unguided_agreement(patches, f, frames), of_given }
     }
 
     fn is_better_than(&self, other: &Self) -> bool {
@@ -81,8 +78,8 @@ impl Standing {
     }
 }
 
-/// Compares the result of the images with the geometry of given matches, if these contradict it. Where the
-/// images show no geometry, returns the geometry of the given matches.
+/// Compares the result of the images with the geometry of given matches, if these contradict it or chance
+/// explains it. Where the images show no geometry, returns the geometry of the given matches.
 pub(in crate::estimate) fn compared(
     input: SearchInput,
     found: Result<Judged, EstimateError>,
@@ -91,28 +88,35 @@ pub(in crate::estimate) fn compared(
     let SearchInput { prepared, parameters, .. } = input;
     let (Some(given), Some(fit)) = (prepared.given(), prepared.given_fit()) else { return found };
     let clicks = ClickedPairs::of(input);
+    let frames = prepared.frames();
     let contradict = |f: &FundamentalMatrix| given_figures(given, f, parameters.click_sigma).contradict();
+    let standing_of = |own: &Judged| Standing::new(&own.fundamental, &own.patches, given, frames);
     let own = match found {
-        Ok(own) if !contradict(&own.fundamental) => return Ok(own),
         Ok(own) if clicks.prefer(&own.fundamental, &fit.fundamental) => return Ok(own),
-        Ok(own) => Some(own),
+        Ok(own) => {
+            let standing = standing_of(&own);
+            // What chance explains stands for nothing, even if few given matches contradict it.
+            if standing.of_images.is_no_chance() && !contradict(&own.fundamental) {
+                return Ok(own);
+            }
+            Some((own, standing))
+        }
         Err(
             EstimateError::NoCandidates(_) | EstimateError::NoGeometry | EstimateError::NothingWithoutClicks,
         ) => None,
         Err(error) => return Err(error),
     };
     record.enter(Stage::Refinement)?;
-    let frames = prepared.frames();
-    let of = own.as_ref().and_then(|own| own.patches.features()).unwrap_or(FeatureViews::Frontal);
-    let found_under = own.as_ref().map_or(RelativeView::UPRIGHT, |own| own.patches.view());
+    let patches = own.as_ref().map(|(own, _)| &own.patches);
+    let of = patches.and_then(|patches| patches.features()).unwrap_or(FeatureViews::Frontal);
+    let found_under = patches.map_or(RelativeView::UPRIGHT, |patches| patches.view());
     let view = view_of_pairs(&fit.inliers, frames).unwrap_or(found_under);
     let viewed = ViewedPair::new(input, prepared.patches_with_features(view, of));
     let standing = Standing::new(&fit.fundamental, &viewed.patches, given, frames);
     let proposed = |f: FundamentalMatrix| Estimate::proposed(f, None, viewed.patches.measure(&f));
     let mut hypotheses = vec![proposed(fit.fundamental)];
-    if let Some(own) = own {
-        let patches = prepared.patches_with_features(found_under, of);
-        if !standing.is_better_than(&Standing::new(&own.fundamental, &patches, given, frames)) {
+    if let Some((own, its_standing)) = own {
+        if !standing.is_better_than(&its_standing) {
             return Ok(own);
         }
         hypotheses.push(proposed(own.fundamental));

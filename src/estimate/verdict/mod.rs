@@ -2,7 +2,6 @@
 //! reliability.
 
 pub(super) mod assessment;
-pub(super) mod false_alarms;
 mod poisson;
 mod probability;
 pub(super) mod result;

@@ -4,7 +4,7 @@
 use super::warp::one_a_place;
 use crate::estimate::evidence::patches::{LIKELY, PatchLevels};
 use crate::estimate::evidence::prepared::GivenMatches;
-use crate::estimate::verdict::false_alarms::{Agreement, OF_LINES, near_lines_by_chance};
+use crate::estimate::fit::false_alarms::{Agreement, PRECISION};
 use crate::estimate::verdict::trust::{CLICK_DEVIATIONS, GivenFigures};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair, median, sampson_distance};
 
@@ -14,8 +14,7 @@ pub(in crate::estimate) fn unguided_agreement(
     f: &FundamentalMatrix,
     frames: [Frame; 2],
 ) -> Agreement {
-    let pairs = one_a_place(patches.unguided(), LIKELY);
-    Agreement::of(pairs.map(|pair| near_lines_by_chance(f, &pair, frames)), OF_LINES)
+    Agreement::with_lines(f, one_a_place(patches.unguided(), LIKELY), frames, PRECISION)
 }
 
 /// Returns the number of these matches within `tolerance` px of their epipolar lines.

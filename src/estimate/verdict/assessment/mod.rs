@@ -25,8 +25,8 @@ use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::{Refined, UnguidedMatch, largest_plane, resized};
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
+use crate::estimate::fit::false_alarms::{Agreement, OF_A_PLANE, PRECISION, within};
 use crate::estimate::fit::strong_lens_is_likelier;
-use crate::estimate::verdict::false_alarms::{Agreement, OF_A_PLANE, within};
 use crate::estimate::verdict::selection::ClickedPairs;
 use crate::estimate::verdict::trust::{
     Evidence, HALF_PLANE, Mirror, OffPlane, PlaneEvidence, RefinedOn, Relief, Together, USUAL_SIDE,
@@ -291,7 +291,7 @@ fn plane_homography(
     frame2: Frame,
     tolerance: f64,
 ) -> Option<PlaneHomography> {
-    let by_chance = matches.iter().map(|m| within(transfer_error(h, m), frame2));
+    let by_chance = matches.iter().map(|m| within(transfer_error(h, m).max(PRECISION), frame2));
     if !Agreement::of(by_chance, OF_A_PLANE).is_no_chance() {
         return None;
     }

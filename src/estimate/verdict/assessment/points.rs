@@ -7,7 +7,7 @@ use nalgebra::Matrix3;
 
 use super::{PLANE_TOLERANCE, leaves_in_place, lens, pattern, plane_homography, warp};
 use crate::estimate::evidence::patches::{UnguidedMatch, largest_plane};
-use crate::estimate::fit::Agreement;
+use crate::estimate::fit::false_alarms::Agreement;
 use crate::estimate::verdict::trust::{
     Evidence, GivenPoints, OffPlane, PlaneEvidence, RefinedOn, USUAL_SIDE,
 };
@@ -63,7 +63,7 @@ impl PointEvidence<'_> {
         let points = GivenPoints {
             agreeing: agreeing.len(),
             matches: matches.len(),
-            is_chance: self.agreement.is_chance(),
+            is_chance: !self.agreement.is_no_chance(),
         };
         let trust = Trust::judge(&Evidence {
             refined_on: RefinedOn::Points(points),

@@ -7,7 +7,7 @@ use std::iter::repeat_n;
 use serde::Serialize;
 
 use crate::estimate::evidence::patches::MirrorMatches;
-use crate::estimate::verdict::false_alarms::{Agreement, BY_CHANCE, OF_A_PLANE};
+use crate::estimate::fit::false_alarms::{Agreement, BY_CHANCE, OF_A_PLANE};
 use crate::estimate::verdict::poisson::fewer_than;
 
 /// Share of the matches on one plane beyond which only a handful of matches would determine the

@@ -159,7 +159,7 @@ mod tests {
     };
     use super::*;
     use crate::estimate::evidence::patches::MirrorMatches;
-    use crate::estimate::verdict::false_alarms::{Agreement, BY_CHANCE, OF_LINES};
+    use crate::estimate::fit::false_alarms::{Agreement, BY_CHANCE, OF_LINES};
 
     const SHOWN: Witnesses = Witnesses { on_warp: 300, along: 90, across: 5, off: 20 };
     const NOTHING: Witnesses = Witnesses { on_warp: 0, along: 0, across: 0, off: 0 };

@@ -16,10 +16,10 @@
 
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 
-pub(in crate::estimate) use crate::estimate::fit::BY_CHANCE;
-
-/// Smallest error of a position, px. Nearer matches are no less likely by chance.
-const PRECISION: f64 = 0.15;
+/// Largest number of false alarms of a geometry that chance does not explain: one in a thousand results.
+pub(in crate::estimate) const BY_CHANCE: f64 = 1e-3;
+/// Smallest error of a position in pictures, px. Nearer matches are no less likely by chance.
+pub(in crate::estimate) const PRECISION: f64 = 0.15;
 
 /// Numbers of matches that determine a geometry, and of geometries that fit them.
 #[derive(Debug, Clone, Copy)]
@@ -38,8 +38,12 @@ pub(in crate::estimate) const OF_A_PLANE: Sample = Sample { matches: 4, geometri
 pub(in crate::estimate) struct Agreement {
     /// Number of all matches.
     pub matches: usize,
+    /// Number of those that agree: the `k` of the least number of false alarms. 0 if they are too few for any.
+    pub agreeing: usize,
+    /// Largest probability of an agreeing match by chance.
+    pub within: f64,
     /// Natural logarithm of the number of false alarms.
-    log_false_alarms: f64,
+    pub log_false_alarms: f64,
 }
 
 impl Agreement {
@@ -56,10 +60,29 @@ impl Agreement {
         let s = sample.matches;
         let tests = || (sample.geometries * (n - s) as f64).ln();
         let with = |k: usize| {
-            let log_alpha = by_chance[k - 1].clamp(f64::MIN_POSITIVE, 1.0).ln();
-            tests() + log_choices(n, k) + log_choices(k, s) + (k - s) as f64 * log_alpha
+            let within = by_chance[k - 1].clamp(f64::MIN_POSITIVE, 1.0);
+            let log_false_alarms =
+                tests() + log_choices(n, k) + log_choices(k, s) + (k - s) as f64 * within.ln();
+            Self { matches: n, agreeing: k, within, log_false_alarms }
         };
-        Self { matches: n, log_false_alarms: (s + 1..=n).map(with).fold(f64::INFINITY, f64::min) }
+        let none = Self { matches: n, agreeing: 0, within: 0.0, log_false_alarms: f64::INFINITY };
+        (s + 1..=n).map(with).min_by(Self::by_false_alarms).unwrap_or(none)
+    }
+
+    /// Returns the agreement of all matches with epipolar lines. Nearer matches than `least` px are no less
+    /// likely by chance.
+    pub fn with_lines(
+        f: &FundamentalMatrix,
+        pairs: impl IntoIterator<Item = PointPair>,
+        frames: [Frame; 2],
+        least: f64,
+    ) -> Self {
+        Self::of(pairs.into_iter().map(|pair| near_lines_by_chance(f, &pair, frames, least)), OF_LINES)
+    }
+
+    /// Orders by the number of false alarms.
+    pub fn by_false_alarms(&self, other: &Self) -> std::cmp::Ordering {
+        self.log_false_alarms.total_cmp(&other.log_false_alarms)
     }
 
     /// Returns whether chance does not explain the agreement.
@@ -80,18 +103,19 @@ pub(in crate::estimate) fn near_lines_by_chance(
     f: &FundamentalMatrix,
     pair: &PointPair,
     frames: [Frame; 2],
+    least: f64,
 ) -> f64 {
     // Only the epipole has no line. It lies on all of them.
     let distance2 = f.line2_from_point1(pair.point1).map_or(0.0, |line| line.distance(pair.point2));
     let distance1 = f.line1_from_point2(pair.point2).map_or(0.0, |line| line.distance(pair.point1));
-    within(distance1, frames[0]).max(within(distance2, frames[1]))
+    within(distance1.max(least), frames[0]).max(within(distance2.max(least), frames[1]))
 }
 
 /// Returns the share of an image within a distance (px) of a line through it. As large a share of a line of mean
 /// length is within that distance of one of its points.
 pub(in crate::estimate) fn within(distance: f64, frame: Frame) -> f64 {
     let area = (frame.width * frame.height) as f64;
-    (2.0 * distance.max(PRECISION) * frame.diagonal() / area).min(1.0)
+    (2.0 * distance * frame.diagonal() / area).min(1.0)
 }
 
 #[cfg(test)]
@@ -130,9 +154,8 @@ mod tests {
                 })
                 .collect();
             let f = rows(0.0);
-            let of = |pairs: &[PointPair]| {
-                Agreement::of(pairs.iter().map(|m| near_lines_by_chance(&f, m, [FRAME; 2])), OF_LINES)
-            };
+            let of =
+                |pairs: &[PointPair]| Agreement::with_lines(&f, pairs.iter().copied(), [FRAME; 2], PRECISION);
             assert!(!of(&anywhere).is_no_chance(), "{seed}");
             // Thirty right ones among them are no chance.
             let right = (0..30).map(|k| {
