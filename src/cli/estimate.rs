@@ -11,6 +11,7 @@ use super::estimate_arguments::EstimateArguments;
 use super::geometry_file::{read_matches, tell_outside};
 use super::points;
 use super::result_output::Beside;
+use crate::camera::ViewPair;
 use crate::estimate::{
     CancelFlag, DivisionFit, Estimate, EstimateError, Match, Method, Monitor, Parameters, PreparedPair,
     Progress, Reason, Search, estimate, estimate_prepared, find_lens,
@@ -70,10 +71,11 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     }
     let [image1, image2] = &pictures;
     let compute = |monitor: &Monitor| {
-        let Some(given) = &given else {
+        let calibrations = views.as_ref().and_then(ViewPair::known_calibrations);
+        if given.is_none() && calibrations.is_none() {
             return estimate(&image1.gray, &image2.gray, &pairs, &parameters, monitor);
-        };
-        let prepared = prepared(&pictures, Some(given), parameters.seed);
+        }
+        let prepared = prepared(&pictures, given.as_deref(), parameters.seed).with_calibrations(calibrations);
         estimate_prepared(&prepared, &pairs, &parameters, monitor)
     };
     let found = match first.filter(|_| views.is_none()) {

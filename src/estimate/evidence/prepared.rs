@@ -4,6 +4,8 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use nalgebra::Matrix3;
+
 use crate::estimate::evidence::features::{MatchedFeatures, putative};
 use crate::estimate::evidence::lazy::Lazy;
 use crate::estimate::evidence::lines::ComparedPencils;
@@ -29,6 +31,7 @@ pub struct PreparedPair {
     pencils: PencilCache,
     silhouettes: Option<[Arc<Silhouettes>; 2]>,
     given: Option<GivenMatches>,
+    calibrations: Option<[Matrix3<f64>; 2]>,
 }
 
 /// Matches from elsewhere.
@@ -70,6 +73,7 @@ impl PreparedPair {
             pencils: PencilCache::default(),
             silhouettes: None,
             given: None,
+            calibrations: None,
         }
     }
 
@@ -92,6 +96,17 @@ impl PreparedPair {
         });
         self.given = Some(GivenMatches { all: matches.to_vec(), fit });
         outcome
+    }
+
+    /// Tells the calibration matrices of the cameras. The images are views without distortion. The result is then an
+    /// essential matrix, unless the matches show that the calibration is wrong.
+    #[must_use]
+    pub fn with_calibrations(self, calibrations: Option<[Matrix3<f64>; 2]>) -> Self {
+        Self { calibrations, ..self }
+    }
+
+    pub(in crate::estimate) fn calibrations(&self) -> Option<[Matrix3<f64>; 2]> {
+        self.calibrations
     }
 
     /// Returns the matches from elsewhere.

@@ -83,7 +83,8 @@ pub fn estimate_fundamental(
     }
     let cancel = CancelFlag::default();
     let side = frames[0].longer_side().max(frames[1].longer_side());
-    let all = Evidence { matches, given: &[], clicks: &[], frames, spread: side, least_scale: LEAST_SCALE };
+    let (spread, least_scale) = (side, LEAST_SCALE);
+    let all = Evidence { matches, given: &[], clicks: &[], frames, calibrations: None, spread, least_scale };
     let scales: Vec<f64> = std::iter::successors(Some(FINEST), |scale| Some(STEP * scale))
         .take_while(|scale| *scale <= (COARSEST * side).max(FINEST))
         .collect();
@@ -180,8 +181,9 @@ mod tests {
             [(0.02, 1), (0.5, 2)].map(|(scale, seed)| matches(&scene, 200, 0, scale, seed));
         let error = |matches: &[Match], given: &[Match]| {
             let frames = [FRAME; 2];
+            let (calibrations, spread, least_scale) = (None, 8.0, LEAST_SCALE);
             let evidence =
-                Evidence { matches, given, clicks: &[], frames, spread: 8.0, least_scale: LEAST_SCALE };
+                Evidence { matches, given, clicks: &[], frames, calibrations, spread, least_scale };
             scene.error(&evidence.fitted(&scene.disturbed(0.5)).unwrap().fundamental)
         };
         let [of_precise, of_loose] = [error(&precise, &[]), error(&loose, &[])];
