@@ -194,6 +194,37 @@ impl Relief {
     }
 }
 
+/// Evidence for the direction of the baseline of two known cameras.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::estimate) struct Baseline {
+    /// Matches found without the geometry, beside a camera that only turned.
+    pub beside: Witnesses,
+    /// The other solution of the largest plane, if there is one.
+    pub other: Option<OtherPose>,
+}
+
+/// Matches found without the geometry that a pose explains and the other solution of a plane does not, and the
+/// reverse.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::estimate) struct OtherPose {
+    pub this_only: usize,
+    pub other_only: usize,
+}
+
+impl OtherPose {
+    /// Returns whether chance seldom favours a pose as much (sign test).
+    pub fn is_decided(self) -> bool {
+        self.this_only > self.other_only
+            && tail(self.other_only, self.this_only + self.other_only, 0.5) <= BY_CHANCE
+    }
+
+    /// Returns the relative advantage of the pose.
+    pub(super) fn margin(self) -> f64 {
+        let (this, other) = (self.this_only as f64, self.other_only as f64);
+        (this - other) / (this + other).max(1.0)
+    }
+}
+
 /// Returns the lower bound of a share of which `some` of `all` were seen (Wilson's interval,
 /// one-sided, 95 %).
 fn at_least(some: usize, all: usize) -> f64 {
@@ -384,6 +415,9 @@ pub(in crate::estimate) struct Evidence<'a> {
     pub given: Option<GivenFigures>,
     /// Matches beside the smooth warp. `None` without matches.
     pub relief: Option<Relief>,
+    /// Evidence for the baseline of known cameras, in place of `plane` and `relief`. `None` if the cameras are not
+    /// known, or their essential matrix is not the result.
+    pub baseline: Option<Baseline>,
     /// Matches with the mirror image. `None` without matches.
     pub mirror: Option<Mirror>,
     /// Pattern of the residuals. `None` without neighbouring matches.
