@@ -184,13 +184,13 @@ pub(in crate::estimate) struct Relief {
 }
 
 impl Relief {
-    /// Returns the matches that leave the epipoles undetermined. `None` if parallax shows them. It
-    /// must not vanish beside the finer warp: a rolling shutter may swing faster than the coarser
+    /// Returns the matches that leave the epipoles undetermined. `None` if parallax shows them. Beside the
+    /// finer warp it must not vanish among wrong matches: a rolling shutter may swing faster than the coarser
     /// warp follows. Nor may it rest on matches that are equalled elsewhere, as on wallpaper.
     pub(super) fn doubt(self) -> Option<Witnesses> {
         let Self { beside, finer, clear, .. } = self;
         let doubted = [beside, clear].into_iter().find(|found| !found.show_the_epipole());
-        doubted.or((!finer.are_mostly_along()).then_some(finer))
+        doubted.or((!finer.is_no_chance()).then_some(finer))
     }
 }
 
