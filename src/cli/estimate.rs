@@ -3,6 +3,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use nalgebra::Matrix3;
+
 use super::CliError;
 use super::arguments::on_threads;
 use super::calibration::{settled, undistort_matches, undistorted, undistorted_pairs, views};
@@ -75,7 +77,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
         if given.is_none() && calibrations.is_none() {
             return estimate(&image1.gray, &image2.gray, &pairs, &parameters, monitor);
         }
-        let prepared = prepared(&pictures, given.as_deref(), parameters.seed).with_calibrations(calibrations);
+        let prepared = prepared(&pictures, given.as_deref(), calibrations, parameters.seed);
         estimate_prepared(&prepared, &pairs, &parameters, monitor)
     };
     let found = match first.filter(|_| views.is_none()) {
@@ -94,8 +96,14 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
 }
 
 /// Prepares the images, with matches from elsewhere.
-fn prepared(pictures: &[Picture; 2], given: Option<&[Match]>, seed: u64) -> PreparedPair {
-    let mut prepared = PreparedPair::new(&pictures[0].gray, &pictures[1].gray);
+fn prepared(
+    pictures: &[Picture; 2],
+    given: Option<&[Match]>,
+    calibrations: Option<[Matrix3<f64>; 2]>,
+    seed: u64,
+) -> PreparedPair {
+    let prepared = PreparedPair::new(&pictures[0].gray, &pictures[1].gray);
+    let mut prepared = prepared.with_calibrations(calibrations);
     if let Some(Err(error)) = given.map(|given| prepared.add_matches(given, seed)) {
         tell(format_args!("warning: the matches are not used: {error}"));
     }
@@ -109,7 +117,7 @@ fn fitted_lens(
     given: Option<&[Match]>,
     parameters: &Parameters,
 ) -> Result<(Estimate, Option<DivisionFit>), CliError> {
-    let prepared = prepared(pictures, given, parameters.seed);
+    let prepared = prepared(pictures, given, None, parameters.seed);
     let found = watched(|monitor| estimate_prepared(&prepared, pairs, parameters, monitor))?;
     let lens = find_lens(&prepared, &found);
     match &lens {

@@ -59,6 +59,7 @@ pub use orthonormal::Vector7;
 pub use pencil::{LinePair, PencilMap, pencil_angles};
 pub(crate) use point::scaling;
 pub use point::{HomogeneousPoint, PointPair, finite_point, rescaled, rescaling};
+pub(crate) use posed::calibration_chi_square;
 pub(crate) use residual::median;
 pub use residual::{algebraic_residual, apart_across_lines, sampson_distance, symmetric_epipolar_distance};
 pub use robust_fit::{

@@ -3,9 +3,10 @@
 //! `F = A2ᵀ [t]× R A1` with the inverses `A` of the calibration matrices. A step is a small turn after `R`, and
 //! a step of `t` along two directions across it.
 
-use nalgebra::{Matrix3, Rotation3, SVector, Vector3};
+use nalgebra::{Matrix2, Matrix3, Rotation3, SVector, Vector2, Vector3};
 
-use super::robust_fit::Representation;
+use super::FundamentalMatrix;
+use super::robust_fit::{Matrix9, Representation};
 
 /// A fundamental matrix of two known cameras.
 #[derive(Debug, Clone)]
@@ -35,6 +36,36 @@ impl Posed {
     fn in_coordinates(&self, essential: &Matrix3<f64>) -> Matrix3<f64> {
         self.inverses[1].transpose() * essential * self.inverses[0]
     }
+}
+
+/// Returns how much a fundamental matrix with this covariance (of norm 1, row by row) contradicts two calibrations:
+/// χ² with two degrees of freedom. `posed` is the essential matrix that is compared.
+///
+/// Between the planes across both epipoles of `posed`, an essential matrix turns and scales, `m11 = m22` and
+/// `m12 = −m21`, or does so after a reflection. Both conditions are linear in the entries. `None` for a covariance
+/// that does not determine them.
+pub(crate) fn calibration_chi_square(
+    f: &FundamentalMatrix,
+    covariance: &Matrix9,
+    posed: &FundamentalMatrix,
+    calibrations: &[Matrix3<f64>; 2],
+) -> Option<f64> {
+    let posed = Posed::new(posed.matrix(), calibrations)?;
+    let (side2, side1) =
+        (across(&posed.translation), across(&(posed.rotation.inverse() * posed.translation)));
+    let f = f.matrix() / f.matrix().norm();
+    // Entry (i, j) of the map is the sum over the entries of F times these.
+    let by_entries =
+        |i: usize, j: usize| (calibrations[1] * side2[i]) * (calibrations[0] * side1[j]).transpose();
+    let of = |m: Matrix3<f64>| SVector::<f64, 9>::from_fn(|k, _| m[(k / 3, k % 3)]);
+    let entries = of(f);
+    let [m11, m12, m21, m22] = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(i, j)| of(by_entries(i, j)));
+    let value = |by: &SVector<f64, 9>| by.dot(&entries);
+    let is_turned = (value(&m11) * value(&m22) - value(&m12) * value(&m21)) > 0.0;
+    let conditions = if is_turned { [m11 - m22, m12 + m21] } else { [m11 + m22, m12 - m21] };
+    let off = Vector2::new(value(&conditions[0]), value(&conditions[1]));
+    let spread = Matrix2::from_fn(|i, j| conditions[i].dot(&(covariance * conditions[j])));
+    Some(off.dot(&spread.cholesky()?.solve(&off)))
 }
 
 /// Returns two unit vectors across a unit vector.
@@ -85,6 +116,27 @@ mod tests {
         let off = |sign: f64| (found.matrix() / found.matrix().norm() - f * sign / f.norm()).norm();
         assert!(off(1.0).min(off(-1.0)) < 1e-12);
         found
+    }
+
+    #[test]
+    fn a_calibration_is_contradicted_by_as_much_as_the_matrix_is_off() {
+        let posed = posed();
+        let calibrations = [calibration(500.0), calibration(700.0)];
+        let f = FundamentalMatrix::from_rank_two(posed.matrix()).unwrap();
+        // Errors of the entries in proportion to what they move.
+        let covariance = Matrix9::from_fn(|i, j| {
+            let size = |k: usize| 1e-3 * f.matrix()[(k / 3, k % 3)].abs() / f.matrix().norm() + 1e-9;
+            if i == j { size(i).powi(2) } else { 0.0 }
+        });
+        let chi = |calibrations: &[Matrix3<f64>; 2]| {
+            let nearest = Posed::new(f.matrix(), calibrations).unwrap().matrix();
+            let nearest = FundamentalMatrix::from_rank_two(nearest).unwrap();
+            calibration_chi_square(&f, &covariance, &nearest, calibrations).unwrap()
+        };
+        assert!(chi(&calibrations) < 1e-6, "{}", chi(&calibrations));
+        let small = chi(&[calibration(505.0), calibration(700.0)]);
+        let large = chi(&[calibration(550.0), calibration(700.0)]);
+        assert!(small > 0.0 && large > 20.0 * small, "{small} {large}");
     }
 
     #[test]

@@ -87,7 +87,7 @@ impl PreparedPair {
     /// The errors of [`estimate_fundamental`](crate::estimate::estimate_fundamental). The matches take no part then, and an estimate from them alone
     /// fails.
     pub fn add_matches(&mut self, matches: &[Match], seed: u64) -> Result<(), MatchFitError> {
-        let fit = fit_given(matches, self.frames(), seed);
+        let fit = fit_given(matches, self.frames(), self.calibrations, seed);
         let outcome = fit.as_ref().map(|_| ()).map_err(|error| *error);
         let fit = fit.map(|MatchFit { fundamental, noise, inlier_probabilities, uncertainty }| {
             let inliers = matches.iter().zip(&inlier_probabilities).filter(|(_, right)| **right > 0.5);
@@ -98,7 +98,7 @@ impl PreparedPair {
         outcome
     }
 
-    /// Tells the calibration matrices of the cameras. The images are views without distortion. The result is then an
+    /// Tells the calibration matrices of the cameras, before matches are added. The images are views without distortion. The result is then an
     /// essential matrix, unless the matches show that the calibration is wrong.
     #[must_use]
     pub fn with_calibrations(self, calibrations: Option<[Matrix3<f64>; 2]>) -> Self {

@@ -24,13 +24,18 @@ use super::near_lines::is_within;
 use super::refinement::{LevelMatcher, Refined};
 use crate::cancel::CancelFlag;
 use crate::estimate::fit::{Evidence, Fitted, LEAST_SCALE, Match, Noise};
-use crate::geometry::{FundamentalMatrix, Observation, rescaling, sampson_distance};
+use crate::geometry::{
+    FundamentalMatrix, Matrix9, Observation, calibration_chi_square, rescaling, sampson_distance,
+};
 use crate::image::GrayPlane;
 
 /// Widest band in which matches are sought, px of the level: the band of the first refinement.
 const WIDEST: f64 = 4.0;
 /// Largest number of rounds of consensus. Each begins with the best geometry of the round before.
 const ROUNDS: u64 = 3;
+/// 99.9 % quantile of χ² with the two degrees of freedom by which a fundamental matrix differs from an essential
+/// one.
+const SIGNIFICANT: f64 = 13.8;
 /// Least gain in log-likelihood for another round: a likelihood 2.7 times as large.
 const LEAST_GAIN: f64 = 1.0;
 
@@ -63,7 +68,9 @@ struct Followed {
 
 impl LevelMatcher<'_> {
     /// Fits `start` (full size) and its rivals. Returns the likeliest. For known cameras, it is an essential
-    /// matrix unless a fundamental matrix is likelier by more than its two further numbers are worth.
+    /// matrix unless the matches contradict the calibration: a fundamental matrix is likelier by more than its two
+    /// further numbers are worth, and the calibration is outside its region of 99.9 %. The first test takes the
+    /// matches as independent, the second lets those of one region share their error.
     pub fn settled(
         &self,
         start: &FundamentalMatrix,
@@ -86,11 +93,22 @@ impl LevelMatcher<'_> {
         };
         let known = Fixed { calibrations: Some(calibrations), ..fixed };
         let posed = self.likeliest(&free.fitted.fundamental, &known, band, settling, cancel);
-        let worth = (free.matches.len() as f64).ln();
-        let is_likely = |posed: &Followed| posed.fitted.log_likelihood >= free.fitted.log_likelihood - worth;
-        match posed.filter(is_likely) {
-            Some(posed) => self.refined(posed, &known, band),
-            None => self.refined(free, &Fixed { calibrations: None, ..known }, band),
+        let unknown = Fixed { calibrations: None, ..known };
+        let many = observed(&free.matches);
+        let covariance = || self.evidence(&many, &unknown, band).covariance(&free.fitted);
+        let worth = (many.len() as f64).ln();
+        let is_right = |posed: &Followed| {
+            let contradicted = |covariance: Matrix9| {
+                let (f, posed) = (&free.fitted.fundamental, &posed.fitted.fundamental);
+                calibration_chi_square(f, &covariance, posed, &calibrations)
+                    .is_none_or(|chi| chi > SIGNIFICANT)
+            };
+            posed.fitted.log_likelihood >= free.fitted.log_likelihood - worth
+                || !covariance().is_some_and(contradicted)
+        };
+        match posed.filter(is_right) {
+            Some(posed) => self.refined(posed, &Fixed { calibrations: Some(calibrations), ..unknown }, band),
+            None => self.refined(free, &unknown, band),
         }
     }
 

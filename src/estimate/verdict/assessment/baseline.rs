@@ -234,10 +234,10 @@ mod tests {
         let (turn, step) = ([0.02, -0.1, 0.01], [-1.0, 0.1, 0.2]);
         let wall = |x: f64, y: f64| 6.0 / (1.0 + 0.5 * x - 0.1 * y);
         let moved = of(&matches(turn, step, 1.0, wall), turn, step);
-        assert!(moved.beside.show_the_epipole(), "{moved:?}");
+        assert!(moved.beside.show_the_baseline(), "{moved:?}");
         for zoom in [1.0, 1.03] {
             let turned = of(&matches(turn, [0.0; 3], zoom, wall), turn, step);
-            assert!(!turned.beside.show_the_epipole(), "{turned:?}");
+            assert!(!turned.beside.show_the_baseline(), "{turned:?}");
         }
     }
 

@@ -35,8 +35,8 @@ pub(super) const LEAST_ALONG: f64 = 0.05;
 /// Least share along the lines among the matches along and across, at the lower end of its interval:
 /// three quarters. By chance, half are along and half across.
 const MOSTLY_ALONG: f64 = 0.75;
-/// Least share along the lines among the matches along and off, at the lower end of its interval: the
-/// majority. By chance, [`ALONG_BY_CHANCE`] are along.
+/// Least share along the lines among the matches along and off, or along and across, at the lower end of its
+/// interval: the majority. By chance, [`ALONG_BY_CHANCE`] are along, or half.
 const MAJORITY_ALONG: f64 = 0.5;
 /// Largest ratio of the parts across and along a line of a displacement along the line.
 pub(in crate::estimate) const ALONG: f64 = 1.0 / 3.0;
@@ -148,6 +148,14 @@ impl Witnesses {
             && self.share_along() >= LEAST_ALONG
             && at_least(self.along, self.along + self.across) >= MOSTLY_ALONG
             && self.are_mostly_along()
+    }
+
+    /// Returns whether the matches beside a turn show the direction of the baseline. Wrong matches lie anywhere, as
+    /// often across as along, and there may be many of them.
+    pub fn show_the_baseline(self) -> bool {
+        self.is_no_chance()
+            && self.share_along() >= LEAST_ALONG
+            && at_least(self.along, self.along + self.across) >= MAJORITY_ALONG
     }
 
     /// Returns whether more matches lie along their lines than clearly off them.

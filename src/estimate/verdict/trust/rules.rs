@@ -108,7 +108,7 @@ impl Trust {
         }
         let pattern = evidence.pattern.filter(|pattern| pattern.is_bent(evidence.side));
         if let Some(Baseline { beside, other }) = evidence.baseline {
-            if !beside.show_the_epipole() {
+            if !beside.show_the_baseline() {
                 let Witnesses { along, across, on_warp, .. } = beside;
                 reasons.push(Reason::OnlyTurned { along, across, turned: on_warp });
             }
