@@ -38,7 +38,8 @@ pub fn result(pairs: &[PointPair], parameters: &Parameters) -> Option<Estimate> 
         round_trip_area: Some(0.5),
         construction,
     });
-    let refinement = Some(Refinement { matches: Vec::new(), uncertainty: None, noise: None });
+    let refinement =
+        Some(Refinement { matches: Vec::new(), uncertainty: None, noise: None, is_posed: false });
     let assessment = Assessment { lines, margin: Some(0.4), refinement, ..Assessment::default() };
     let trace = SearchTrace {
         clicks: Clicks::for_plan(pairs, SearchPlan::of(parameters, pairs.len())),

@@ -35,6 +35,12 @@ impl ViewPair {
         self.views.iter().all(|view| view.camera().focal_deviation().is_some())
     }
 
+    /// Returns the calibration matrices of the views if both focal lengths are known, not guessed.
+    pub fn known_calibrations(&self) -> Option<[Matrix3<f64>; 2]> {
+        let is_known = |view: &UndistortedView| view.camera().focal_deviation() == Some(0.0);
+        self.views.iter().all(is_known).then(|| self.calibrations())
+    }
+
     /// Returns the calibration matrices of the views.
     pub fn calibrations(&self) -> [Matrix3<f64>; 2] {
         self.views.each_ref().map(|view| *view.calibration())

@@ -3,6 +3,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use nalgebra::Matrix3;
+
 use super::CliError;
 use super::arguments::on_threads;
 use super::calibration::{settled, undistort_matches, undistorted, undistorted_pairs, views};
@@ -11,6 +13,7 @@ use super::estimate_arguments::EstimateArguments;
 use super::geometry_file::{read_matches, tell_outside};
 use super::points;
 use super::result_output::Beside;
+use crate::camera::ViewPair;
 use crate::estimate::{
     CancelFlag, DivisionFit, Estimate, EstimateError, Match, Method, Monitor, Parameters, PreparedPair,
     Progress, Reason, Search, estimate, estimate_prepared, find_lens,
@@ -70,10 +73,11 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     }
     let [image1, image2] = &pictures;
     let compute = |monitor: &Monitor| {
-        let Some(given) = &given else {
+        let calibrations = views.as_ref().and_then(ViewPair::known_calibrations);
+        if given.is_none() && calibrations.is_none() {
             return estimate(&image1.gray, &image2.gray, &pairs, &parameters, monitor);
-        };
-        let prepared = prepared(&pictures, Some(given), parameters.seed);
+        }
+        let prepared = prepared(&pictures, given.as_deref(), calibrations, parameters.seed);
         estimate_prepared(&prepared, &pairs, &parameters, monitor)
     };
     let found = match first.filter(|_| views.is_none()) {
@@ -92,8 +96,14 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
 }
 
 /// Prepares the images, with matches from elsewhere.
-fn prepared(pictures: &[Picture; 2], given: Option<&[Match]>, seed: u64) -> PreparedPair {
-    let mut prepared = PreparedPair::new(&pictures[0].gray, &pictures[1].gray);
+fn prepared(
+    pictures: &[Picture; 2],
+    given: Option<&[Match]>,
+    calibrations: Option<[Matrix3<f64>; 2]>,
+    seed: u64,
+) -> PreparedPair {
+    let prepared = PreparedPair::new(&pictures[0].gray, &pictures[1].gray);
+    let mut prepared = prepared.with_calibrations(calibrations);
     if let Some(Err(error)) = given.map(|given| prepared.add_matches(given, seed)) {
         tell(format_args!("warning: the matches are not used: {error}"));
     }
@@ -107,7 +117,7 @@ fn fitted_lens(
     given: Option<&[Match]>,
     parameters: &Parameters,
 ) -> Result<(Estimate, Option<DivisionFit>), CliError> {
-    let prepared = prepared(pictures, given, parameters.seed);
+    let prepared = prepared(pictures, given, None, parameters.seed);
     let found = watched(|monitor| estimate_prepared(&prepared, pairs, parameters, monitor))?;
     let lens = find_lens(&prepared, &found);
     match &lens {

@@ -37,7 +37,7 @@ pub use evidence::patches::{PatchSupport, RefinedMatch, Refinement};
 pub use evidence::prepared::PreparedPair;
 pub use fit::{
     DivisionFit, EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Match, MatchFit, MatchFitError, Noise,
-    Uncertainty, estimate_fundamental,
+    Uncertainty, estimate_essential, estimate_fundamental,
 };
 pub use follow::follow;
 pub use lens::find_lens;

@@ -148,6 +148,7 @@ pub fn estimate_points(
         matches: agreeing.iter().map(|pair| RefinedMatch { pair: *pair, correlation: 0.0 }).collect(),
         uncertainty: fit.uncertainty,
         noise: Some(fit.noise.scale),
+        is_posed: false,
     };
     let assessment = Assessment {
         refinement: Some(refinement),

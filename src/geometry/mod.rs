@@ -18,6 +18,7 @@ mod difference;
 mod eight_point;
 mod elimination;
 mod essential;
+mod five_point;
 mod frame;
 mod fundamental;
 mod homography;
@@ -28,6 +29,7 @@ mod minimum;
 mod orthonormal;
 mod pencil;
 mod point;
+mod posed;
 #[cfg(test)]
 pub(crate) mod random_scene;
 mod residual;
@@ -45,6 +47,7 @@ pub use difference::epipolar_difference;
 pub use eight_point::{EightPointError, eight_point};
 pub(crate) use elimination::Eliminated;
 pub use essential::looks_essential;
+pub(crate) use five_point::solve_five;
 pub use frame::{Frame, Segment};
 pub use fundamental::{FundamentalMatrix, NotFundamental};
 pub use homography::{homography, transfer_error};
@@ -56,10 +59,11 @@ pub use orthonormal::Vector7;
 pub use pencil::{LinePair, PencilMap, pencil_angles};
 pub(crate) use point::scaling;
 pub use point::{HomogeneousPoint, PointPair, finite_point, rescaled, rescaling};
+pub(crate) use posed::calibration_chi_square;
 pub(crate) use residual::median;
 pub use residual::{algebraic_residual, apart_across_lines, sampson_distance, symmetric_epipolar_distance};
 pub use robust_fit::{
-    FundamentalFit, GroupedObservation, Matrix9, Observation, fit_fundamental, grouped_covariance,
+    FundamentalFit, GroupedObservation, Matrix9, Observation, fit_fundamental, fit_posed, grouped_covariance,
 };
 pub(crate) use seven_point::determinant_on_pencil;
 pub use seven_point::{SevenPointError, seven_point};

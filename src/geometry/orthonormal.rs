@@ -7,6 +7,7 @@
 
 use nalgebra::{Matrix3, Rotation3, SVector, Vector3};
 
+use super::robust_fit::Representation;
 use super::{Frame, FundamentalMatrix, pixels_from_half_diagonals};
 
 /// Increments of the seven numbers: a small rotation on each side, then φ.
@@ -38,14 +39,15 @@ impl Orthonormal {
         let phi = svd.singular_values[order[1]].atan2(svd.singular_values[order[0]]);
         Some(Self { u, v, phi })
     }
+}
 
-    pub(super) fn matrix(&self) -> Matrix3<f64> {
+impl Representation<7> for Orthonormal {
+    fn matrix(&self) -> Matrix3<f64> {
         let (sin, cos) = self.phi.sin_cos();
         self.u * Matrix3::from_diagonal(&Vector3::new(cos, sin, 0.0)) * self.v.transpose()
     }
 
-    /// Returns the derivatives of the matrix with respect to the seven increments.
-    pub(super) fn derivatives(&self) -> [Matrix3<f64>; 7] {
+    fn derivatives(&self) -> [Matrix3<f64>; 7] {
         let f = self.matrix();
         let generator = |k: usize| Vector3::from_fn(|i, _| f64::from(u8::from(i == k))).cross_matrix();
         let (sin, cos) = self.phi.sin_cos();
@@ -57,7 +59,7 @@ impl Orthonormal {
         })
     }
 
-    pub(super) fn moved(&self, step: &Vector7) -> Self {
+    fn moved(&self, step: &Vector7) -> Self {
         let left = Rotation3::new(Vector3::new(step[0], step[1], step[2]));
         let right = Rotation3::new(Vector3::new(step[3], step[4], step[5]));
         Self {

@@ -1,10 +1,11 @@
-//! Robust fit of the seven degrees of freedom of `F` to point matches. Levenberg–Marquardt
-//! minimises a Cauchy cost of the Sampson distance (Hartley & Zisserman, §11.4.3 and A6.8).
+//! Robust fit of `F` to point matches: of its seven degrees of freedom, or of the five that known cameras leave.
+//! Levenberg–Marquardt minimises a Cauchy cost of the Sampson distance (Hartley & Zisserman, §11.4.3 and A6.8).
 
 use multiversion::multiversion;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::orthonormal::{Orthonormal, Vector7};
+use super::orthonormal::Orthonormal;
+use super::posed::Posed;
 use super::{FundamentalMatrix, PointPair, scaling};
 
 /// A match with the standard deviation of its coordinates.
@@ -16,21 +17,28 @@ pub struct Observation {
     pub sigma: f64,
 }
 
-type Matrix7 = SMatrix<f64, 7, 7>;
-
 /// The result of a robust fit.
 #[derive(Debug, Clone)]
 pub struct FundamentalFit {
     /// Fitted fundamental matrix.
     pub fundamental: FundamentalMatrix,
     /// Covariance of the nine entries of the matrix, row by row: the inverse curvature of the
-    /// robust cost times the residual variance. `None` when the observations do not determine all
-    /// seven numbers.
+    /// robust cost times the residual variance. `None` when the observations do not determine all its
+    /// numbers.
     pub covariance: Option<Matrix9>,
 }
 
 /// A 9×9 covariance of the entries of a 3×3 matrix, row by row.
 pub type Matrix9 = SMatrix<f64, 9, 9>;
+
+/// A matrix of rank 2 by `N` numbers.
+pub(super) trait Representation<const N: usize>: Sized {
+    fn matrix(&self) -> Matrix3<f64>;
+    /// Returns the derivatives of the matrix by small steps of the numbers.
+    fn derivatives(&self) -> [Matrix3<f64>; N];
+    #[must_use]
+    fn moved(&self, step: &SVector<f64, N>) -> Self;
+}
 
 /// Fits `F` to the observations, starting from `start`.
 ///
@@ -42,15 +50,41 @@ pub fn fit_fundamental(
     observations: &[Observation],
     scale: f64,
 ) -> Option<FundamentalFit> {
-    if observations.len() < 7 {
+    let conditioning = Conditioning::new(observations);
+    let representation = Orthonormal::new(&conditioning.conditioned(start.matrix()))?;
+    fitted(representation, &conditioning, observations.len(), scale)
+}
+
+/// Fits `F` as [`fit_fundamental`] does, for cameras with these calibration matrices: an essential matrix with five
+/// degrees of freedom. Starts at the essential matrix nearest to `start`.
+///
+/// Returns `None` when fewer than five observations are given, or for a calibration matrix without inverse.
+pub fn fit_posed(
+    start: &FundamentalMatrix,
+    calibrations: &[Matrix3<f64>; 2],
+    observations: &[Observation],
+    scale: f64,
+) -> Option<FundamentalFit> {
+    let conditioning = Conditioning::new(observations);
+    let representation = conditioning.posed(start, calibrations)?;
+    fitted(representation, &conditioning, observations.len(), scale)
+}
+
+fn fitted<const N: usize, R: Representation<N>>(
+    start: R,
+    conditioning: &Conditioning,
+    observations: usize,
+    scale: f64,
+) -> Option<FundamentalFit> {
+    if observations < N {
         return None;
     }
-    let conditioning = Conditioning::new(observations);
-    let mut representation = Orthonormal::new(&conditioning.conditioned(start.matrix()))?;
+    let mut representation = start;
     let (mut cost, mut gradient, mut hessian) = conditioning.normal_equations(&representation, scale)?;
     let mut damping = 1e-4;
     for _ in 0..ITERATIONS {
-        let damped = hessian + Matrix7::from_diagonal(&hessian.diagonal().add_scalar(1e-12)) * damping;
+        let damped =
+            hessian + SMatrix::<f64, N, N>::from_diagonal(&hessian.diagonal().add_scalar(1e-12)) * damping;
         let Some(step) = damped.cholesky().map(|c| c.solve(&-gradient)) else {
             damping *= 10.0;
             continue;
@@ -71,16 +105,19 @@ pub fn fit_fundamental(
     }
     let in_pixels = conditioning.in_pixels(&representation.matrix());
     let fundamental = FundamentalMatrix::from_rank_two(in_pixels)?;
-    let jacobian = unit_entries(&conditioning, &representation);
-    let freedom = (observations.len() as f64 - 7.0).max(1.0);
+    let jacobian = unit_entries(conditioning, &representation);
+    let freedom = (observations as f64 - N as f64).max(1.0);
     // For Gaussian residuals the robust cost is about their sum of squares.
     let variance = cost / freedom;
     let covariance = hessian.cholesky().map(|c| jacobian * c.inverse() * jacobian.transpose() * variance);
     Some(FundamentalFit { fundamental, covariance })
 }
 
-/// Returns the derivatives of the entries of `F` (pixels, norm 1) by the seven numbers, row by row.
-fn unit_entries(conditioning: &Conditioning, representation: &Orthonormal) -> SMatrix<f64, 9, 7> {
+/// Returns the derivatives of the entries of `F` (pixels, norm 1) by its numbers, row by row.
+fn unit_entries<const N: usize>(
+    conditioning: &Conditioning,
+    representation: &impl Representation<N>,
+) -> SMatrix<f64, 9, N> {
     let in_pixels = conditioning.in_pixels(&representation.matrix());
     let norm = in_pixels.norm();
     let unit = in_pixels / norm;
@@ -91,7 +128,7 @@ fn unit_entries(conditioning: &Conditioning, representation: &Orthonormal) -> SM
 }
 
 /// Returns the entries of derivatives, row by row, a column each.
-fn by_entries(derivatives: &[Matrix3<f64>; 7]) -> SMatrix<f64, 9, 7> {
+fn by_entries<const N: usize>(derivatives: &[Matrix3<f64>; N]) -> SMatrix<f64, 9, N> {
     SMatrix::from_fn(|row, k| derivatives[k][(row / 3, row % 3)])
 }
 
@@ -111,11 +148,25 @@ pub struct GroupedObservation {
 /// of one group do not make `F` more precise.
 ///
 /// The loss is the Cauchy cost of [`fit_fundamental`] with a scale of 1. `None` when the pairs do not
-/// determine all seven numbers.
-pub fn grouped_covariance(f: &FundamentalMatrix, grouped: &[GroupedObservation]) -> Option<Matrix9> {
+/// determine all numbers: seven, or five for known `calibrations` of the cameras.
+pub fn grouped_covariance(
+    f: &FundamentalMatrix,
+    grouped: &[GroupedObservation],
+    calibrations: Option<&[Matrix3<f64>; 2]>,
+) -> Option<Matrix9> {
     let observations: Vec<Observation> = grouped.iter().map(|t| t.observation).collect();
     let conditioning = Conditioning::new(&observations);
-    let representation = Orthonormal::new(&conditioning.conditioned(f.matrix()))?;
+    match calibrations {
+        Some(known) => covariance(&conditioning.posed(f, known)?, &conditioning, grouped),
+        None => covariance(&Orthonormal::new(&conditioning.conditioned(f.matrix()))?, &conditioning, grouped),
+    }
+}
+
+fn covariance<const N: usize>(
+    representation: &impl Representation<N>,
+    conditioning: &Conditioning,
+    grouped: &[GroupedObservation],
+) -> Option<Matrix9> {
     let matrix = representation.matrix();
     let by_entries = by_entries(&representation.derivatives());
     let groups = grouped.iter().map(|t| t.group).max()? + 1;
@@ -123,7 +174,7 @@ pub fn grouped_covariance(f: &FundamentalMatrix, grouped: &[GroupedObservation])
     for t in grouped {
         sizes[t.group] += 1.0;
     }
-    let mut information = Matrix7::zeros();
+    let mut information = SMatrix::<f64, N, N>::zeros();
     for GroupedObservation { observation, deviation, group } in grouped {
         let x1 = conditioning.to[0] * observation.pair.point1.to_homogeneous();
         let x2 = conditioning.to[1] * observation.pair.point2.to_homogeneous();
@@ -146,7 +197,7 @@ pub fn grouped_covariance(f: &FundamentalMatrix, grouped: &[GroupedObservation])
         information += by * by.transpose() / ((1.0 + residual * residual) * sizes[*group]);
     }
     let covariance = information.cholesky()?.inverse();
-    let jacobian = unit_entries(&conditioning, &representation);
+    let jacobian = unit_entries(conditioning, representation);
     Some(jacobian * covariance * jacobian.transpose())
 }
 
@@ -220,8 +271,17 @@ impl Conditioning {
         self.to[1].transpose() * f * self.to[0]
     }
 
-    /// Returns the robust cost, its gradient and its Gauss–Newton Hessian in the seven increments.
-    fn normal_equations(&self, representation: &Orthonormal, scale: f64) -> Option<(f64, Vector7, Matrix7)> {
+    /// Returns the essential matrix nearest to `f` for these coordinates.
+    fn posed(&self, f: &FundamentalMatrix, calibrations: &[Matrix3<f64>; 2]) -> Option<Posed> {
+        Posed::new(&self.conditioned(f.matrix()), &[0, 1].map(|k| self.to[k] * calibrations[k]))
+    }
+
+    /// Returns the robust cost, its gradient and its Gauss–Newton Hessian in the steps of the numbers.
+    fn normal_equations<const N: usize>(
+        &self,
+        representation: &impl Representation<N>,
+        scale: f64,
+    ) -> Option<(f64, SVector<f64, N>, SMatrix<f64, N, N>)> {
         let f = representation.matrix();
         let by_entries = by_entries(&representation.derivatives());
         let sums = sums(&self.blocks, &std::array::from_fn(|k| f[(k / 3, k % 3)]), scale);
@@ -402,7 +462,7 @@ mod tests {
                 group,
             };
             let grouped: Vec<GroupedObservation> = observations.iter().enumerate().map(each).collect();
-            of_groups += row.dot(&(grouped_covariance(&result.fundamental, &grouped).unwrap() * row));
+            of_groups += row.dot(&(grouped_covariance(&result.fundamental, &grouped, None).unwrap() * row));
         }
         for predicted in [predicted, of_groups] {
             let ratio = (squares / predicted).sqrt();
@@ -421,12 +481,12 @@ mod tests {
                     group: k % 60,
                 })
                 .collect();
-            grouped_covariance(&f, &grouped).unwrap()
+            grouped_covariance(&f, &grouped, None).unwrap()
         };
         let once = of(1, 0.5);
         assert!((of(5, 0.5) - once).norm() < 1e-9 * once.norm());
         assert!((of(1, 1.0) - once * 4.0).norm() < 1e-9 * once.norm());
-        assert!(grouped_covariance(&f, &[]).is_none());
+        assert!(grouped_covariance(&f, &[], None).is_none());
     }
 
     #[test]

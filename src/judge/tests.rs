@@ -443,7 +443,7 @@ pub(super) fn fitted(
             group,
         })
         .collect();
-    (fit, grouped_covariance(&fit, &grouped).unwrap())
+    (fit, grouped_covariance(&fit, &grouped, None).unwrap())
 }
 
 /// Half a pixel moves lines by less than the limit; the covariance of precise matches shows it.

@@ -118,6 +118,7 @@ pub fn reason_in_words(reason: &Reason) -> String {
             one_plane(percent, &off_the_plane(agreeing, groups), is_still)
         }
         Reason::NoRelief { along, across, on_warp } => no_relief(along, across, on_warp),
+        Reason::OnlyTurned { along, across, turned } => only_turned(along, across, turned),
         Reason::Mirrored { matches } => format!(
             "{matches} places of image 1 match image 2 only if it is flipped, like a mirror image. \
              The epipolar geometry of such a pair says nothing about the cameras. \
@@ -145,6 +146,17 @@ fn no_relief(along: usize, across: usize, on_warp: usize) -> String {
         "{on_warp} of {all} distinctive matches follow one smooth warp, as with a flat scene or a turned camera. \
          The others are too few, or disagree too much, to determine the epipole: {along} confirm it, and {} it. \
          Use views from different places, or a scene with more depth.",
+        contradicting(across).to_lowercase()
+    )
+}
+
+/// Returns the message if matches beside a turn of the camera are too few or do not confirm the baseline.
+fn only_turned(along: usize, across: usize, turned: usize) -> String {
+    format!(
+        "{turned} of {} distinctive matches follow a camera that only turned. The others are too few, or disagree \
+         too much, to determine the direction of the baseline: {along} confirm it, and {} it. \
+         Use views from different places.",
+        along + across + turned,
         contradicting(across).to_lowercase()
     )
 }
@@ -240,6 +252,7 @@ mod tests {
             Reason::OnePlane { percent: 88, groups: 8, agreeing: 8, is_still: true },
             Reason::NoRelief { along: 12, across: 9, on_warp: 480 },
             Reason::NoRelief { along: 16, across: 4, on_warp: 5 },
+            Reason::OnlyTurned { along: 12, across: 9, turned: 480 },
             Reason::Mirrored { matches: 212 },
             Reason::Loose { deviation: 2.0 },
         ]

@@ -253,7 +253,8 @@ mod tests {
         let request = fake::request(1.0);
         let mut found = fake::result(&request.pairs, &request.parameters).unwrap();
         let matches = pairs.iter().map(|pair| RefinedMatch { pair: *pair, correlation: 1.0 }).collect();
-        found.assessment.refinement = Some(Refinement { matches, uncertainty: None, noise: None });
+        found.assessment.refinement =
+            Some(Refinement { matches, uncertainty: None, noise: None, is_posed: false });
         let mut model = Model::default();
         model.open.computation.adopt(Some(&request));
         model.open.computation.begin(1, false);

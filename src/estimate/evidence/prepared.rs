@@ -4,6 +4,8 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use nalgebra::Matrix3;
+
 use crate::estimate::evidence::features::{MatchedFeatures, putative};
 use crate::estimate::evidence::lazy::Lazy;
 use crate::estimate::evidence::lines::ComparedPencils;
@@ -29,6 +31,7 @@ pub struct PreparedPair {
     pencils: PencilCache,
     silhouettes: Option<[Arc<Silhouettes>; 2]>,
     given: Option<GivenMatches>,
+    calibrations: Option<[Matrix3<f64>; 2]>,
 }
 
 /// Matches from elsewhere.
@@ -70,6 +73,7 @@ impl PreparedPair {
             pencils: PencilCache::default(),
             silhouettes: None,
             given: None,
+            calibrations: None,
         }
     }
 
@@ -83,7 +87,7 @@ impl PreparedPair {
     /// The errors of [`estimate_fundamental`](crate::estimate::estimate_fundamental). The matches take no part then, and an estimate from them alone
     /// fails.
     pub fn add_matches(&mut self, matches: &[Match], seed: u64) -> Result<(), MatchFitError> {
-        let fit = fit_given(matches, self.frames(), seed);
+        let fit = fit_given(matches, self.frames(), self.calibrations, seed);
         let outcome = fit.as_ref().map(|_| ()).map_err(|error| *error);
         let fit = fit.map(|MatchFit { fundamental, noise, inlier_probabilities, uncertainty }| {
             let inliers = matches.iter().zip(&inlier_probabilities).filter(|(_, right)| **right > 0.5);
@@ -92,6 +96,17 @@ impl PreparedPair {
         });
         self.given = Some(GivenMatches { all: matches.to_vec(), fit });
         outcome
+    }
+
+    /// Tells the calibration matrices of the cameras, before matches are added. The images are views without distortion. The result is then an
+    /// essential matrix, unless the matches show that the calibration is wrong.
+    #[must_use]
+    pub fn with_calibrations(self, calibrations: Option<[Matrix3<f64>; 2]>) -> Self {
+        Self { calibrations, ..self }
+    }
+
+    pub(in crate::estimate) fn calibrations(&self) -> Option<[Matrix3<f64>; 2]> {
+        self.calibrations
     }
 
     /// Returns the matches from elsewhere.

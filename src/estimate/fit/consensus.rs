@@ -1,6 +1,6 @@
 //! Consensus among matches at the scale of their own noise: sample, score, optimise, compare.
 //!
-//! Minimal samples of seven matches propose geometries. At each of several scales, the samples with
+//! Minimal samples propose geometries: of seven matches, or of five if the cameras are known. At each of several scales, the samples with
 //! the best truncated score are optimised locally (LO-RANSAC: Chum, Matas & Kittler 2003). Each scale
 //! has its own candidate, because a few precise matches may be right against many loose ones.
 
@@ -18,7 +18,8 @@ use crate::cancel::CancelFlag;
 use crate::estimate::sampling::{Draws, Purpose, best, different};
 use crate::geometry::{
     Equation, Frame, FundamentalMatrix, GroupedObservation, Matrix9, Observation, PointPair, REGIONS,
-    deviation, fit_fundamental, grouped_covariance, point_equation, region, sampson_distance, solve_seven,
+    deviation, fit_fundamental, fit_posed, grouped_covariance, point_equation, region, sampson_distance,
+    solve_five, solve_seven,
 };
 
 /// Number of minimal samples. Some 80 % of the less ambiguous matches are right, so one sample of five
@@ -51,6 +52,8 @@ pub(in crate::estimate) struct Evidence<'a> {
     pub clicks: &'a [Observation],
     /// Sizes of the images.
     pub frames: [Frame; 2],
+    /// Calibration matrices of known cameras. All geometries are then essential matrices.
+    pub calibrations: Option<[Matrix3<f64>; 2]>,
     /// Width of the band around epipolar lines in which outliers lie, px.
     pub spread: f64,
     /// Smallest scale of the noise of `matches`, px.
@@ -90,10 +93,22 @@ impl Evidence<'_> {
     /// determine it.
     pub fn fitted(&self, start: &FundamentalMatrix) -> Option<Fitted> {
         let refitted = |last: &Fitted| {
-            let fit = fit_fundamental(&last.fundamental, &self.observations(last), 1.0)?;
-            Some(self.explained(&fit.fundamental))
+            Some(self.explained(&self.refitted(&last.fundamental, &self.observations(last), 1.0)?))
         };
         climbed(self.explained(start), LEAST_GAIN, |fitted| fitted.log_likelihood, refitted)
+    }
+
+    fn refitted(
+        &self,
+        start: &FundamentalMatrix,
+        observations: &[Observation],
+        scale: f64,
+    ) -> Option<FundamentalMatrix> {
+        let fit = match &self.calibrations {
+            Some(known) => fit_posed(start, known, observations, scale),
+            None => fit_fundamental(start, observations, scale),
+        };
+        fit.map(|fit| fit.fundamental)
     }
 
     /// Returns a geometry as it is, with the noise of the matches.
@@ -125,7 +140,7 @@ impl Evidence<'_> {
     /// Returns the covariance of the nine entries of a fitted geometry, row by row. Matches of one
     /// region of image 1 share their error ([`region`]); clicks are independent. Matches that their
     /// neighbours do not confirm are left out: accidental matches far off a plane would determine
-    /// the epipole. `None` if the matches do not determine all seven degrees of freedom.
+    /// the epipole. `None` if the matches do not determine all degrees of freedom.
     pub fn covariance(&self, fitted: &Fitted) -> Option<Matrix9> {
         let observations = self.observations(fitted);
         let (matches, clicks) = observations.split_at(self.matches.len() + self.given.len());
@@ -144,7 +159,7 @@ impl Evidence<'_> {
         let matches = matches.iter().zip(are_confirmed).filter(|(_, is_confirmed)| *is_confirmed);
         let grouped: Vec<GroupedObservation> =
             matches.map(|(o, _)| of_match(o)).chain(clicks.iter().enumerate().map(of_click)).collect();
-        grouped_covariance(&fitted.fundamental, &grouped)
+        grouped_covariance(&fitted.fundamental, &grouped, self.calibrations.as_ref())
     }
 
     /// Finds geometries on which many matches agree, at most one for each scale (px), from minimal samples
@@ -203,7 +218,7 @@ impl Evidence<'_> {
                 .filter(near)
                 .map(|m| Observation { pair: m.pair, sigma: m.sigma * scale })
                 .collect();
-            current = fit_fundamental(&current, &observations, BAND)?.fundamental;
+            current = self.refitted(&current, &observations, BAND)?;
         }
         Some(current)
     }
@@ -219,15 +234,30 @@ impl Evidence<'_> {
         let mut order: Vec<&Match> = self.matches.iter().collect();
         order.sort_by(|a, b| b.prior.total_cmp(&a.prior));
         order.truncate((order.len() / 2).max(LEAST_DRAWN_FROM));
-        let equations: Vec<Equation> = order.iter().map(|m| point_equation(units.pair(&m.pair))).collect();
+        let inverses = self.calibrations.and_then(|[k1, k2]| Some([k1.try_inverse()?, k2.try_inverse()?]));
+        let place = |m: &Match| match &inverses {
+            Some([to1, to2]) => {
+                let [a, b] = [to1 * m.pair.point1.to_homogeneous(), to2 * m.pair.point2.to_homogeneous()];
+                [a.x / a.z, a.y / a.z, b.x / b.z, b.y / b.z]
+            }
+            None => units.pair(&m.pair),
+        };
+        let equations: Vec<Equation> = order.iter().map(|m| point_equation(place(m))).collect();
         let scored = |f: Matrix3<f64>| {
             let fundamental = FundamentalMatrix::nearest_rank_two(units.in_pixels(&f))?;
             let scores: Vec<f64> = scorers.iter().map(|(_, scorer)| scorer.score_conditioned(&f)).collect();
             Some((scores, fundamental))
         };
         let solved = |random: &mut Pcg64Mcg| {
-            let drawn = different(equations.len(), random).map(|k| equations[k]);
-            solve_seven(&drawn).into_iter().filter_map(scored).collect::<Vec<_>>()
+            let solutions = match &inverses {
+                Some([to1, to2]) => {
+                    let drawn = different(equations.len(), random).map(|k| equations[k]);
+                    let in_pixels = |e: Matrix3<f64>| units.conditioned(&(to2.transpose() * e * to1));
+                    solve_five(&drawn).into_iter().map(in_pixels).collect()
+                }
+                None => solve_seven(&different(equations.len(), random).map(|k| equations[k])),
+            };
+            solutions.into_iter().filter_map(scored).collect::<Vec<_>>()
         };
         let draws =
             Draws { seed, purpose: Purpose::MatchSamples, first: round << 32, count: SAMPLES, task: TASK };

@@ -3,12 +3,14 @@
 //! Seven matches fit a geometry, right or wrong. The geometry with the smallest number of false alarms is taken,
 //! so no threshold of distance is needed.
 
+use nalgebra::Matrix3;
 use rayon::prelude::*;
 
 use super::false_alarms::{Agreement, near_lines_by_chance};
+use super::matches::estimate_geometry;
 use super::noise::{LEAST_SCALE, Noise, residuals};
 use super::scoring::Units;
-use super::{Match, MatchFit, MatchFitError, Uncertainty, estimate_fundamental};
+use super::{Match, MatchFit, MatchFitError, Uncertainty};
 use crate::estimate::sampling::{Draws, Purpose, different};
 use crate::geometry::{
     Equation, Frame, FundamentalMatrix, Matrix9, Observation, PointPair, fit_fundamental, point_equation,
@@ -42,13 +44,14 @@ const WITHIN: f64 = 1.96;
 /// chance explains what it found, the geometry is taken that chance explains least, if that is no chance.
 ///
 /// # Errors
-/// The errors of [`estimate_fundamental`].
+/// The errors of [`estimate_geometry`].
 pub(in crate::estimate) fn fit_given(
     matches: &[Match],
     frames: [Frame; 2],
+    calibrations: Option<[Matrix3<f64>; 2]>,
     seed: u64,
 ) -> Result<MatchFit, MatchFitError> {
-    let many = estimate_fundamental(matches, frames, seed);
+    let many = estimate_geometry(matches, frames, calibrations, seed);
     let is_clear =
         many.as_ref().is_ok_and(|fit| agreement_of(&fit.fundamental, matches, frames).is_no_chance());
     let is_valid = !matches!(many, Err(MatchFitError::Invalid(_)));
@@ -237,13 +240,13 @@ mod tests {
         for (count, sigma) in [(10, 0.3), (16, 1.0), (19, 1.5), (200, 0.3)] {
             for seed in 0..3 {
                 let given = noisy(&scene, count, sigma, 20 + seed);
-                let fit = fit_given(&given, [FRAME; 2], seed).unwrap();
+                let fit = fit_given(&given, [FRAME; 2], None, seed).unwrap();
                 let error = scene.error(&fit.fundamental);
                 assert!(error < 12.0 * sigma, "{count} matches off by {sigma} px: {error} px");
             }
         }
         let one = noisy(&scene, 7, 0.3, 1);
-        assert_eq!(fit_given(&one, [FRAME; 2], 0).unwrap_err(), MatchFitError::TooFew(7));
+        assert_eq!(fit_given(&one, [FRAME; 2], None, 0).unwrap_err(), MatchFitError::TooFew(7));
     }
 
     #[test]

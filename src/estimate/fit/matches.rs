@@ -1,5 +1,6 @@
 //! Fundamental matrix of given matches, without images.
 
+use nalgebra::Matrix3;
 use thiserror::Error;
 
 use super::Match;
@@ -47,6 +48,8 @@ pub enum MatchFitError {
 const LEAST_MATCHES: usize = 14;
 /// Unknowns of a fundamental matrix.
 const UNKNOWNS: f64 = 7.0;
+/// Unknowns of an essential matrix.
+const OF_A_POSE: f64 = 5.0;
 /// Number of matches from which the noise can be estimated together with the matrix: six for each unknown. The
 /// noise is then underestimated by 9 %, `1 − √(1 − 1/6)`.
 const FEW_MATCHES: usize = 42;
@@ -71,6 +74,32 @@ pub fn estimate_fundamental(
     frames: [Frame; 2],
     seed: u64,
 ) -> Result<MatchFit, MatchFitError> {
+    estimate_geometry(matches, frames, None, seed)
+}
+
+/// Fits the essential matrix of two known cameras as [`estimate_fundamental`] fits a fundamental one. Returns the
+/// fundamental matrix of the pose.
+///
+/// `calibrations` are the calibration matrices of images without distortion.
+///
+/// # Errors
+/// As for [`estimate_fundamental`].
+pub fn estimate_essential(
+    matches: &[Match],
+    frames: [Frame; 2],
+    calibrations: [Matrix3<f64>; 2],
+    seed: u64,
+) -> Result<MatchFit, MatchFitError> {
+    estimate_geometry(matches, frames, Some(calibrations), seed)
+}
+
+/// Fits a fundamental matrix, or an essential one if the calibrations are known.
+pub(super) fn estimate_geometry(
+    matches: &[Match],
+    frames: [Frame; 2],
+    calibrations: Option<[Matrix3<f64>; 2]>,
+    seed: u64,
+) -> Result<MatchFit, MatchFitError> {
     if matches.len() < LEAST_MATCHES {
         return Err(MatchFitError::TooFew(matches.len()));
     }
@@ -83,14 +112,16 @@ pub fn estimate_fundamental(
     }
     let cancel = CancelFlag::default();
     let side = frames[0].longer_side().max(frames[1].longer_side());
-    let all = Evidence { matches, given: &[], clicks: &[], frames, spread: side, least_scale: LEAST_SCALE };
+    let (spread, least_scale) = (side, LEAST_SCALE);
+    let all = Evidence { matches, given: &[], clicks: &[], frames, calibrations, spread, least_scale };
     let scales: Vec<f64> = std::iter::successors(Some(FINEST), |scale| Some(STEP * scale))
         .take_while(|scale| *scale <= (COARSEST * side).max(FINEST))
         .collect();
     let agreed = all.consensus(&[], &scales, seed, 0, &cancel);
     // The smaller the scale relative to the picture, the more a match within it says. Seven matches fit a
     // geometry at any scale, and say nothing.
-    let worth = |agreed: &Agreed| (agreed.score - UNKNOWNS) * (side / agreed.scale).ln();
+    let unknowns = if calibrations.is_some() { OF_A_POSE } else { UNKNOWNS };
+    let worth = |agreed: &Agreed| (agreed.score - unknowns) * (side / agreed.scale).ln();
     let first = agreed.iter().max_by(|a, b| worth(a).total_cmp(&worth(b)));
     let Agreed { fundamental, scale, .. } = first.ok_or(MatchFitError::NoAgreement)?;
     let coarse = Noise { scale: *scale, inliers: 0.5, spread: side };
@@ -180,8 +211,9 @@ mod tests {
             [(0.02, 1), (0.5, 2)].map(|(scale, seed)| matches(&scene, 200, 0, scale, seed));
         let error = |matches: &[Match], given: &[Match]| {
             let frames = [FRAME; 2];
+            let (calibrations, spread, least_scale) = (None, 8.0, LEAST_SCALE);
             let evidence =
-                Evidence { matches, given, clicks: &[], frames, spread: 8.0, least_scale: LEAST_SCALE };
+                Evidence { matches, given, clicks: &[], frames, calibrations, spread, least_scale };
             scene.error(&evidence.fitted(&scene.disturbed(0.5)).unwrap().fundamental)
         };
         let [of_precise, of_loose] = [error(&precise, &[]), error(&loose, &[])];

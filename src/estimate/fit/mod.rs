@@ -16,7 +16,7 @@ mod uncertainty;
 use crate::geometry::PointPair;
 
 pub use division::DivisionFit;
-pub use matches::{MatchFit, MatchFitError, estimate_fundamental};
+pub use matches::{MatchFit, MatchFitError, estimate_essential, estimate_fundamental};
 pub use noise::Noise;
 pub use uncertainty::{EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Uncertainty};
 

@@ -122,8 +122,13 @@ pub(in crate::estimate) fn compared(
         hypotheses.push(proposed(own.fundamental));
         hypotheses.extend(own.hypotheses);
     }
-    let settling =
-        Settling { clicks: &clicks.0, given: &given.all, allows: &|_| true, seed: parameters.seed };
+    let settling = Settling {
+        clicks: &clicks.0,
+        given: &given.all,
+        calibrations: prepared.calibrations(),
+        allows: &|_| true,
+        seed: parameters.seed,
+    };
     // Matches along the lines of a geometry that the images do not confirm are chance, and spoil it.
     let refined = standing
         .of_images

@@ -78,6 +78,7 @@ impl Judged {
                 reason,
                 Reason::OnePlane { .. }
                     | Reason::NoRelief { .. }
+                    | Reason::OnlyTurned { .. }
                     | Reason::Mirrored { .. }
                     | Reason::Bent { .. }
                     | Reason::Contradicted { .. }

@@ -79,6 +79,7 @@ pub(super) fn refine_best(
     let settling = Settling {
         clicks: &clicked.0,
         given: prepared.given().filter(|given| given.fit.is_ok()).map_or(&[][..], |given| &given.all),
+        calibrations: prepared.calibrations(),
         allows: &|f| !clicked.prefer(&best.fundamental, f),
         seed: parameters.seed,
     };

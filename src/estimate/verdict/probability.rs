@@ -36,6 +36,7 @@ impl Doubt {
             Reason::ClickOff { .. } => Some(Self::Click),
             Reason::OnePlane { .. }
             | Reason::NoRelief { .. }
+            | Reason::OnlyTurned { .. }
             | Reason::Bent { .. }
             | Reason::Pattern { .. }
             | Reason::Mirrored { .. } => Some(Self::Epipole),

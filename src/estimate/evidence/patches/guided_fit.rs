@@ -15,6 +15,7 @@
 
 use std::collections::HashSet;
 
+use nalgebra::Matrix3;
 use rayon::prelude::*;
 
 use super::dense::densified;
@@ -23,13 +24,18 @@ use super::near_lines::is_within;
 use super::refinement::{LevelMatcher, Refined};
 use crate::cancel::CancelFlag;
 use crate::estimate::fit::{Evidence, Fitted, LEAST_SCALE, Match, Noise};
-use crate::geometry::{FundamentalMatrix, Observation, sampson_distance};
+use crate::geometry::{
+    FundamentalMatrix, Matrix9, Observation, calibration_chi_square, rescaling, sampson_distance,
+};
 use crate::image::GrayPlane;
 
 /// Widest band in which matches are sought, px of the level: the band of the first refinement.
 const WIDEST: f64 = 4.0;
 /// Largest number of rounds of consensus. Each begins with the best geometry of the round before.
 const ROUNDS: u64 = 3;
+/// 99.9 % quantile of χ² with the two degrees of freedom by which a fundamental matrix differs from an essential
+/// one.
+const SIGNIFICANT: f64 = 13.8;
 /// Least gain in log-likelihood for another round: a likelihood 2.7 times as large.
 const LEAST_GAIN: f64 = 1.0;
 
@@ -39,16 +45,19 @@ pub(in crate::estimate) struct Settling<'a> {
     pub clicks: &'a [Observation],
     /// Matches from another program, full-size pixels.
     pub given: &'a [Match],
+    /// Calibration matrices of known cameras, full-size pixels.
+    pub calibrations: Option<[Matrix3<f64>; 2]>,
     /// Whether the clicks allow another geometry (full size).
     pub allows: &'a (dyn Fn(&FundamentalMatrix) -> bool + Sync),
     pub seed: u64,
 }
 
-/// Observations that do not depend on the geometry, in pixels of the level.
+/// Observations and cameras that do not depend on the geometry, in pixels of the level.
 struct Fixed {
     clicks: Vec<Observation>,
     /// Matches from another program, near the lines of the start.
     given: Vec<Match>,
+    calibrations: Option<[Matrix3<f64>; 2]>,
 }
 
 /// A geometry fitted to the matches along its own lines.
@@ -58,26 +67,64 @@ struct Followed {
 }
 
 impl LevelMatcher<'_> {
-    /// Fits `start` (full size) and its rivals. Returns the likeliest.
+    /// Fits `start` (full size) and its rivals. Returns the likeliest. For known cameras, it is an essential
+    /// matrix unless the matches contradict the calibration: a fundamental matrix is likelier by more than its two
+    /// further numbers are worth, and the calibration is outside its region of 99.9 %. The first test takes the
+    /// matches as independent, the second lets those of one region share their error.
     pub fn settled(
         &self,
         start: &FundamentalMatrix,
         settling: &Settling,
         cancel: &CancelFlag,
     ) -> Option<Refined> {
-        let full_size = self.level.scales.map(f64::recip);
         let clicks = settling.clicks.iter().map(|click| at_level(click, &self.level)).collect();
         let start = start.rescaled(self.level.scales)?;
         let given = settling.given.iter().map(|m| Match { pair: self.level.resized(&m.pair), ..*m });
         // Matches of another geometry lie anywhere, so few of them are near these lines.
         let given = given.filter(|m| is_within(&start, &m.pair, WIDEST)).collect();
-        let fixed = Fixed { clicks, given };
-        let mut pool = Pool::default();
-        pool.add(self.matches(&start, WIDEST));
-        let noise = self.evidence(&pool.observed(), &fixed, WIDEST).fitted(&start)?.noise;
+        let fixed = Fixed { clicks, given, calibrations: None };
         // One band for all, as likelihoods are compared.
+        let noise = self.fitted_along(&start, &fixed, WIDEST)?.fitted.noise;
         let band = noise.reach().min(WIDEST);
-        let mut best = self.followed(&start, &fixed, band)?;
+        let free = self.likeliest(&start, &fixed, band, settling, cancel)?;
+        let scaled = |known: &[Matrix3<f64>; 2]| [0, 1].map(|k| rescaling(self.level.scales[k]) * known[k]);
+        let Some(calibrations) = settling.calibrations.as_ref().map(scaled) else {
+            return self.refined(free, &fixed, band);
+        };
+        let known = Fixed { calibrations: Some(calibrations), ..fixed };
+        let posed = self.likeliest(&free.fitted.fundamental, &known, band, settling, cancel);
+        let unknown = Fixed { calibrations: None, ..known };
+        let many = observed(&free.matches);
+        let covariance = || self.evidence(&many, &unknown, band).covariance(&free.fitted);
+        let worth = (many.len() as f64).ln();
+        let is_right = |posed: &Followed| {
+            let contradicted = |covariance: Matrix9| {
+                let (f, posed) = (&free.fitted.fundamental, &posed.fitted.fundamental);
+                calibration_chi_square(f, &covariance, posed, &calibrations)
+                    .is_none_or(|chi| chi > SIGNIFICANT)
+            };
+            posed.fitted.log_likelihood >= free.fitted.log_likelihood - worth
+                || !covariance().is_some_and(contradicted)
+        };
+        match posed.filter(is_right) {
+            Some(posed) => self.refined(posed, &Fixed { calibrations: Some(calibrations), ..unknown }, band),
+            None => self.refined(free, &unknown, band),
+        }
+    }
+
+    /// Returns the likeliest geometry among a start and its rivals, with the matches along its lines.
+    fn likeliest(
+        &self,
+        start: &FundamentalMatrix,
+        fixed: &Fixed,
+        band: f64,
+        settling: &Settling,
+        cancel: &CancelFlag,
+    ) -> Option<Followed> {
+        let full_size = self.level.scales.map(f64::recip);
+        let mut pool = Pool::default();
+        pool.add(self.matches(start, WIDEST));
+        let mut best = self.followed(start, fixed, band)?;
         let is_allowed = |f: &FundamentalMatrix| f.rescaled(full_size).is_some_and(|f| (settling.allows)(&f));
         for round in 0..ROUNDS {
             if cancel.is_cancelled() {
@@ -85,7 +132,7 @@ impl LevelMatcher<'_> {
             }
             pool.add(self.matches(&best.fitted.fundamental, WIDEST));
             let matches = pool.observed();
-            let evidence = self.evidence(&matches, &fixed, WIDEST);
+            let evidence = self.evidence(&matches, fixed, WIDEST);
             let (start, scales) = ([best.fitted.fundamental], best.fitted.rival_scales());
             let agreed = evidence.consensus(&start, &scales, settling.seed, round, cancel);
             let rivals: Vec<Followed> = agreed
@@ -93,7 +140,7 @@ impl LevelMatcher<'_> {
                 .map(|agreed| &agreed.fundamental)
                 .filter(|f| evidence.tells_apart(f, &best.fitted))
                 .filter(|f| is_allowed(f))
-                .filter_map(|f| self.followed(f, &fixed, band))
+                .filter_map(|f| self.followed(f, fixed, band))
                 .collect();
             let likelier =
                 |a: &Followed, b: &Followed| a.fitted.log_likelihood.total_cmp(&b.fitted.log_likelihood);
@@ -109,7 +156,7 @@ impl LevelMatcher<'_> {
         let f = best.fitted.fundamental;
         let matches = densified(&self.level, best.matches, &f, band);
         let many = observed(&matches);
-        let evidence = self.evidence(&many, &fixed, band);
+        let evidence = self.evidence(&many, fixed, band);
         let fitted = evidence.fitted(&f)?;
         // The further matches may favour a neighbouring geometry.
         let agreed =
@@ -122,7 +169,7 @@ impl LevelMatcher<'_> {
                 fitted,
                 |best, rival| if rival.log_likelihood > best.log_likelihood { rival } else { best },
             );
-        self.refined(Followed { matches, fitted }, &fixed, band)
+        Some(Followed { matches, fitted })
     }
 
     /// Returns a geometry (full size) as it is, with the matches along its lines. There may be few
@@ -130,7 +177,7 @@ impl LevelMatcher<'_> {
     pub(super) fn unchanged(&self, f: &FundamentalMatrix) -> Option<Refined> {
         let f = f.rescaled(self.level.scales)?;
         let mut matches = self.matches(&f, WIDEST);
-        let fixed = Fixed { clicks: Vec::new(), given: Vec::new() };
+        let fixed = Fixed { clicks: Vec::new(), given: Vec::new(), calibrations: None };
         let noise = self.evidence(&observed(&matches), &fixed, WIDEST).explained(&f).noise;
         keep_right(&mut matches, &f, noise);
         Refined::new(&self.level, &f, &matches, Some(noise.scale), None)
@@ -145,7 +192,8 @@ impl LevelMatcher<'_> {
     fn evidence<'e>(&self, matches: &'e [Match], fixed: &'e Fixed, band: f64) -> Evidence<'e> {
         let frames = self.level.planes.map(GrayPlane::frame);
         let (given, clicks) = (&fixed.given, &fixed.clicks);
-        Evidence { matches, given, clicks, frames, spread: 2.0 * band, least_scale: LEAST_SCALE }
+        let (spread, calibrations) = (2.0 * band, fixed.calibrations);
+        Evidence { matches, given, clicks, frames, calibrations, spread, least_scale: LEAST_SCALE }
     }
 
     /// Fits a geometry to the matches along its lines, with bands that narrow to `band`.
@@ -176,7 +224,9 @@ impl LevelMatcher<'_> {
         if matches.len() < LEAST_MATCHES {
             return None;
         }
-        Refined::new(&self.level, &f, &matches, Some(noise.scale), covariance.as_ref())
+        let mut refined = Refined::new(&self.level, &f, &matches, Some(noise.scale), covariance.as_ref())?;
+        refined.refinement.is_posed = fixed.calibrations.is_some();
+        Some(refined)
     }
 }
 

@@ -34,6 +34,8 @@ pub struct Refinement {
     /// Noise of the matches, px: half of the right ones have a smaller Sampson distance. `None` for too
     /// few matches.
     pub noise: Option<f64>,
+    /// Whether the cameras are known and the geometry is their essential matrix.
+    pub is_posed: bool,
 }
 
 /// Corners and patches of one level, computed once per image pair.
@@ -97,6 +99,7 @@ impl Refined {
                 matches: matches.iter().map(at_full_size).collect(),
                 uncertainty: covariance.map(|c| Uncertainty::new(f, c, level.scales)),
                 noise: noise.map(|noise| noise / level.scales[0]),
+                is_posed: false,
             },
             weight: weights.iter().sum(),
             weight_deviation: weights.iter().map(|weight| weight * weight).sum::<f64>().sqrt(),

@@ -1,6 +1,7 @@
 //! Assessment of a geometry: figures of its lines, patches, matches and rivals, and the verdict.
 
 mod agreement;
+mod baseline;
 mod degeneracy;
 mod examination;
 mod lens;
@@ -29,7 +30,7 @@ use crate::estimate::fit::false_alarms::{Agreement, OF_A_PLANE, PRECISION, withi
 use crate::estimate::fit::strong_lens_is_likelier;
 use crate::estimate::verdict::selection::ClickedPairs;
 use crate::estimate::verdict::trust::{
-    Evidence, HALF_PLANE, Mirror, OffPlane, PlaneEvidence, RefinedOn, Relief, Together, USUAL_SIDE,
+    Baseline, Evidence, HALF_PLANE, Mirror, OffPlane, PlaneEvidence, RefinedOn, Relief, Together, USUAL_SIDE,
 };
 use crate::estimate::{
     Assessment, Estimate, PatchSupport, PlaneHomography, Refinement, Search, Trust, Warning,
@@ -38,6 +39,7 @@ use crate::geometry::{
     Frame, FundamentalMatrix, PointPair, finite_point, median, sampson_distance, transfer_error,
 };
 use agreement::unguided_on_lines;
+use baseline::Posed;
 use examination::{line_figures, patch_support};
 use margin::{all_apart, differs, least_clear, margin};
 use parallax::{CORNER_SIGMA, precision};
@@ -219,6 +221,14 @@ impl Judge<'_> {
         })
     }
 
+    /// Returns the evidence for the direction of the baseline of known cameras.
+    fn baseline(&self, f: &FundamentalMatrix, matches: &[PointPair], tolerance: f64) -> Option<Baseline> {
+        let SearchInput { prepared, parameters, .. } = self.viewed.input;
+        let (calibrations, unguided) = (&prepared.calibrations()?, self.viewed.patches.unguided());
+        let (side, seed) = (prepared.frames()[0].longer_side(), parameters.seed);
+        Posed { f, calibrations, matches, unguided, side, tolerance, seed }.baseline()
+    }
+
     /// Returns the verdict, and the plane if the verdict says that only a plane is certain.
     fn trust(
         &self,
@@ -235,6 +245,7 @@ impl Judge<'_> {
         let side = prepared.frames()[0].longer_side();
         let tolerance = PLANE_TOLERANCE * (side / USUAL_SIDE).max(1.0);
         let found = self.plane(f, &matches, tolerance);
+        let is_posed = refinement.is_some_and(|refinement| refinement.is_posed);
         let is_refined = parameters.search == Search::Patches && parameters.refinement.refine;
         let patches = &self.viewed.patches;
         let unguided = is_refined.then(|| unguided_agreement(patches, f, prepared.frames()));
@@ -256,6 +267,7 @@ impl Judge<'_> {
             plane: found.as_ref().map(|found| found.evidence),
             together: found.as_ref().map(|found| found.together).unwrap_or_default(),
             relief: found.as_ref().and_then(|found| found.relief),
+            baseline: is_posed.then(|| self.baseline(f, &matches, tolerance)).flatten(),
             mirror: found.as_ref().and_then(|found| found.mirror),
             strong_lens: is_refined
                 && degeneracy::have_dark_corners(prepared)

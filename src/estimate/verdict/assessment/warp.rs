@@ -18,7 +18,9 @@ use nalgebra::{DMatrix, DVector, Matrix3};
 
 use crate::estimate::evidence::patches::{LIKELY, UnguidedMatch, largest_plane};
 use crate::estimate::verdict::trust::{ALONG, ANY_EPIPOLE, Relief, Witnesses};
-use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair, Vector, finite_point, transfer_error};
+use crate::geometry::{
+    Frame, FundamentalMatrix, Line, Point, PointPair, Vector, finite_point, transfer_error,
+};
 
 /// Degree of the polynomials. Degree 4 follows a strong lens to a tenth of a pixel.
 const DEGREE: i32 = 4;
@@ -143,11 +145,21 @@ fn cubic_spline(distance: f64) -> f64 {
 }
 
 /// A match beside the warp.
-struct Beside {
+pub(super) struct Beside {
     pair: PointPair,
     /// Parts of its displacement along and across its epipolar line, px.
     along: f64,
     across: f64,
+}
+
+impl Beside {
+    /// Takes apart the displacement of a match from its place on the warp, by its epipolar line in image 2.
+    pub(super) fn new(pair: PointPair, off: Vector, line2: &Line) -> Self {
+        // The part across the line, from the distances of both ends.
+        let across = (line2.signed_distance(pair.point2) - line2.signed_distance(pair.point2 - off)).abs();
+        let along = (off.norm_squared() - across * across).max(0.0).sqrt();
+        Self { pair, along, across }
+    }
 }
 
 /// Counts the matches that were found without the geometry and lie beside a smooth warp of `matches`,
@@ -195,18 +207,14 @@ fn besides(
     let mut on_warp = 0;
     let mut beside = Vec::new();
     for pair in one_a_place(found, least) {
-        let PointPair { point1, point2 } = pair;
         let Some(off) = warp.beside(&pair) else { continue };
         let distance = off.norm();
         if distance <= tolerance {
             on_warp += 1;
         } else if distance < FARTHEST * side
-            && let Some(line) = f.line2_from_point1(point1)
+            && let Some(line) = f.line2_from_point1(pair.point1)
         {
-            // The part across the line, from the distances of both ends.
-            let across = (line.signed_distance(point2) - line.signed_distance(point2 - off)).abs();
-            let along = (distance * distance - across * across).max(0.0).sqrt();
-            beside.push(Beside { pair, along, across });
+            beside.push(Beside::new(pair, off, &line));
         }
     }
     (on_warp, beside)
@@ -222,7 +230,7 @@ pub(super) fn one_a_place(found: &[UnguidedMatch], least: f32) -> impl Iterator<
 }
 
 /// Counts the matches beside a warp by their direction.
-fn counted(beside: &[Beside], on_warp: usize, tolerance: f64) -> Witnesses {
+pub(super) fn counted(beside: &[Beside], on_warp: usize, tolerance: f64) -> Witnesses {
     let count = |is: fn(&Beside, f64) -> bool| beside.iter().filter(|m| is(m, tolerance)).count();
     Witnesses {
         on_warp,

@@ -35,8 +35,8 @@ pub(super) const LEAST_ALONG: f64 = 0.05;
 /// Least share along the lines among the matches along and across, at the lower end of its interval:
 /// three quarters. By chance, half are along and half across.
 const MOSTLY_ALONG: f64 = 0.75;
-/// Least share along the lines among the matches along and off, at the lower end of its interval: the
-/// majority. By chance, [`ALONG_BY_CHANCE`] are along.
+/// Least share along the lines among the matches along and off, or along and across, at the lower end of its
+/// interval: the majority. By chance, [`ALONG_BY_CHANCE`] are along, or half.
 const MAJORITY_ALONG: f64 = 0.5;
 /// Largest ratio of the parts across and along a line of a displacement along the line.
 pub(in crate::estimate) const ALONG: f64 = 1.0 / 3.0;
@@ -150,6 +150,14 @@ impl Witnesses {
             && self.are_mostly_along()
     }
 
+    /// Returns whether the matches beside a turn show the direction of the baseline. Wrong matches lie anywhere, as
+    /// often across as along, and there may be many of them.
+    pub fn show_the_baseline(self) -> bool {
+        self.is_no_chance()
+            && self.share_along() >= LEAST_ALONG
+            && at_least(self.along, self.along + self.across) >= MAJORITY_ALONG
+    }
+
     /// Returns whether more matches lie along their lines than clearly off them.
     pub fn are_mostly_along(self) -> bool {
         at_least(self.along, self.along + self.off) >= MAJORITY_ALONG
@@ -184,13 +192,44 @@ pub(in crate::estimate) struct Relief {
 }
 
 impl Relief {
-    /// Returns the matches that leave the epipoles undetermined. `None` if parallax shows them. It
-    /// must not vanish beside the finer warp: a rolling shutter may swing faster than the coarser
+    /// Returns the matches that leave the epipoles undetermined. `None` if parallax shows them. Beside the
+    /// finer warp it must not vanish among wrong matches: a rolling shutter may swing faster than the coarser
     /// warp follows. Nor may it rest on matches that are equalled elsewhere, as on wallpaper.
     pub(super) fn doubt(self) -> Option<Witnesses> {
         let Self { beside, finer, clear, .. } = self;
         let doubted = [beside, clear].into_iter().find(|found| !found.show_the_epipole());
-        doubted.or((!finer.are_mostly_along()).then_some(finer))
+        doubted.or((!finer.is_no_chance()).then_some(finer))
+    }
+}
+
+/// Evidence for the direction of the baseline of two known cameras.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::estimate) struct Baseline {
+    /// Matches found without the geometry, beside a camera that only turned.
+    pub beside: Witnesses,
+    /// The other solution of the largest plane, if there is one.
+    pub other: Option<OtherPose>,
+}
+
+/// Matches found without the geometry that a pose explains and the other solution of a plane does not, and the
+/// reverse.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::estimate) struct OtherPose {
+    pub this_only: usize,
+    pub other_only: usize,
+}
+
+impl OtherPose {
+    /// Returns whether chance seldom favours a pose as much (sign test).
+    pub fn is_decided(self) -> bool {
+        self.this_only > self.other_only
+            && tail(self.other_only, self.this_only + self.other_only, 0.5) <= BY_CHANCE
+    }
+
+    /// Returns the relative advantage of the pose.
+    pub(super) fn margin(self) -> f64 {
+        let (this, other) = (self.this_only as f64, self.other_only as f64);
+        (this - other) / (this + other).max(1.0)
     }
 }
 
@@ -384,6 +423,9 @@ pub(in crate::estimate) struct Evidence<'a> {
     pub given: Option<GivenFigures>,
     /// Matches beside the smooth warp. `None` without matches.
     pub relief: Option<Relief>,
+    /// Evidence for the baseline of known cameras, in place of `plane` and `relief`. `None` if the cameras are not
+    /// known, or their essential matrix is not the result.
+    pub baseline: Option<Baseline>,
     /// Matches with the mirror image. `None` without matches.
     pub mirror: Option<Mirror>,
     /// Pattern of the residuals. `None` without neighbouring matches.

@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 
 pub use evidence::BarcodeFigures;
 pub(in crate::estimate) use evidence::{
-    ALONG, ANY_EPIPOLE, Evidence, GivenFigures, GivenPoints, HALF_PLANE, Mirror, OffPlane, PlaneEvidence,
-    RefinedOn, Relief, ResidualPattern, Together, USUAL_SIDE, WRONG_TOGETHER, Witnesses,
+    ALONG, ANY_EPIPOLE, Baseline, Evidence, GivenFigures, GivenPoints, HALF_PLANE, Mirror, OffPlane,
+    OtherPose, PlaneEvidence, RefinedOn, Relief, ResidualPattern, Together, USUAL_SIDE, WRONG_TOGETHER,
+    Witnesses,
 };
 pub(in crate::estimate) use rules::CHANCE_DEVIATIONS;
 pub use rules::{
@@ -88,6 +89,9 @@ pub enum Reason {
     /// epipole. Counts matches that were found without the geometry: beside the warp along and across
     /// their epipolar lines, and on the warp.
     NoRelief { along: usize, across: usize, on_warp: usize },
+    /// The cameras are known, and most matches follow a camera that only turned. Counts matches that were found
+    /// without the geometry: beside the turn along and across their epipolar lines, and on the turn.
+    OnlyTurned { along: usize, across: usize, turned: usize },
     /// One image is a mirror image of the other: the number of distinctive matches if image 2 is flipped.
     Mirrored { matches: usize },
     /// The matches leave the epipolar lines uncertain: their standard deviation.
@@ -122,6 +126,8 @@ impl Trust {
 
     /// Returns whether only one plane or a rotation of the camera is certain.
     pub fn says_one_plane(&self) -> bool {
-        self.reasons.iter().any(|reason| matches!(reason, Reason::OnePlane { .. } | Reason::NoRelief { .. }))
+        self.reasons.iter().any(|reason| {
+            matches!(reason, Reason::OnePlane { .. } | Reason::NoRelief { .. } | Reason::OnlyTurned { .. })
+        })
     }
 }

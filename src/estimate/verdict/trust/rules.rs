@@ -5,7 +5,7 @@
 //! - the clicks lie on their lines;
 //! - no clearly different geometry has nearly as much support;
 //! - the matches determine the lines precisely;
-//! - matches off the largest plane determine the epipoles;
+//! - matches off the largest plane determine the epipoles, or matches beside a turn those of known cameras;
 //! - distinctive matches, found without the geometry, agree with it.
 //!
 //! A result is reliable if it passes all tests. Thresholds of counts and distances are round
@@ -13,8 +13,8 @@
 //! figures).
 
 use super::evidence::{
-    BarcodeFigures, Evidence, GivenFigures, GivenPoints, OffPlane, PlaneEvidence, RefinedOn, Relief,
-    Witnesses,
+    BarcodeFigures, Baseline, Evidence, GivenFigures, GivenPoints, OffPlane, PlaneEvidence, RefinedOn,
+    Relief, Witnesses,
 };
 use super::{Reason, Suspect, Trust, Verdict};
 
@@ -106,7 +106,19 @@ impl Trust {
         if let Some(mirror) = evidence.mirror.filter(|mirror| mirror.is_likely()) {
             reasons.push(Reason::Mirrored { matches: mirror.matches.flipped });
         }
-        if let Some(plane) = evidence.plane.filter(|plane| plane.leaves_the_epipoles_open(evidence.relief)) {
+        let pattern = evidence.pattern.filter(|pattern| pattern.is_bent(evidence.side));
+        if let Some(Baseline { beside, other }) = evidence.baseline {
+            if !beside.show_the_baseline() {
+                let Witnesses { along, across, on_warp, .. } = beside;
+                reasons.push(Reason::OnlyTurned { along, across, turned: on_warp });
+            }
+            if let Some(other) = other.filter(|other| !other.is_decided()) {
+                reasons.push(Reason::Ambiguous { margin: other.margin() });
+            }
+            reasons.extend(pattern.map(|pattern| Reason::Pattern { size: pattern.size }));
+        } else if let Some(plane) =
+            evidence.plane.filter(|plane| plane.leaves_the_epipoles_open(evidence.relief))
+        {
             let PlaneEvidence { share, off: OffPlane { groups, agreeing, .. }, is_still, .. } = plane;
             reasons.push(Reason::OnePlane { percent: (100.0 * share) as u32, groups, agreeing, is_still });
         } else if let Some(witnesses) = evidence.relief.and_then(Relief::doubt) {
@@ -114,7 +126,7 @@ impl Trust {
             reasons.push(Reason::NoRelief { along, across, on_warp });
         } else if let Some(plane) = evidence.plane.filter(PlaneEvidence::is_bent) {
             reasons.push(Reason::Bent { percent: (100.0 * plane.bent_share) as u32 });
-        } else if let Some(pattern) = evidence.pattern.filter(|pattern| pattern.is_bent(evidence.side)) {
+        } else if let Some(pattern) = pattern {
             reasons.push(Reason::Pattern { size: pattern.size });
         }
         if evidence.strong_lens {
