@@ -10,14 +10,12 @@ use serde::Serialize;
 
 use super::CliError;
 use super::arguments::{ImagePair, on_threads, pixels, threads};
-use super::calibration::{CalibrationArguments, settled, undistort_matches, undistorted, views};
+use super::calibration::{CalibrationArguments, settled, views};
 use super::estimate::watched;
 use super::geometry_file::{read_geometry, read_matches, tell_remarks};
 use super::output::Output;
 use crate::camera::{PicturesOf, PoseDifference};
-use crate::estimate::{
-    Match, Monitor, Parameters, PreparedPair, Uncertainty, Verdict, estimate_fundamental, estimate_prepared,
-};
+use crate::estimate::{Match, Parameters, Uncertainty, Verdict, estimate_fundamental};
 use crate::foreign::{reason, shown_path};
 use crate::geometry::{Frame, FundamentalMatrix, Matrix9, PointPair};
 use crate::image::Picture;
@@ -27,6 +25,7 @@ use crate::judge::{
     RowJudgement, RowMatches, judge, judge_rows,
 };
 use crate::presentation::{NO_BASELINE, judgement_in_words, pose_difference_in_words, rows_in_words};
+use crate::study::{Question, Study, matches_in};
 
 /// Judge whether a geometry from elsewhere fits two images, or whether they are rectified
 ///
@@ -118,28 +117,27 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     let calibrated = arguments.calibration.read()?;
     let (mut given, own_covariance) = arguments.given()?.unzip();
     let mut matches = arguments.matches.as_deref().map(read_matches).transpose()?;
-    let (mut pictures, _) = arguments.images.load()?;
+    let mut study = Study::of_pictures(arguments.images.load()?.0);
     let mut stereo = None;
     let mut notes = Vec::new();
     if let Some(calibrated) = calibrated {
-        let frames = pictures.each_ref().map(Picture::frame);
-        let calibrated = arguments.calibration.scaled(calibrated, Some(frames))?;
-        let calibrated = settled(calibrated, &pictures, matches.as_deref())?;
+        let calibrated = arguments.calibration.scaled(calibrated, Some(study.frames()))?;
+        let calibrated = settled(calibrated, &study, matches.as_deref())?;
         notes = CalibratedCamera::notes_of(&calibrated);
         let (pose, _) = CalibratedCamera::relative_pose(&calibrated).ok_or_else(|| no_pose(&notes))?;
-        let views = views(&calibrated, frames)?;
-        undistort_matches(&mut matches, &views)?;
-        pictures = undistorted(pictures, &views);
+        let views = views(&calibrated, study.frames())?;
+        matches = matches.map(|matches| matches_in(&views, &matches)).transpose()?;
+        // The cameras are judged, so they take no part in the search.
+        study = study.with_views(views).drawn_in(None);
         let calibration = GivenCalibration { pose, views };
         given = Some(of_calibration(&calibration).ok_or_else(|| no_pose(&notes))?);
         stereo = Some(calibration);
     }
     let pictures_of = PicturesOf::from(stereo.as_ref().map(|calibration| &calibration.views));
-    let frames = pictures.each_ref().map(Picture::frame);
-    let prepared = PreparedPair::new(&pictures[0].gray, &pictures[1].gray);
+    let frames = study.frames();
     let search = |seed: u64| match &matches {
         Some(matches) => of_matches(matches, frames, seed),
-        None => of_images(&prepared, arguments, seed),
+        None => of_images(&study, arguments, seed),
     };
     let shown = search(arguments.seed)?;
     let too_few = || {
@@ -162,7 +160,7 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
         let words = rows_in_words(&found);
         write(&output, &found, &words, None, &beside)?;
         if let Some(log) = &arguments.log {
-            append(log, &pictures, &found)?;
+            append(log, study.pictures(), &found)?;
         }
         return match (found.is_aligned, found.doubt) {
             (true, _) => Ok(()),
@@ -251,10 +249,10 @@ impl Shown {
 }
 
 /// Estimates the geometry of the images without clicks.
-fn of_images(prepared: &PreparedPair, arguments: &JudgeArguments, seed: u64) -> Result<Shown, CliError> {
+fn of_images(study: &Study, arguments: &JudgeArguments, seed: u64) -> Result<Shown, CliError> {
     let parameters = Parameters { seed, ..Parameters::default() };
-    let compute = |monitor: &Monitor| estimate_prepared(prepared, &[], &parameters, monitor);
-    let found = on_threads(arguments.threads, || watched(compute))??;
+    let question = Question { clicks: &[], given: None, parameters: &parameters };
+    let found = on_threads(arguments.threads, || watched(|monitor| study.solve(&question, monitor)))??;
     Ok(Shown {
         fundamental: *found.fundamental(),
         matches: found.matched_pairs(),
@@ -345,7 +343,7 @@ fn check_log(log: &Path) -> Result<(), CliError> {
 }
 
 /// Adds a line to the log, which begins with the names of the columns.
-fn append(log: &Path, pictures: &[Picture; 2], found: &RowJudgement) -> Result<(), CliError> {
+fn append(log: &Path, pictures: [&Picture; 2], found: &RowJudgement) -> Result<(), CliError> {
     let failed = |error: std::io::Error| {
         CliError::Arguments(format!("cannot write {}: {}", shown_path(log), reason(&error)))
     };
@@ -355,7 +353,7 @@ fn append(log: &Path, pictures: &[Picture; 2], found: &RowJudgement) -> Result<(
         let _ = writeln!(text, "{COLUMNS}");
     }
     let quoted = |name: &str| format!("\"{}\"", name.replace('"', "\"\""));
-    let [left, right] = pictures.each_ref().map(|picture| quoted(&picture.name));
+    let [left, right] = pictures.map(|picture| quoted(&picture.name));
     let RowJudgement { matches, constant, across, down, curved, typical, largest, is_aligned, .. } = found;
     let _ = writeln!(
         text,

@@ -65,6 +65,7 @@ impl Model {
         Some(EstimateRequest {
             pictures: self.open.pictures()?,
             recordings: self.compared_recordings(),
+            views: self.open.searched_views(),
             pairs: self.document.used_pairs()?,
             given: self.document.given.as_ref().map(|given| given.matches.clone()),
             parameters: self.document.search_parameters(),
