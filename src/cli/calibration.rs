@@ -8,14 +8,14 @@ use clap::{ArgGroup, Args};
 use super::CliError;
 use super::arguments::size;
 use super::console::tell;
-use crate::camera::{CameraModel, FocalLength, LengthUnit, ViewPair};
+use crate::camera::{FocalLength, LengthUnit, ViewPair};
 use crate::estimate::Match;
 use crate::foreign::shown_path;
 use crate::geometry::{Frame, PointPair};
 use crate::image::Picture;
 use crate::io::{CalibratedCamera, Calibration, CameraReading, focal_length_from_exif};
 use crate::presentation::camera_doubts;
-use crate::study::{Study, plan_views};
+use crate::study::{Study, assumed_camera, plan_views};
 
 /// Cameras of both images.
 #[derive(Debug, Args)]
@@ -232,13 +232,7 @@ impl CameraArguments {
                 Some(TypedDivision::Auto) => fitted.map(|lambdas| lambdas[k]),
                 None => None,
             };
-            let lens = lambda.and_then(|lambda| CameraModel::of_division(lambda, frame));
-            let focal = self.focal_length(files[k], frame, k)?;
-            let model = match (lens, focal) {
-                (Some(lens), Some(focal)) => lens.with_focal_length(focal),
-                (None, Some(focal)) => CameraModel::of_focal_length(focal, frame),
-                (lens, None) => lens,
-            };
+            let model = assumed_camera(lambda, self.focal_length(files[k], frame, k)?, frame);
             let name = SIDES[k].to_owned();
             let (frame, unit) = (Some(frame), LengthUnit::Baseline);
             let reading = CameraReading::default();

@@ -20,6 +20,9 @@ use crate::io::CalibratedCamera;
 use crate::presentation::lens_in_words;
 use crate::study::{Question, Study, clicks_in, matches_in};
 
+/// Message for images without a clear distortion.
+const NO_LENS: &str = "no lens distortion fits the matches clearly better. The images are used as they are";
+
 /// Estimates F, writes the JSON file and prints the summary.
 pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     if let Some(matches) = arguments.matches.as_deref().filter(|_| arguments.images.is_absent()) {
@@ -67,9 +70,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
         let lens = on_threads(arguments.threads, || study.find_lens(&found))?;
         match &lens {
             Some(lens) => tell(lens_in_words(lens, study.frames())),
-            None => {
-                tell("no lens distortion fits the matches clearly better. The images are used as they are")
-            }
+            None => tell(NO_LENS),
         }
         (first, lambdas) = (Some(found), lens.map(|lens| lens.lambdas));
     }

@@ -3,10 +3,25 @@
 use std::sync::Arc;
 
 use super::StudyError;
-use crate::camera::{CameraModel, UndistortedView, ViewPair};
+use crate::camera::{CameraModel, FocalLength, UndistortedView, ViewPair};
 use crate::estimate::Match;
 use crate::geometry::{Frame, PointPair};
 use crate::image::Picture;
+
+/// Returns a camera without a calibration, of distortion λ of the division model, of a focal length, or of both. The
+/// principal point is in the middle of a picture of this size. `None` without either, and for impossible numbers.
+pub fn assumed_camera(
+    lambda: Option<f64>,
+    focal: Option<FocalLength>,
+    picture: Frame,
+) -> Option<CameraModel> {
+    let lens = lambda.and_then(|lambda| CameraModel::of_division(lambda, picture));
+    match (lens, focal) {
+        (Some(lens), Some(focal)) => lens.with_focal_length(focal),
+        (None, Some(focal)) => CameraModel::of_focal_length(focal, picture),
+        (lens, None) => lens,
+    }
+}
 
 /// Plans the views without distortion of two cameras with pictures of these sizes.
 ///

@@ -10,6 +10,7 @@
 //! | A click beyond the range of a lens is refused, and a match beyond it is left out. | [`clicks_in`], [`matches_in`] |
 //! | Where only a plane is certain, the pose has no uncertainty. | [`PoseOutcome`] |
 //! | The pose of a calibration gives the length of the baseline to the pose of `F`. | [`stereo_pose`] |
+//! | A finding against a geometry is confirmed by a second search. | [`ShownGeometry::judged`] |
 //! | A pair counts as misplaced from 1 % of the longer side along its line. | [`Study::places`] |
 //!
 //! Points of questions and answers are pixels of the views without distortion. Without cameras, the views are
@@ -18,13 +19,15 @@
 mod advice;
 mod cameras;
 mod error;
+mod judge;
 mod pose;
 mod solve;
 #[cfg(test)]
 mod tests;
 
 pub use advice::PlaceFound;
-pub use cameras::{clicks_in, matches_in, plan_views, undistorted};
+pub use cameras::{assumed_camera, clicks_in, matches_in, plan_views, undistorted};
 pub use error::StudyError;
+pub use judge::ShownGeometry;
 pub use pose::{PoseOutcome, stereo_pose};
 pub use solve::{Question, Study};

@@ -3,6 +3,8 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
+use nalgebra::Matrix3;
+
 use super::cameras::undistorted;
 use crate::camera::ViewPair;
 use crate::estimate::{
@@ -31,13 +33,14 @@ pub struct Study {
 struct Made {
     /// The pictures alone.
     images: Lazy<PreparedPair>,
-    /// The pictures with the matches of the latest question that has any.
+    /// The pictures with the cameras and the matches of the latest question that has matches.
     with_given: Mutex<Option<WithGiven>>,
 }
 
 #[derive(Debug)]
 struct WithGiven {
     given: Vec<Match>,
+    calibrations: Option<[Matrix3<f64>; 2]>,
     seed: u64,
     prepared: PreparedPair,
 }
@@ -124,8 +127,7 @@ impl Study {
     /// The errors of [`estimate`](crate::estimate::estimate()).
     pub fn solve(&self, question: &Question, monitor: &Monitor) -> Result<Estimate, EstimateError> {
         let begun = Instant::now();
-        let calibrations = self.views.as_ref().and_then(ViewPair::known_calibrations);
-        let prepared = self.asked(question).with_calibrations(calibrations);
+        let prepared = self.asked(question);
         estimate_since(begun, &prepared, question.clicks, question.parameters, monitor)
     }
 
@@ -166,20 +168,23 @@ impl Study {
         })
     }
 
-    /// Returns the prepared pictures with the matches of a question. The fit of the latest matches is kept, since
-    /// moved clicks do not change it.
+    /// Returns the prepared pictures with the known cameras and the matches of a question. The fit of the latest
+    /// matches is kept, since moved clicks do not change it.
     fn asked(&self, question: &Question) -> PreparedPair {
-        let Some(given) = question.given else { return self.images().clone() };
+        let calibrations = self.views.as_ref().and_then(ViewPair::known_calibrations);
+        let mut prepared = self.images().clone().with_calibrations(calibrations);
+        let Some(given) = question.given else { return prepared };
         let seed = question.parameters.seed;
         // A panic of a thread that held the lock leaves the entry complete.
         let kept = || self.made.with_given.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(kept) = kept().as_ref().filter(|kept| kept.seed == seed && kept.given == given) {
+        let is_right =
+            |kept: &&WithGiven| kept.seed == seed && kept.calibrations == calibrations && kept.given == given;
+        if let Some(kept) = kept().as_ref().filter(is_right) {
             return kept.prepared.clone();
         }
-        let mut prepared = self.images().clone();
         // The reason of a failure stays with the pair.
         let _ = prepared.add_matches(given, seed);
-        *kept() = Some(WithGiven { given: given.to_vec(), seed, prepared: prepared.clone() });
+        *kept() = Some(WithGiven { given: given.to_vec(), calibrations, seed, prepared: prepared.clone() });
         prepared
     }
 }

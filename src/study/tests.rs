@@ -21,8 +21,8 @@ fn scene() -> (TestPair, [CameraModel; 2]) {
 }
 
 /// Returns the cameras with focal lengths of this relative deviation.
-fn guessed(cameras: [CameraModel; 2], deviation: f64) -> [CameraModel; 2] {
-    cameras.map(|camera| {
+fn guessed(cameras: &[CameraModel; 2], deviation: f64) -> [CameraModel; 2] {
+    cameras.each_ref().map(|camera| {
         let pixels = camera.calibration()[(0, 0)];
         camera.with_focal_length(FocalLength { pixels, deviation }).unwrap()
     })
@@ -53,7 +53,7 @@ fn known_cameras_take_part_in_a_search_and_guessed_ones_do_not() {
         |views: Option<ViewPair>| study.clone().drawn_in(views).solve(&question, &Monitor::silent()).unwrap();
     let (known, free) = (views(&cameras), solve(None));
     assert!(Study::searches_with(&known) && is_posed(&solve(Some(known))));
-    let guessed = views(&guessed(cameras, 0.1));
+    let guessed = views(&guessed(&cameras, 0.1));
     assert!(!Study::searches_with(&guessed) && !is_posed(&free));
     // A guess changes no bit of the geometry.
     assert_eq!(solve(Some(guessed)).fundamental(), free.fundamental());

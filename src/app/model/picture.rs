@@ -8,11 +8,11 @@ use image::DynamicImage;
 
 use super::recording::Recording;
 use super::shared::Shared;
-use crate::camera::{CameraModel, FocalLength, UndistortedView};
+use crate::camera::{FocalLength, UndistortedView};
 use crate::geometry::Point;
 use crate::image::Picture;
 use crate::io::{focal_length_from_exif, sha256_of};
-use crate::study::undistorted;
+use crate::study::{assumed_camera, undistorted};
 
 /// The left and the right picture.
 pub type Pictures = [Shared<Picture>; 2];
@@ -70,7 +70,7 @@ impl Opened {
     pub fn with_focal_length(self, focal: FocalLength) -> Option<Self> {
         let Some(lens) = &self.lens else {
             let frame = self.picture.frame();
-            let camera = CameraModel::of_focal_length(focal, frame)?;
+            let camera = assumed_camera(None, Some(focal), frame)?;
             return Some(self.drawn_in(UndistortedView::new(&camera, frame)?));
         };
         let (original, view) = (lens.original.clone(), lens.view.with_focal_length(focal)?);
