@@ -63,7 +63,7 @@
 //!
 //! | feature | contents |
 //! |---|---|
-//! | `pictures` | [`image::Picture`]: reading of picture files, warping of rectified pictures; [`synthetic`] |
+//! | `pictures` | [`image::Picture`]: reading of picture files, warping of rectified pictures; [`study`]: the use cases of the program; [`synthetic`] |
 //! | `files` (with `pictures`) | [`io`], `synthetic::Sample`: JSON, YAML and `.npy` arrays, sequences of frames |
 //! | `colmap` (with `files`) | `io::GeometryFile::add_to_colmap`: databases of COLMAP; needs a C compiler |
 //! | `cli` (with `colmap`) | the program `epiline` |
@@ -101,6 +101,8 @@ pub mod similarity;
 #[cfg(all(test, feature = "files"))]
 #[path = "../tests/skipping/mod.rs"]
 mod skipping;
+#[cfg(feature = "pictures")]
+pub mod study;
 pub mod suggest;
 #[cfg(feature = "pictures")]
 pub mod synthetic;

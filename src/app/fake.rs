@@ -62,6 +62,7 @@ pub fn request(x: f64) -> EstimateRequest {
     EstimateRequest {
         pictures: [PICTURE.clone(), PICTURE.clone()],
         recordings: None,
+        views: None,
         given: None,
         pairs: vec![PointPair::new(x, 5.0, x + 1.0, 6.0), PointPair::new(20.0, 15.0, 22.0, 15.0)],
         parameters: Parameters::default(),

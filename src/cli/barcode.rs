@@ -1,6 +1,7 @@
 //! `epiline barcode`: F of two stationary cameras, from moving objects.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 
@@ -10,11 +11,12 @@ use super::console::tell;
 use super::estimate::watched;
 use super::overrides::Overrides;
 use super::result_output::{Beside, ResultArguments};
-use crate::estimate::{CancelFlag, Estimate, Method, Monitor, PreparedPair, Preset, estimate_prepared};
+use crate::estimate::{CancelFlag, Method, Preset};
 use crate::geometry::PointPair;
 use crate::io::{SequenceFile, read_sequence};
 use crate::motion::{BackgroundParameters, MOST_OFFSET, MotionError, Silhouettes, clear_offset, find_offset};
 use crate::similarity::LineMeasure;
+use crate::study::{Question, Study};
 use crate::synthetic::{BallScene, ThrownBalls};
 
 /// Maximum number of offsets reported.
@@ -73,22 +75,20 @@ pub(super) fn run(arguments: &BarcodeArguments) -> Result<(), CliError> {
     parameters.similarity.measure = LineMeasure::Barcodes;
     parameters.method = if arguments.pairs.len() < 2 { Method::LinesAlone } else { Method::TwoPoint };
 
-    let (pictures, found, offset) = on_threads(arguments.threads, || -> Result<_, CliError> {
+    let (study, found, offset) = on_threads(arguments.threads, || -> Result<_, CliError> {
         let files = sequences(arguments)?;
         let [first, second] = moving(&files)?;
         let offset = if arguments.find_offset { best_offset([&first, &second])? } else { arguments.offset };
-        let pictures = files.map(|file| file.first);
-        let [image1, image2] = &pictures;
-        let prepared = PreparedPair::of_sequences(&image1.gray, &image2.gray, [&first, &second], offset)?;
-        let compute =
-            |monitor: &Monitor| estimate_prepared(&prepared, &arguments.pairs, &parameters, monitor);
-        let found: Estimate = watched(compute)?;
-        Ok((pictures, found, offset))
+        let together = Silhouettes::overlapping([&first, &second], offset)?.map(Arc::new);
+        let study = Study::of_pictures(files.map(|file| file.first)).with_silhouettes(together);
+        let question = Question { clicks: &arguments.pairs, given: None, parameters: &parameters };
+        let found = watched(|monitor| study.solve(&question, monitor))?;
+        Ok((study, found, offset))
     })??;
     output.write(
         &found,
         &arguments.pairs,
-        &pictures,
+        study.pictures(),
         &parameters,
         Beside { offset: Some(offset), ..Beside::default() },
     )

@@ -8,13 +8,14 @@ use clap::{ArgGroup, Args};
 use super::CliError;
 use super::arguments::size;
 use super::console::tell;
-use crate::camera::{CameraModel, FocalLength, LengthUnit, ViewPair};
-use crate::estimate::{Match, PreparedPair};
+use crate::camera::{FocalLength, LengthUnit, ViewPair};
+use crate::estimate::Match;
 use crate::foreign::shown_path;
 use crate::geometry::{Frame, PointPair};
 use crate::image::Picture;
 use crate::io::{CalibratedCamera, Calibration, CameraReading, focal_length_from_exif};
 use crate::presentation::camera_doubts;
+use crate::study::{Study, assumed_camera, plan_views};
 
 /// Cameras of both images.
 #[derive(Debug, Args)]
@@ -162,17 +163,14 @@ fn tell_notes(notes: &[String]) {
 /// these open: by given matches, or by matches of the pictures that are found without a geometry.
 pub(super) fn settled(
     cameras: [CalibratedCamera; 2],
-    pictures: &[Picture; 2],
+    study: &Study,
     given: Option<&[Match]>,
 ) -> Result<[CalibratedCamera; 2], CliError> {
-    let matches = || {
-        if let Some(given) = given {
-            return given.iter().map(|found| found.pair).collect();
-        }
-        let prepared = PreparedPair::new(&pictures[0].gray, &pictures[1].gray);
-        prepared.putative_matches().iter().map(|found| found.pair).collect()
+    let pairs = || match given {
+        Some(given) => given.iter().map(|found| found.pair).collect(),
+        None => study.putative_pairs(),
     };
-    settled_by(cameras, pictures.each_ref().map(Picture::frame), matches)
+    settled_by(cameras, study.frames(), pairs)
 }
 
 /// Chooses the cameras as [`settled`] does, by point pairs.
@@ -209,11 +207,11 @@ impl CameraArguments {
     pub(super) fn of_pictures(
         &self,
         calibrated: Option<[CalibratedCamera; 2]>,
-        pictures: &[Picture; 2],
+        pictures: [&Picture; 2],
         fitted: Option<[f64; 2]>,
     ) -> Result<Option<[CalibratedCamera; 2]>, CliError> {
-        let files = pictures.each_ref().map(|picture| picture.path.as_deref());
-        self.of_frames(calibrated, pictures.each_ref().map(Picture::frame), files, fitted)
+        let files = pictures.map(|picture| picture.path.as_deref());
+        self.of_frames(calibrated, pictures.map(Picture::frame), files, fitted)
     }
 
     /// Returns the cameras as [`Self::of_pictures`], of images of these sizes, of which there may be files.
@@ -234,13 +232,7 @@ impl CameraArguments {
                 Some(TypedDivision::Auto) => fitted.map(|lambdas| lambdas[k]),
                 None => None,
             };
-            let lens = lambda.and_then(|lambda| CameraModel::of_division(lambda, frame));
-            let focal = self.focal_length(files[k], frame, k)?;
-            let model = match (lens, focal) {
-                (Some(lens), Some(focal)) => lens.with_focal_length(focal),
-                (None, Some(focal)) => CameraModel::of_focal_length(focal, frame),
-                (lens, None) => lens,
-            };
+            let model = assumed_camera(lambda, self.focal_length(files[k], frame, k)?, frame);
             let name = SIDES[k].to_owned();
             let (frame, unit) = (Some(frame), LengthUnit::Baseline);
             let reading = CameraReading::default();
@@ -290,47 +282,9 @@ pub(super) fn views(cameras: &[CalibratedCamera; 2], frames: [Frame; 2]) -> Resu
         let told = |problem| CliError::Arguments(format!("{problem}{advice}"));
         camera.check_frame(frame).map_err(told)?;
     }
-    let views = ViewPair::new(cameras.each_ref().map(|camera| &camera.model), frames);
-    let problem = "the distortion of the lens cannot be undone: it folds back at the principal point";
-    let views = views.ok_or_else(|| CliError::Arguments(problem.into()))?;
+    let views = plan_views(cameras.each_ref().map(|camera| &camera.model), frames)?;
     for (_, message) in camera_doubts([0, 1].map(|k| (&cameras[k].model, frames[k]))) {
         tell(format_args!("warning: {message}"));
     }
     Ok(views)
-}
-
-/// Draws the pictures without distortion.
-pub(super) fn undistorted(pictures: [Picture; 2], views: &ViewPair) -> [Picture; 2] {
-    let mut views = views.views.iter();
-    pictures.map(|picture| match views.next() {
-        Some(view) if !view.is_original() => picture.redrawn(view.frame(), |p| view.source_of(p)),
-        _ => picture,
-    })
-}
-
-/// Returns the places of point pairs in the views.
-pub(super) fn undistorted_pairs(pairs: &[PointPair], views: &ViewPair) -> Result<Vec<PointPair>, CliError> {
-    let place = |(k, pair): (usize, &PointPair)| {
-        views.undistorted_from_original(pair).ok_or_else(|| {
-            CliError::Arguments(format!(
-                "pair {} lies where the distortion of the lens has no inverse. Use points nearer to the middle",
-                k + 1
-            ))
-        })
-    };
-    pairs.iter().enumerate().map(place).collect()
-}
-
-/// Moves matches from elsewhere to their places in the views. Those beyond the range of a lens are left
-/// out.
-pub(super) fn undistort_matches(matches: &mut Option<Vec<Match>>, views: &ViewPair) -> Result<(), CliError> {
-    let Some(all) = matches else { return Ok(()) };
-    let moved = |found: &Match| Some(Match { pair: views.undistorted_from_original(&found.pair)?, ..*found });
-    *all = all.iter().filter_map(moved).collect();
-    if all.is_empty() {
-        return Err(CliError::Arguments(
-            "all matches lie where the distortion of the lens has no inverse".into(),
-        ));
-    }
-    Ok(())
 }

@@ -9,6 +9,7 @@ use crate::io::{ColmapError, ReadError, RectifiedError, SequenceError, WriteErro
 use crate::motion::MotionError;
 use crate::presentation::error_in_words;
 use crate::rectify::RectifyError;
+use crate::study::StudyError;
 use crate::suggest::SuggestError;
 
 /// Exit status of an error in the program itself (`EX_SOFTWARE` of `sysexits.h`).
@@ -26,6 +27,9 @@ pub enum CliError {
     /// Points without pictures give no geometry.
     #[error(transparent)]
     Points(#[from] PointsError),
+    /// Pictures or points do not go with their cameras.
+    #[error("{}", study_in_words(*.0))]
+    Study(#[from] StudyError),
     /// A sequence of frames cannot be read.
     #[error(transparent)]
     Sequence(#[from] SequenceError),
@@ -80,6 +84,17 @@ pub enum CliError {
     /// The window cannot be opened.
     #[error("{0}")]
     Window(String),
+}
+
+/// Returns the message of an error, with the options that help.
+fn study_in_words(error: StudyError) -> String {
+    let advice = match error {
+        StudyError::NoPose => ". Give a fundamental matrix (--fundamental)",
+        StudyError::NoFocalLengths => ". Give both (--focal-length)",
+        StudyError::NoMatches => ". Give matches (--matches)",
+        StudyError::FoldsBack | StudyError::ClickBeyondLens(_) | StudyError::MatchesBeyondLens => "",
+    };
+    format!("{error}{advice}")
 }
 
 impl CliError {

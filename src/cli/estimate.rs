@@ -3,25 +3,25 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use nalgebra::Matrix3;
-
 use super::CliError;
 use super::arguments::on_threads;
-use super::calibration::{settled, undistort_matches, undistorted, undistorted_pairs, views};
+use super::calibration::{settled, views};
 use super::console::tell;
 use super::estimate_arguments::EstimateArguments;
 use super::geometry_file::{read_matches, tell_outside};
 use super::points;
 use super::result_output::Beside;
-use crate::camera::ViewPair;
 use crate::estimate::{
-    CancelFlag, DivisionFit, Estimate, EstimateError, Match, Method, Monitor, Parameters, PreparedPair,
-    Progress, Reason, Search, estimate, estimate_prepared, find_lens,
+    CancelFlag, Estimate, EstimateError, Match, Method, Monitor, Progress, Reason, Search,
 };
 use crate::geometry::PointPair;
 use crate::image::Picture;
 use crate::io::CalibratedCamera;
 use crate::presentation::lens_in_words;
+use crate::study::{Question, Study, clicks_in, matches_in};
+
+/// Message for images without a clear distortion.
+const NO_LENS: &str = "no lens distortion fits the matches clearly better. The images are used as they are";
 
 /// Estimates F, writes the JSON file and prints the summary.
 pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
@@ -50,39 +50,43 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
 
     let calibrated = arguments.cameras.calibration.read()?;
     let mut given = arguments.matches.as_deref().map(read_matches).transpose()?;
-    let (mut pictures, mut pairs) = input(arguments, parameters.pairs_needed(), parameters.method)?;
+    let (pictures, mut pairs) = input(arguments, parameters.pairs_needed(), parameters.method)?;
+    let mut study = Study::of_pictures(pictures);
     if let Some(given) = &given {
-        tell_outside(given, &pictures);
+        tell_outside(given, study.frames());
     }
+    let solve = |study: &Study, pairs: &[PointPair], given: Option<&[Match]>| {
+        let question = Question { clicks: pairs, given, parameters: &parameters };
+        on_threads(arguments.threads, || {
+            if let Err(error) = study.check_given(&question) {
+                tell(format_args!("warning: the matches are not used: {error}"));
+            }
+            watched(|monitor| study.solve(&question, monitor))
+        })
+    };
     let (mut first, mut lambdas) = (None, None);
     if arguments.cameras.fits_lens() {
-        let (found, lens) =
-            on_threads(arguments.threads, || fitted_lens(&pictures, &pairs, given.as_deref(), &parameters))??;
+        let found = solve(&study, &pairs, given.as_deref())??;
+        let lens = on_threads(arguments.threads, || study.find_lens(&found))?;
+        match &lens {
+            Some(lens) => tell(lens_in_words(lens, study.frames())),
+            None => tell(NO_LENS),
+        }
         (first, lambdas) = (Some(found), lens.map(|lens| lens.lambdas));
     }
-    let calibrated = arguments.cameras.of_pictures(calibrated, &pictures, lambdas)?;
-    let calibrated = calibrated.map(|cameras| settled(cameras, &pictures, given.as_deref())).transpose()?;
+    let calibrated = arguments.cameras.of_pictures(calibrated, study.pictures(), lambdas)?;
+    let calibrated = calibrated.map(|cameras| settled(cameras, &study, given.as_deref())).transpose()?;
     let notes = calibrated.as_ref().map(CalibratedCamera::notes_of).unwrap_or_default();
     let baseline = calibrated.as_ref().and_then(CalibratedCamera::baseline);
-    let views =
-        calibrated.map(|cameras| views(&cameras, pictures.each_ref().map(Picture::frame))).transpose()?;
-    if let Some(views) = &views {
-        pairs = undistorted_pairs(&pairs, views)?;
-        undistort_matches(&mut given, views)?;
-        pictures = undistorted(pictures, views);
+    if let Some(cameras) = calibrated {
+        let views = views(&cameras, study.frames())?;
+        pairs = clicks_in(&views, &pairs)?;
+        given = given.map(|given| matches_in(&views, &given)).transpose()?;
+        study = study.with_views(views);
     }
-    let [image1, image2] = &pictures;
-    let compute = |monitor: &Monitor| {
-        let calibrations = views.as_ref().and_then(ViewPair::known_calibrations);
-        if given.is_none() && calibrations.is_none() {
-            return estimate(&image1.gray, &image2.gray, &pairs, &parameters, monitor);
-        }
-        let prepared = prepared(&pictures, given.as_deref(), calibrations, parameters.seed);
-        estimate_prepared(&prepared, &pairs, &parameters, monitor)
-    };
-    let found = match first.filter(|_| views.is_none()) {
+    let found = match first.filter(|_| study.views().is_none()) {
         Some(found) => found,
-        None => on_threads(arguments.threads, || watched(compute))??,
+        None => solve(&study, &pairs, given.as_deref())??,
     };
     let reasons = found.assessment.trust.iter().flat_map(|trust| &trust.reasons);
     let may_be_bent = |reason: &Reason| matches!(reason, Reason::Pattern { .. });
@@ -91,40 +95,8 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     }
     let given: Vec<PointPair> = given.iter().flatten().map(|found| found.pair).collect();
     let beside =
-        Beside { views: views.as_ref(), baseline, given: &given, calibration: &notes, ..Beside::default() };
-    output.write(&found, &pairs, &pictures, &parameters, beside)
-}
-
-/// Prepares the images, with matches from elsewhere.
-fn prepared(
-    pictures: &[Picture; 2],
-    given: Option<&[Match]>,
-    calibrations: Option<[Matrix3<f64>; 2]>,
-    seed: u64,
-) -> PreparedPair {
-    let prepared = PreparedPair::new(&pictures[0].gray, &pictures[1].gray);
-    let mut prepared = prepared.with_calibrations(calibrations);
-    if let Some(Err(error)) = given.map(|given| prepared.add_matches(given, seed)) {
-        tell(format_args!("warning: the matches are not used: {error}"));
-    }
-    prepared
-}
-
-/// Fits the distortion of the lens to the matches of a first estimate, and tells it. Returns both.
-fn fitted_lens(
-    pictures: &[Picture; 2],
-    pairs: &[PointPair],
-    given: Option<&[Match]>,
-    parameters: &Parameters,
-) -> Result<(Estimate, Option<DivisionFit>), CliError> {
-    let prepared = prepared(pictures, given, None, parameters.seed);
-    let found = watched(|monitor| estimate_prepared(&prepared, pairs, parameters, monitor))?;
-    let lens = find_lens(&prepared, &found);
-    match &lens {
-        Some(lens) => tell(lens_in_words(lens, prepared.frames())),
-        None => tell("no lens distortion fits the matches clearly better. The images are used as they are"),
-    }
-    Ok((found, lens))
+        Beside { views: study.views(), baseline, given: &given, calibration: &notes, ..Beside::default() };
+    output.write(&found, &pairs, study.pictures(), &parameters, beside)
 }
 
 /// Returns the pictures and the point pairs. Their number is checked before the pictures are read. A

@@ -11,7 +11,7 @@ use super::output::Output;
 use crate::camera::PicturesOf;
 use crate::estimate::Match;
 use crate::foreign::shown_path;
-use crate::geometry::{FundamentalMatrix, PointPair};
+use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::image::Picture;
 use crate::io::{
     CalibratedCamera, Format, GeometryFile, ImageNote, MatchFile, OutputFile, cloud_as_ply,
@@ -64,7 +64,7 @@ impl GeometryInput {
                 )))?;
         }
         if let Some([left, right]) = self.images.as_deref() {
-            file.images = Some(image_notes(&[Picture::open(left)?, Picture::open(right)?]));
+            file.images = Some(image_notes([&Picture::open(left)?, &Picture::open(right)?]));
         }
         if let Some(cameras) = self.calibration.read()? {
             let missing = || {
@@ -101,8 +101,7 @@ pub(super) fn read_matches(path: &Path) -> Result<Vec<Match>, CliError> {
 }
 
 /// Tells that matches lie outside the pictures, if so: they may belong to pictures of another size.
-pub(super) fn tell_outside(matches: &[Match], pictures: &[Picture; 2]) {
-    let [frame1, frame2] = pictures.each_ref().map(Picture::frame);
+pub(super) fn tell_outside(matches: &[Match], [frame1, frame2]: [Frame; 2]) {
     let is_inside = |pair: &PointPair| frame1.contains(pair.point1) && frame2.contains(pair.point2);
     let outside = matches.iter().filter(|found| !is_inside(&found.pair)).count();
     if outside > 0 {
@@ -146,8 +145,8 @@ pub(super) fn read_geometry(path: &Path) -> Result<(FundamentalMatrix, GeometryF
     Ok((fundamental, file))
 }
 
-pub(super) fn image_notes(pictures: &[Picture; 2]) -> [ImageNote; 2] {
-    pictures.each_ref().map(|picture| ImageNote {
+pub(super) fn image_notes(pictures: [&Picture; 2]) -> [ImageNote; 2] {
+    pictures.map(|picture| ImageNote {
         interpretation: picture.interpretation,
         ..ImageNote::new(picture.name.clone(), picture.frame())
     })

@@ -10,23 +10,21 @@ use serde::Serialize;
 
 use super::CliError;
 use super::arguments::{ImagePair, on_threads, pixels, threads};
-use super::calibration::{CalibrationArguments, settled, undistort_matches, undistorted, views};
+use super::calibration::{CalibrationArguments, settled, views};
 use super::estimate::watched;
 use super::geometry_file::{read_geometry, read_matches, tell_remarks};
 use super::output::Output;
 use crate::camera::{PicturesOf, PoseDifference};
-use crate::estimate::{
-    Match, Monitor, Parameters, PreparedPair, Uncertainty, Verdict, estimate_fundamental, estimate_prepared,
-};
+use crate::estimate::{Parameters, Verdict};
 use crate::foreign::{reason, shown_path};
-use crate::geometry::{Frame, FundamentalMatrix, Matrix9, PointPair};
+use crate::geometry::{FundamentalMatrix, Matrix9};
 use crate::image::Picture;
 use crate::io::{CalibratedCamera, GeometryFile, refuse_clashes};
 use crate::judge::{
-    FEWEST_MATCHES, Finding, GivenCalibration, GivenGeometry, Judgement, LIMIT, ROW_LIMIT, Reference,
-    RowJudgement, RowMatches, judge, judge_rows,
+    FEWEST_MATCHES, Finding, GivenCalibration, GivenGeometry, LIMIT, ROW_LIMIT, RowJudgement, judge_rows,
 };
 use crate::presentation::{NO_BASELINE, judgement_in_words, pose_difference_in_words, rows_in_words};
+use crate::study::{Question, ShownGeometry, Study, matches_in};
 
 /// Judge whether a geometry from elsewhere fits two images, or whether they are rectified
 ///
@@ -94,20 +92,6 @@ struct JudgeFile<'a, T: Serialize> {
     version: &'static str,
 }
 
-/// Geometry that the images show.
-struct Shown {
-    fundamental: FundamentalMatrix,
-    matches: Vec<PointPair>,
-    /// Matches that no search and no line has selected.
-    witnesses: Vec<PointPair>,
-    /// Whether the matches can refute a geometry. True for matches that a person gives.
-    is_trusted: bool,
-    /// Whether the matches determine the epipole, and with it the pose.
-    has_epipoles: bool,
-    verdict: Option<Verdict>,
-    covariance: Option<Matrix9>,
-}
-
 /// Judges, writes the files and prints a sentence.
 pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     let output = Output::prepare(arguments.json.as_deref())?;
@@ -118,28 +102,28 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     let calibrated = arguments.calibration.read()?;
     let (mut given, own_covariance) = arguments.given()?.unzip();
     let mut matches = arguments.matches.as_deref().map(read_matches).transpose()?;
-    let (mut pictures, _) = arguments.images.load()?;
+    let mut study = Study::of_pictures(arguments.images.load()?.0);
     let mut stereo = None;
     let mut notes = Vec::new();
     if let Some(calibrated) = calibrated {
-        let frames = pictures.each_ref().map(Picture::frame);
-        let calibrated = arguments.calibration.scaled(calibrated, Some(frames))?;
-        let calibrated = settled(calibrated, &pictures, matches.as_deref())?;
+        let calibrated = arguments.calibration.scaled(calibrated, Some(study.frames()))?;
+        let calibrated = settled(calibrated, &study, matches.as_deref())?;
         notes = CalibratedCamera::notes_of(&calibrated);
         let (pose, _) = CalibratedCamera::relative_pose(&calibrated).ok_or_else(|| no_pose(&notes))?;
-        let views = views(&calibrated, frames)?;
-        undistort_matches(&mut matches, &views)?;
-        pictures = undistorted(pictures, &views);
+        let views = views(&calibrated, study.frames())?;
+        matches = matches.map(|matches| matches_in(&views, &matches)).transpose()?;
+        // The cameras are judged, so they take no part in the search.
+        study = study.with_views(views).drawn_in(None);
         let calibration = GivenCalibration { pose, views };
         given = Some(of_calibration(&calibration).ok_or_else(|| no_pose(&notes))?);
         stereo = Some(calibration);
     }
     let pictures_of = PicturesOf::from(stereo.as_ref().map(|calibration| &calibration.views));
-    let frames = pictures.each_ref().map(Picture::frame);
-    let prepared = PreparedPair::new(&pictures[0].gray, &pictures[1].gray);
+    let frames = study.frames();
     let search = |seed: u64| match &matches {
-        Some(matches) => of_matches(matches, frames, seed),
-        None => of_images(&prepared, arguments, seed),
+        Some(matches) => ShownGeometry::of_matches(matches, frames, seed)
+            .map_err(|error| CliError::Arguments(format!("the matches cannot be used: {error}"))),
+        None => of_images(&study, arguments, seed),
     };
     let shown = search(arguments.seed)?;
     let too_few = || {
@@ -156,13 +140,11 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     let beside = Beside { shown: &shown, pictures: &pictures_of, notes: &notes };
     let Some(given) = given else {
         let limit = arguments.limit.unwrap_or(ROW_LIMIT);
-        let Shown { matches, witnesses, is_trusted, .. } = &shown;
-        let found = judge_rows(&RowMatches { matches, witnesses, is_trusted: *is_trusted }, frames[1], limit)
-            .ok_or_else(too_few)?;
+        let found = judge_rows(&shown.rows(), frames[1], limit).ok_or_else(too_few)?;
         let words = rows_in_words(&found);
         write(&output, &found, &words, None, &beside)?;
         if let Some(log) = &arguments.log {
-            append(log, &pictures, &found)?;
+            append(log, study.pictures(), &found)?;
         }
         return match (found.is_aligned, found.doubt) {
             (true, _) => Ok(()),
@@ -172,24 +154,12 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     };
     let limit = arguments.limit.unwrap_or(LIMIT);
     let own_covariance = own_covariance.flatten();
-    let own_covariance = own_covariance.as_ref();
-    let reference = shown.reference(frames, own_covariance);
-    let mut found: Judgement = judge(&given, &reference, limit).ok_or_else(too_few)?;
-    if found.finding == Finding::DoesNotFit {
-        // A finding that hangs on the random numbers of a search accuses nobody.
-        let again = search(arguments.seed.wrapping_add(1))?;
-        if let Some(other) = judge(&given, &again.reference(frames, own_covariance), limit) {
-            found = found.confirmed_by(&other, &reference);
-        }
-    }
+    let again = || search(arguments.seed.wrapping_add(1));
+    let found = shown.judged((&given, own_covariance.as_ref()), frames, limit, again)?;
+    let found = found.ok_or_else(too_few)?;
     let mut words = judgement_in_words(&found);
-    // The lines of a geometry in doubt, and of one with a named mistake, tell no difference of poses.
-    let compares = found.finding != Finding::Undecided && found.change.is_none() && shown.is_trusted;
-    let calibration = stereo.as_ref().filter(|_| compares);
-    let difference = calibration.filter(|_| shown.has_epipoles).and_then(|calibration| {
-        // Without parallax the matches determine no pose.
-        calibration.views.fit_pose(&shown.fundamental, &shown.matches)?.difference(&calibration.pose)
-    });
+    let calibration = stereo.as_ref().filter(|_| shown.compares_pose(&found));
+    let difference = calibration.and_then(|calibration| shown.pose_difference(calibration));
     if let Some(difference) = &difference {
         words = format!("{words}\n{}", pose_difference_in_words(difference));
     } else if calibration.is_some() && !shown.has_epipoles {
@@ -233,50 +203,12 @@ impl JudgeArguments {
     }
 }
 
-impl Shown {
-    /// Returns the reference of a judgement. Both geometries may be uncertain; without a covariance, the
-    /// judged one counts as exact.
-    fn reference(&self, frames: [Frame; 2], own_covariance: Option<&Matrix9>) -> Reference<'_> {
-        let Self { fundamental, matches, witnesses, is_trusted, has_epipoles, covariance, .. } = self;
-        Reference {
-            fundamental: *fundamental,
-            matches,
-            witnesses,
-            frames,
-            is_trusted: *is_trusted,
-            has_epipoles: *has_epipoles,
-            covariance: covariance.map(|own| own + own_covariance.copied().unwrap_or_else(Matrix9::zeros)),
-        }
-    }
-}
-
 /// Estimates the geometry of the images without clicks.
-fn of_images(prepared: &PreparedPair, arguments: &JudgeArguments, seed: u64) -> Result<Shown, CliError> {
+fn of_images(study: &Study, arguments: &JudgeArguments, seed: u64) -> Result<ShownGeometry, CliError> {
     let parameters = Parameters { seed, ..Parameters::default() };
-    let compute = |monitor: &Monitor| estimate_prepared(prepared, &[], &parameters, monitor);
-    let found = on_threads(arguments.threads, || watched(compute))??;
-    Ok(Shown {
-        fundamental: *found.fundamental(),
-        matches: found.matched_pairs(),
-        witnesses: found.assessment.distinctive.to_vec(),
-        is_trusted: found.may_contradict(),
-        has_epipoles: !found.says_one_plane(),
-        verdict: found.assessment.trust.as_ref().map(|trust| trust.verdict),
-        covariance: found.uncertainty().map(Uncertainty::covariance),
-    })
-}
-
-/// Fits a geometry to given matches. All of them are witnesses.
-fn of_matches(matches: &[Match], frames: [Frame; 2], seed: u64) -> Result<Shown, CliError> {
-    let fit = estimate_fundamental(matches, frames, seed)
-        .map_err(|error| CliError::Arguments(format!("the matches cannot be used: {error}")))?;
-    let witnesses = matches.iter().map(|found| found.pair).collect();
-    let right = matches.iter().zip(&fit.inlier_probabilities).filter(|(_, right)| **right > 0.5);
-    let matches = right.map(|(found, _)| found.pair).collect();
-    let covariance = fit.uncertainty.as_ref().map(Uncertainty::covariance);
-    let fundamental = fit.fundamental;
-    let (is_trusted, has_epipoles, verdict) = (true, true, None);
-    Ok(Shown { fundamental, matches, witnesses, is_trusted, has_epipoles, verdict, covariance })
+    let question = Question { clicks: &[], given: None, parameters: &parameters };
+    let found = on_threads(arguments.threads, || watched(|monitor| study.solve(&question, monitor)))??;
+    Ok(ShownGeometry::from(&found))
 }
 
 /// Returns the geometry of a calibration in the views without distortion.
@@ -298,7 +230,7 @@ fn no_pose(notes: &[String]) -> CliError {
 
 /// What a written judgement rests on.
 struct Beside<'a> {
-    shown: &'a Shown,
+    shown: &'a ShownGeometry,
     /// Pictures that the reference belongs to.
     pictures: &'a PicturesOf,
     /// How the calibration was read.
@@ -345,7 +277,7 @@ fn check_log(log: &Path) -> Result<(), CliError> {
 }
 
 /// Adds a line to the log, which begins with the names of the columns.
-fn append(log: &Path, pictures: &[Picture; 2], found: &RowJudgement) -> Result<(), CliError> {
+fn append(log: &Path, pictures: [&Picture; 2], found: &RowJudgement) -> Result<(), CliError> {
     let failed = |error: std::io::Error| {
         CliError::Arguments(format!("cannot write {}: {}", shown_path(log), reason(&error)))
     };
@@ -355,7 +287,7 @@ fn append(log: &Path, pictures: &[Picture; 2], found: &RowJudgement) -> Result<(
         let _ = writeln!(text, "{COLUMNS}");
     }
     let quoted = |name: &str| format!("\"{}\"", name.replace('"', "\"\""));
-    let [left, right] = pictures.each_ref().map(|picture| quoted(&picture.name));
+    let [left, right] = pictures.map(|picture| quoted(&picture.name));
     let RowJudgement { matches, constant, across, down, curved, typical, largest, is_aligned, .. } = found;
     let _ = writeln!(
         text,

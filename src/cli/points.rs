@@ -4,19 +4,19 @@ use std::path::Path;
 
 use super::CliError;
 use super::arguments::on_threads;
-use super::calibration::{settled_by, undistort_matches, views};
+use super::calibration::{settled_by, views};
 use super::console::tell;
 use super::estimate_arguments::EstimateArguments;
 use super::geometry_file::read_matches;
-use super::result_output::with_views;
+use super::result_output::{relative_pose_in_words, with_views};
 use crate::camera::PicturesOf;
-use crate::estimate::{Match, PointEstimate, Preset, Uncertainty, check_inside, estimate_points};
+use crate::estimate::{PointEstimate, Preset, Uncertainty, check_inside, estimate_points};
 use crate::geometry::{Frame, PointPair};
 use crate::io::{
     CalibratedCamera, GeometryFile, ImageNote, PairLabel, PairOrigin, PointResultFile, TrustNote,
     points_in_words,
 };
-use crate::presentation::{NO_BASELINE, pose_in_words};
+use crate::study::{PoseOutcome, matches_in};
 
 /// Colour of a scene point without a picture.
 const GREY: [u8; 3] = [128; 3];
@@ -28,7 +28,7 @@ pub(super) fn run(arguments: &EstimateArguments, path: &Path) -> Result<(), CliE
     let inputs: Vec<&Path> = cameras.calibration.files().chain([path]).collect();
     let output = arguments.result.prepare(&inputs)?;
     let calibrated = cameras.calibration.read()?;
-    let mut given = Some(read_matches(path)?);
+    let mut given = read_matches(path)?;
     let sizes = match arguments.sizes.as_deref() {
         Some([both]) => Some([*both; 2]),
         Some([left, right]) => Some([*left, *right]),
@@ -36,22 +36,22 @@ pub(super) fn run(arguments: &EstimateArguments, path: &Path) -> Result<(), CliE
     };
     let known = sizes.or_else(|| sizes_of(calibrated.as_ref()?));
     if let Some(known) = known {
-        check_inside(given.as_deref().unwrap_or_default(), known)?;
+        check_inside(&given, known)?;
     }
     let (mut of_cameras, mut frames) = (None, known);
     if cameras.is_given() {
         let unknown = "the sizes of the images are needed for the cameras. Give them (--sizes WIDTHxHEIGHT)";
         let known = known.ok_or_else(|| CliError::Arguments(unknown.into()))?;
         let found = cameras.of_frames(calibrated, known, [None; 2], None)?;
-        let pairs = || given.iter().flatten().map(|m| m.pair).collect();
+        let pairs = || given.iter().map(|m| m.pair).collect();
         of_cameras = found.map(|found| settled_by(found, known, pairs)).transpose()?;
     }
     let baseline = of_cameras.as_ref().and_then(CalibratedCamera::baseline);
     let views = of_cameras.zip(known).map(|(cameras, known)| views(&cameras, known)).transpose()?;
     if let Some(views) = &views {
-        let all = given.as_ref().map_or(0, Vec::len);
-        undistort_matches(&mut given, views)?;
-        let left_out = all - given.as_ref().map_or(0, Vec::len);
+        let all = given.len();
+        given = matches_in(views, &given)?;
+        let left_out = all - given.len();
         if left_out > 0 {
             tell(format_args!(
                 "warning: {left_out} of {all} matches lie beyond the range of a lens and are left out"
@@ -59,36 +59,25 @@ pub(super) fn run(arguments: &EstimateArguments, path: &Path) -> Result<(), CliE
         }
         frames = Some(views.frames());
     }
-    let given: Vec<Match> = given.unwrap_or_default();
     let seed = arguments.seed.unwrap_or_default();
     let found = on_threads(arguments.threads, || estimate_points(&given, frames, seed))??;
     let pairs: Vec<PointPair> = given.iter().map(|m| m.pair).collect();
     let mut result = PointResultFile::new(&found, &pairs, frames.is_some(), seed);
     let mut words = points_in_words(&found, &pairs, frames.is_some());
     let matched = found.estimate.matched_pairs();
-    let mut pose = views.as_ref().and_then(|views| views.fit_pose(found.estimate.fundamental(), &matched));
-    let is_open = found.estimate.says_one_plane();
-    if let Some(fit) = pose.as_mut().filter(|_| is_open) {
-        // The covariance describes errors around this epipole, but other epipoles fit as well.
-        fit.uncertainty = None;
-    }
-    if let Some(views) = &views {
-        result = result.calibrated(views, pose.as_ref(), baseline);
-        words += &match &pose {
-            Some(_) if is_open => ["Relative pose: ", NO_BASELINE, "\n"].concat(),
-            Some(pose) => pose_in_words(pose),
-            None if views.has_focal_lengths() => "Relative pose: too few matches for one\n".to_owned(),
-            None => String::new(),
-        };
+    let pose = views.as_ref().map(|views| PoseOutcome::new(&found.estimate, views));
+    if let Some((views, pose)) = views.as_ref().zip(pose.as_ref()) {
+        result = result.calibrated(views, pose.fit(), baseline);
+        words += &relative_pose_in_words(pose);
         if views.is_undistorted() {
             words += "All coordinates belong to the views without distortion\n";
         }
     }
-    let pose = pose.filter(|_| !is_open);
-    output.write_points(&result, &words, is_open, || {
+    let determined = pose.as_ref().and_then(PoseOutcome::determined);
+    output.write_points(&result, &words, found.estimate.says_one_plane(), || {
         let file = exported(&found, &pairs, frames, PicturesOf::from(views.as_ref()));
         let Some(views) = &views else { return file };
-        with_views(file, views, pose.as_ref(), baseline, &matched, |_| GREY)
+        with_views(file, views, determined, baseline, &matched, |_| GREY)
     })
 }
 

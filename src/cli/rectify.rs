@@ -8,10 +8,10 @@ use image::DynamicImage;
 
 use super::CliError;
 use super::arguments::{ImagePair, megapixels, on_threads, threads};
-use super::calibration::{CameraArguments, settled, undistorted_pairs, views};
+use super::calibration::{CameraArguments, settled, views};
 use super::console::{print, tell};
 use super::geometry_file::{read_matches, tell_remarks};
-use crate::camera::{PicturesOf, RelativePose, ViewPair};
+use crate::camera::{PicturesOf, ViewPair};
 use crate::cancel::CancelFlag;
 use crate::foreign::shown_path;
 use crate::geometry::{FundamentalMatrix, PointPair};
@@ -22,6 +22,7 @@ use crate::io::{
 };
 use crate::presentation::lenses_in_words;
 use crate::rectify::{Distortion, Limits, Rectification, RectifyMethod, rectify, rectify_calibrated};
+use crate::study::{Study, StudyError, clicks_in, stereo_pose};
 
 /// Redraw both images so that corresponding points are in the same row
 #[derive(Debug, Args)]
@@ -78,12 +79,11 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let (pictures, known) = arguments.images.load()?;
     let given = given.map(|given| given.iter().map(|found| found.pair).collect());
     let mut matches: Vec<PointPair> = given.or(known).unwrap_or_default();
-    let calibrated = arguments.cameras.of_pictures(calibrated, &pictures, None)?;
-    let calibrated = calibrated.map(|cameras| settled(cameras, &pictures, None)).transpose()?;
-    let mut views = calibrated
-        .as_ref()
-        .map(|cameras| views(cameras, pictures.each_ref().map(Picture::frame)))
-        .transpose()?;
+    let study = Study::of_pictures(pictures);
+    let (pictures, frames) = (study.pictures(), study.frames());
+    let calibrated = arguments.cameras.of_pictures(calibrated, pictures, None)?;
+    let calibrated = calibrated.map(|cameras| settled(cameras, &study, None)).transpose()?;
+    let mut views = calibrated.as_ref().map(|cameras| views(cameras, frames)).transpose()?;
     if let (Some(views), Some((_, file)), Some(path)) = (&mut views, &result, &arguments.fundamental) {
         *views = of_result(views, &file.pictures, path)?;
     }
@@ -94,22 +94,24 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
         })
         .unzip();
     if let Some(views) = &views {
-        matches = undistorted_pairs(&matches, views)?;
+        matches = clicks_in(views, &matches)?;
     }
     if matches.is_empty() {
         matches = found.unwrap_or_default();
     }
     let pictures_of = PicturesOf::from(views.as_ref());
-    let posed = calibrated.zip(views).map(|(c, views)| posed(&c, &views, fundamental.as_ref(), &matches));
+    let posed = calibrated.zip(views).map(|(cameras, views)| {
+        stereo_pose(CalibratedCamera::relative_pose(&cameras), &views, fundamental.as_ref(), &matches)
+    });
     let limits = arguments.max_megapixels.map_or_else(Limits::default, |pixels| Limits { pixels });
     let images = pictures.iter().filter_map(|picture| picture.path.as_deref());
     let inputs = images.chain(arguments.fundamental.as_deref()).chain(arguments.matches.as_deref());
     let inputs: Vec<&Path> = inputs.chain(arguments.cameras.calibration.files()).collect();
     if let (Some(program), Some(views)) = (arguments.program, &views) {
-        let (pose, baseline) = posed.ok_or_else(no_pose)??;
+        let (pose, baseline) = posed.ok_or(StudyError::NoPose)??;
         let files = StereoPairFiles::prepare(&arguments.output, program, &inputs)?;
         let (made, rig) = rectify_calibrated(&pose, views, &matches, &limits)?;
-        let drawn = drawn(&made, &pictures, arguments.threads)?;
+        let drawn = drawn(&made, pictures, arguments.threads)?;
         let disparities = made.measures.rows.map(|rows| rows.disparity);
         let pair = StereoPair { rig: &rig, views, baseline, disparities };
         // These programs read 8 bits.
@@ -120,32 +122,31 @@ pub(super) fn run(arguments: &RectifyArguments) -> Result<(), CliError> {
     let fundamental = match (fundamental, posed, &views) {
         (Some(fundamental), ..) => fundamental,
         (None, Some(posed), Some(views)) => {
-            posed?.0.fundamental(&views.calibrations()).ok_or_else(no_pose)?
+            posed?.0.fundamental(&views.calibrations()).ok_or(StudyError::NoPose)?
         }
-        _ => return Err(no_pose()),
+        _ => return Err(StudyError::NoPose.into()),
     };
     let options = RectifiedOptions {
         format: arguments.format,
         guide_spacing: arguments.guide_lines,
         maps: arguments.maps,
     };
-    let frames = views.as_ref().map_or(pictures.each_ref().map(Picture::frame), ViewPair::frames);
+    let frames = views.as_ref().map_or(frames, ViewPair::frames);
     let mut rectification = rectify(&fundamental, frames, &matches, arguments.method, &limits)?;
     if let Some(views) = &views {
         rectification = rectification.through(&views.views);
     }
     let files = RectifiedFiles::prepare(&arguments.output, options, &inputs)?;
-    let drawn = drawn(&rectification, &pictures, arguments.threads)?;
-    let originals = [&pictures[0], &pictures[1]];
+    let drawn = drawn(&rectification, pictures, arguments.threads)?;
     let geometry = (&fundamental, &pictures_of);
-    files.write(&rectification, geometry, originals, [&drawn[0], &drawn[1]], &mut |_| true)?;
+    files.write(&rectification, geometry, pictures, [&drawn[0], &drawn[1]], &mut |_| true)?;
     print(&summary(&rectification, &files))
 }
 
 /// Draws both rectified pictures.
 fn drawn(
     made: &Rectification,
-    pictures: &[Picture; 2],
+    pictures: [&Picture; 2],
     threads: Option<usize>,
 ) -> Result<[DynamicImage; 2], CliError> {
     let never = CancelFlag::default();
@@ -194,41 +195,6 @@ fn of_result(views: &ViewPair, of_file: &PicturesOf, path: &Path) -> Result<View
         }),
         _ => Ok(*views),
     }
-}
-
-/// Returns the pose of F or, without F, the pose of the calibration. The length of the baseline is
-/// known from the calibration alone, in its unit.
-fn posed(
-    calibrated: &[CalibratedCamera; 2],
-    views: &ViewPair,
-    fundamental: Option<&FundamentalMatrix>,
-    matches: &[PointPair],
-) -> Result<(RelativePose, Option<f64>), CliError> {
-    let own = CalibratedCamera::relative_pose(calibrated);
-    let Some(fundamental) = fundamental else {
-        return own.map(|(pose, baseline)| (pose, Some(baseline))).ok_or_else(no_pose);
-    };
-    if !views.has_focal_lengths() {
-        let missing = "a pose needs the focal lengths. Give both (--focal-length)";
-        return Err(CliError::Arguments(missing.into()));
-    }
-    if matches.is_empty() {
-        let missing =
-            "without matches, F does not tell which camera is the left one. Give matches (--matches)";
-        return Err(CliError::Arguments(missing.into()));
-    }
-    let fit = views.fit_pose(fundamental, matches);
-    let pose = fit
-        .map(|fit| fit.pose)
-        .or_else(|| RelativePose::from_fundamental(fundamental, &views.calibrations(), matches));
-    Ok((pose.ok_or_else(no_pose)?, own.map(|(_, baseline)| baseline)))
-}
-
-fn no_pose() -> CliError {
-    CliError::Arguments(
-        "the calibration does not tell where the second camera is. Give a fundamental matrix (--fundamental)"
-            .into(),
-    )
 }
 
 /// Describes a pair for a stereo program in words.

@@ -18,6 +18,7 @@ use crate::io::{
     UndistortedFiles, result_in_words,
 };
 use crate::presentation::{NO_BASELINE, pose_in_words};
+use crate::study::PoseOutcome;
 
 /// Output options of a result.
 #[derive(Debug, Args)]
@@ -86,23 +87,19 @@ impl ResultOutput {
         self,
         found: &Estimate,
         pairs: &[PointPair],
-        pictures: &[Picture; 2],
+        pictures: [&Picture; 2],
         parameters: &Parameters,
         beside: Beside,
     ) -> Result<(), CliError> {
         let Beside { offset, views, baseline, given, calibration } = beside;
         let matches = found.matched_pairs();
         let pictures_of = PicturesOf::from(views);
-        let mut pose = views.and_then(|views| views.fit_pose(found.fundamental(), &matches));
-        if let Some(fit) = pose.as_mut().filter(|_| found.says_one_plane()) {
-            // The covariance describes errors around this epipole, but other epipoles fit as well.
-            fit.uncertainty = None;
-        }
+        let pose = views.map(|views| PoseOutcome::new(found, views));
         let lacks_depth =
             found.says_one_plane() && self.export.as_ref().is_some_and(GeometryOutput::is_cloud);
         if let Some(export) = self.export.filter(|_| !lacks_depth) {
             // Other programs would take the pose as certain.
-            let pose = pose.as_ref().filter(|_| !found.says_one_plane());
+            let pose = pose.as_ref().and_then(PoseOutcome::determined);
             let mut file = GeometryFile {
                 covariance: found.uncertainty().map(Uncertainty::covariance),
                 ..geometry_file(found, pairs, pictures, pictures_of.clone())
@@ -118,7 +115,7 @@ impl ResultOutput {
                     "there is no distortion to remove from the pictures, so --undistorted writes nothing";
                 return Err(CliError::Arguments(missing.into()));
             }
-            files.write(pictures.each_ref(), geometry_file(found, pairs, pictures, pictures_of.clone()))?;
+            files.write(pictures, geometry_file(found, pairs, pictures, pictures_of.clone()))?;
             for path in files.paths() {
                 tell(format_args!("wrote {}", shown_path(&path)));
             }
@@ -132,15 +129,9 @@ impl ResultOutput {
             result = result.with_given(given);
             words += &given_in_words(found, given);
         }
-        if let Some(views) = views {
-            result = result.calibrated(views, pose.as_ref(), baseline);
-            let of_pose = match &pose {
-                Some(_) if found.says_one_plane() => format!("Relative pose: {NO_BASELINE}\n"),
-                Some(pose) => pose_in_words(pose),
-                None if views.has_focal_lengths() => "Relative pose: too few matches for one\n".to_owned(),
-                None => String::new(),
-            };
-            words += &of_pose;
+        if let Some((views, pose)) = views.zip(pose.as_ref()) {
+            result = result.calibrated(views, pose.fit(), baseline);
+            words += &relative_pose_in_words(pose);
             words += &guess_in_words(views);
         }
         self.output.write(&result, &words)?;
@@ -164,6 +155,16 @@ impl ResultOutput {
         }
         self.output.write(result, words)?;
         if lacks_depth { Err(CliError::NoDepth) } else { Ok(()) }
+    }
+}
+
+/// Describes the relative pose of the cameras; empty where a focal length is unknown.
+pub(super) fn relative_pose_in_words(pose: &PoseOutcome) -> String {
+    match pose {
+        PoseOutcome::Determined(fit) => pose_in_words(fit),
+        PoseOutcome::OpenEpipole(_) => format!("Relative pose: {NO_BASELINE}\n"),
+        PoseOutcome::TooFewMatches => "Relative pose: too few matches for one\n".to_owned(),
+        PoseOutcome::NoFocalLengths => String::new(),
     }
 }
 
@@ -228,7 +229,7 @@ fn guess_in_words(views: &ViewPair) -> String {
 fn geometry_file(
     found: &Estimate,
     pairs: &[PointPair],
-    pictures: &[Picture; 2],
+    pictures: [&Picture; 2],
     pictures_of: PicturesOf,
 ) -> GeometryFile {
     let label = |origin| PairLabel { origin, ..PairLabel::default() };

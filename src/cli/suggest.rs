@@ -11,10 +11,10 @@ use super::arguments::{ImagePair, on_threads, pixels, point, threads};
 use super::geometry_file::read_geometry;
 use super::output::Output;
 use crate::camera::PicturesOf;
-use crate::estimate::PreparedPair;
 use crate::geometry::{FundamentalMatrix, Point};
 use crate::io::refuse_clashes;
-use crate::suggest::{ClickedImage, Known, SuggestParameters, Suggestions, suggest};
+use crate::study::Study;
+use crate::suggest::{ClickedImage, Known, SuggestParameters, Suggestions};
 
 /// Suggest the match of a point in the other image
 #[derive(Debug, Args)]
@@ -51,13 +51,12 @@ pub(super) fn run(arguments: &SuggestArguments) -> Result<(), CliError> {
     let file = arguments.fundamental.as_deref().map(read_geometry).transpose()?;
     let (fundamental, matches) = file.map(|(fundamental, file)| (fundamental, file.found)).unzip();
     let matches = matches.unwrap_or_default();
-    let ([image1, image2], _) = arguments.images.load()?;
+    let study = Study::of_pictures(arguments.images.load()?.0);
     let parameters = SuggestParameters { band: arguments.band, ..SuggestParameters::default() };
     let clicked = arguments.clicked;
     let found = on_threads(arguments.threads, || {
-        let prepared = PreparedPair::new(&image1.gray, &image2.gray);
         let known = Known { fundamental, view: None, matches: &matches };
-        suggest(&prepared, arguments.at, clicked, &known, &parameters)
+        study.suggest(arguments.at, clicked, &known, &parameters)
     })??;
     let result = SuggestionFile {
         at: arguments.at,
@@ -67,7 +66,7 @@ pub(super) fn run(arguments: &SuggestArguments) -> Result<(), CliError> {
         clear: found.clear().is_some(),
         message: found.verdict.to_string(),
         suggestions: &found,
-        images: [&image1.name, &image2.name],
+        images: study.pictures().map(|picture| picture.name.as_str()),
         parameters: &parameters,
         version: env!("CARGO_PKG_VERSION"),
     };

@@ -30,7 +30,7 @@ pub fn estimate(
     monitor: &Monitor,
 ) -> Result<Estimate, EstimateError> {
     let begun = Instant::now();
-    run(&PreparedPair::new(image1, image2), pairs, parameters, monitor, begun)
+    estimate_since(begun, &PreparedPair::new(image1, image2), pairs, parameters, monitor)
 }
 
 /// Runs [`estimate`] on prepared images.
@@ -40,15 +40,16 @@ pub fn estimate_prepared(
     parameters: &Parameters,
     monitor: &Monitor,
 ) -> Result<Estimate, EstimateError> {
-    run(prepared, pairs, parameters, monitor, Instant::now())
+    estimate_since(Instant::now(), prepared, pairs, parameters, monitor)
 }
 
-fn run(
+/// Runs [`estimate_prepared`] with times that count from an earlier moment.
+pub(crate) fn estimate_since(
+    begun: Instant,
     prepared: &PreparedPair,
     pairs: &[PointPair],
     parameters: &Parameters,
     monitor: &Monitor,
-    begun: Instant,
 ) -> Result<Estimate, EstimateError> {
     parameters.check()?;
     let plan = SearchPlan::of(parameters, pairs.len());

@@ -28,10 +28,14 @@ mod verdict;
 
 pub use crate::cancel::CancelFlag;
 pub use clicks::{Click, ClickRole, Clicks};
+#[cfg(feature = "pictures")]
+pub(crate) use driver::estimate_since;
 pub use driver::{estimate, estimate_prepared};
 pub use error::{EstimateError, Warning};
 #[doc(hidden)]
 pub use evidence::features as covariant;
+#[cfg(feature = "pictures")]
+pub(crate) use evidence::lazy::Lazy;
 pub use evidence::lines::{Candidate, ComparedPencils, Construction, LineFigures, RoundTrip, lines_at};
 pub use evidence::patches::{PatchSupport, RefinedMatch, Refinement};
 pub use evidence::prepared::PreparedPair;

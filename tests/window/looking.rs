@@ -276,7 +276,8 @@ fn linked_views_follow_the_match_and_alt_moves_one_alone() {
         let points = [at(200.0, 150.0), at(400.0, 300.0), at(600.0, 450.0)];
         let pairs = points.map(|point1| PointPair { point1, point2: point1 + moved });
         let matches = pairs.map(|pair| RefinedMatch { pair, correlation: 0.9 }).to_vec();
-        estimate.assessment.refinement = Some(Refinement { matches, uncertainty: None, noise: None });
+        estimate.assessment.refinement =
+            Some(Refinement { matches, uncertainty: None, noise: None, is_posed: false });
         Ok(estimate)
     });
     let mut window = window(Start::default(), services);

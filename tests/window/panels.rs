@@ -13,8 +13,8 @@ use epiline::internals::app::model::comparison::PointSet;
 use epiline::internals::app::model::document::{Role as PairRole, Side};
 use epiline::internals::app::model::focus::{LineSource, Target};
 use epiline::internals::app::model::ids::OverlayId;
-use epiline::internals::app::model::suggesting::PlaceFound;
 use epiline::internals::app::{Services, Start};
+use epiline::study::PlaceFound;
 
 /// The sample with two pairs and a result with hypotheses and pencils.
 fn with_result() -> Window {

@@ -10,8 +10,8 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::estimate::{Reason, Trust, Verdict};
 use epiline::geometry::{Point, Vector, symmetric_epipolar_distance};
 use epiline::internals::app::model::document::{PointRef, Role, Side};
-use epiline::internals::app::model::suggesting::PlaceFound;
 use epiline::internals::app::{Opening, Services, Start};
+use epiline::study::PlaceFound;
 
 const Q_RIGHT: PointRef = PointRef { pair: 1, side: Side::Right };
 

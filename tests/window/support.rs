@@ -37,7 +37,7 @@ pub fn fake_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
     let assessment = Assessment {
         lines: Some(line_figures(&fundamental, [*p, *q], 0.25)?),
         margin: Some(0.4),
-        refinement: Some(Refinement { matches: Vec::new(), uncertainty: None, noise: None }),
+        refinement: Some(Refinement { matches: Vec::new(), uncertainty: None, noise: None, is_posed: false }),
         ..Assessment::default()
     };
     let trace = SearchTrace {
@@ -102,7 +102,8 @@ pub fn matched_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<
     let at = |x: f64, y: f64| PointPair::new(x, y, x - 12.0, y);
     let matches = [at(200.0, 150.0), at(400.0, 300.0), at(600.0, 450.0)];
     let matches = matches.map(|pair| RefinedMatch { pair, correlation: 0.9 }).to_vec();
-    estimate.assessment.refinement = Some(Refinement { matches, uncertainty: None, noise: None });
+    estimate.assessment.refinement =
+        Some(Refinement { matches, uncertainty: None, noise: None, is_posed: false });
     Ok(estimate)
 }
 

@@ -13,9 +13,10 @@ use crate::app::model::session::{OpenSession, has_session_extension};
 use crate::app::model::{Document, Model, Side, StageId};
 use crate::app::tasks::{LoadedPair, NewCalibration, Opening, OpeningFailure, Wanted};
 use crate::app::view::{FocalDialog, OpenDialog, RelocateDialog};
-use crate::camera::{CameraModel, FocalLength};
+use crate::camera::FocalLength;
 use crate::geometry::PointPair;
 use crate::io::{CalibratedCamera, PairOrigin, is_sequence};
+use crate::study::assumed_camera;
 
 impl Inspector {
     /// Shows newly opened pictures, or a message.
@@ -227,7 +228,7 @@ impl Inspector {
         let Some((lens, pictures)) = self.model.offered_lens().zip(self.model.open.pictures.clone()) else {
             return;
         };
-        let camera = |k: usize| CameraModel::of_division(lens.lambdas[k], pictures[k].shown().frame());
+        let camera = |k: usize| assumed_camera(Some(lens.lambdas[k]), None, pictures[k].shown().frame());
         let Some(cameras) = camera(0).zip(camera(1)).map(Into::into) else { return };
         let calibration = NewCalibration { name: None, cameras: Some(cameras), pose: None };
         self.open(Wanted::Calibrated(Box::new((pictures, calibration))));

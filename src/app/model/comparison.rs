@@ -8,9 +8,10 @@ use crate::comparison::{
     Distances, FitError, KnownPair, PointFit, Spread, fit_eight, fit_least_median, fit_msac, fit_seven,
 };
 use crate::estimate::Match;
-use crate::geometry::{Frame, FundamentalMatrix, Matrix9, PointPair};
+use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::io::GroundTruth;
-use crate::judge::{GivenGeometry, Judgement, LIMIT, Reference, judge};
+use crate::judge::{GivenGeometry, Judgement, LIMIT, judge};
+use crate::study::ShownGeometry;
 
 named! {
     fn name;
@@ -73,7 +74,8 @@ pub struct Subject {
 
 #[derive(Clone, PartialEq)]
 pub struct ComparisonQuestion {
-    pub result: Option<FundamentalMatrix>,
+    /// The result with its matches.
+    pub result: Option<ShownGeometry>,
     /// Geometry shown by the window.
     pub shown: Option<FundamentalMatrix>,
     pub imported: Option<GivenGeometry>,
@@ -81,16 +83,8 @@ pub struct ComparisonQuestion {
     /// Places of the excluded pairs among the clicked ones.
     pub excluded: Vec<usize>,
     pub used: Vec<PointPair>,
-    pub matches: Vec<PointPair>,
-    /// Distinctive matches, found without a geometry.
-    pub distinctive: Vec<PointPair>,
     /// Matches from elsewhere.
     pub given: Option<Shared<Vec<Match>>>,
-    pub covariance: Option<Matrix9>,
-    /// Whether the result may contradict an imported geometry.
-    pub is_trusted: bool,
-    /// Whether the matches determine the epipoles.
-    pub has_epipoles: bool,
     pub frames: [Frame; 2],
     /// Ground truth, if known and in use.
     pub truth: Option<Shared<GroundTruth>>,
@@ -158,7 +152,7 @@ impl ComparisonQuestion {
         let fits = Contestant::ALL.map(|contestant| match contestant {
             Contestant::Result => {
                 let none = || "no result yet".to_owned();
-                self.result.as_ref().map(|f| known(f, self.used.len())).ok_or_else(none)
+                self.result.as_ref().map(|found| known(&found.fundamental, self.used.len())).ok_or_else(none)
             }
             Contestant::SevenPoint => {
                 seven.clone().and_then(|pairs| self.in_words(fit_seven(&pairs, &counted)))
@@ -205,23 +199,14 @@ impl ComparisonQuestion {
     /// Judges the imported geometry by the result and its matches.
     fn judgement(&self) -> Option<(FundamentalMatrix, Judgement)> {
         let given = self.imported?;
-        let fundamental = self.result?;
-        let reference = Reference {
-            fundamental,
-            matches: &self.matches,
-            witnesses: &self.distinctive,
-            frames: self.frames,
-            is_trusted: self.is_trusted,
-            has_epipoles: self.has_epipoles,
-            covariance: self.covariance,
-        };
+        let reference = self.result.as_ref()?.reference(self.frames, None);
         judge(&given, &reference, LIMIT).map(|judgement| (given.fundamental, judgement))
     }
 
     fn points(&self, set: PointSet) -> Vec<PointPair> {
         match set {
             PointSet::Pairs => self.pairs.clone(),
-            PointSet::Matches => self.matches.clone(),
+            PointSet::Matches => self.result.as_ref().map_or_else(Vec::new, |found| found.matches.clone()),
             PointSet::Given => {
                 self.given.iter().flat_map(|given| given.iter()).map(|found| found.pair).collect()
             }
@@ -288,18 +273,21 @@ mod tests {
     fn question() -> ComparisonQuestion {
         let sample = sample_pair();
         ComparisonQuestion {
-            result: Some(sample.truth.fundamental),
+            result: Some(ShownGeometry {
+                fundamental: sample.truth.fundamental,
+                matches: Vec::new(),
+                witnesses: Vec::new(),
+                is_trusted: true,
+                has_epipoles: true,
+                verdict: None,
+                covariance: None,
+            }),
             shown: Some(sample.truth.fundamental),
             imported: Some(sample.truth.fundamental.into()),
             pairs: sample.show_me.to_vec(),
             excluded: Vec::new(),
             used: sample.show_me.to_vec(),
-            matches: Vec::new(),
-            distinctive: Vec::new(),
             given: None,
-            covariance: None,
-            is_trusted: true,
-            has_epipoles: true,
             frames: sample.pictures.each_ref().map(|opened| opened.picture.frame()),
             truth: Some(Shared::new(sample.truth)),
             subject: Subject::default(),
@@ -328,7 +316,8 @@ mod tests {
     fn matches_of_the_images_are_measured_and_fitted() {
         let matches: Vec<PointPair> = question().truth.as_ref().unwrap().matches.clone();
         let count = matches.len();
-        let mut question = ComparisonQuestion { truth: None, pairs: Vec::new(), matches, ..question() };
+        let mut question = ComparisonQuestion { truth: None, pairs: Vec::new(), ..question() };
+        question.result.as_mut().unwrap().matches.clone_from(&matches);
         let comparison = question.answer();
         assert_eq!(
             (comparison.measured, comparison.points.len()),
@@ -347,7 +336,7 @@ mod tests {
         assert_eq!(sets(&question), (PointSet::Matches, PointSet::Matches));
         question.subject.measured = PointSet::Pairs;
         assert_eq!(sets(&question), (PointSet::Pairs, PointSet::Matches));
-        let few = std::mem::replace(&mut question.pairs, question.matches[..ENOUGH].to_vec());
+        let few = std::mem::replace(&mut question.pairs, matches[..ENOUGH].to_vec());
         assert_eq!(sets(&question), (PointSet::Pairs, PointSet::Pairs));
         question.pairs = few;
         question.subject.measured = PointSet::Matches;
@@ -361,9 +350,9 @@ mod tests {
             .imported
             .map(|given| GivenGeometry { fundamental: given.fundamental.swapped(), ..given });
         assert_eq!(finding(&question), Finding::Undecided);
-        question.distinctive = question.matches.clone();
+        question.result.as_mut().unwrap().witnesses = matches;
         assert_eq!(finding(&question), Finding::DoesNotFit);
-        question.is_trusted = false;
+        question.result.as_mut().unwrap().is_trusted = false;
         assert_eq!(finding(&question), Finding::Undecided);
         question.imported = None;
         assert!(question.answer().judgement.is_none());

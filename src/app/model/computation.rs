@@ -8,6 +8,7 @@ use super::picture::Pictures;
 use super::recording::Synchronised;
 use super::revision;
 use super::shared::Shared;
+use crate::camera::ViewPair;
 use crate::estimate::{ComparedPencils, Estimate, EstimateError, Match, Parameters, Stage};
 use crate::geometry::PointPair;
 
@@ -17,6 +18,8 @@ pub struct EstimateRequest {
     pub pictures: Pictures,
     /// The sequences, if lines are compared by motion barcodes.
     pub recordings: Option<Synchronised>,
+    /// Views of the pictures, if their cameras take part in the search.
+    pub views: Option<ViewPair>,
     pub pairs: Vec<PointPair>,
     /// Matches from elsewhere.
     pub given: Option<Shared<Vec<Match>>>,
@@ -200,7 +203,10 @@ impl Computation {
             return RequestChange::None;
         }
         let moved = self.input.as_ref().zip(request).is_some_and(|(old, new)| {
-            old.parameters == new.parameters && old.recordings == new.recordings && old.given == new.given
+            old.parameters == new.parameters
+                && old.recordings == new.recordings
+                && old.views == new.views
+                && old.given == new.given
         });
         self.input = request.cloned();
         self.failure = None;

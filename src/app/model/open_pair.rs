@@ -15,12 +15,13 @@ use super::picture::{Opened, Pictures};
 use super::recording::Player;
 use super::rectified::{Rectified, Viewing};
 use super::scene::{Orbit, Scene};
-use super::suggesting::{LensQuestion, PlaceFound, PlacesQuestion, Suggested};
+use super::suggesting::{LensQuestion, PlacesQuestion, Suggested};
 use super::tones::{Tones, TonesCommand};
 use super::truth::{KnownTruth, NO_TRUTH};
 use crate::camera::{CameraModel, FocalLength, PicturesOf, ViewPair};
 use crate::estimate::{DivisionFit, Estimate};
 use crate::geometry::{Frame, Point, PointPair};
+use crate::study::{PlaceFound, Study};
 use crate::suggest::NextClick;
 
 /// A folder, and the numbers of the two views that are open.
@@ -186,6 +187,11 @@ impl OpenPair {
         Some([left?, right?])
     }
 
+    /// Returns the views whose cameras take part in a search.
+    pub fn searched_views(&self) -> Option<ViewPair> {
+        self.views().filter(Study::searches_with)
+    }
+
     /// Returns the views of cameras with focal lengths, which a pose needs.
     pub fn posed_views(&self) -> Option<ViewPair> {
         self.views().filter(ViewPair::has_focal_lengths)
@@ -197,7 +203,8 @@ impl OpenPair {
             && (self.undistorted().is_none() || self.views().is_some_and(|views| !views.has_focal_lengths()))
     }
 
-    /// Gives the pictures their focal lengths. All coordinates stay, and so does the result.
+    /// Gives the pictures their focal lengths. All coordinates stay. Guessed lengths leave the result, too; known
+    /// ones take part in the search.
     pub fn set_focal_lengths(&mut self, lengths: [FocalLength; 2]) {
         let Some(pictures) = self.pictures.clone().filter(|_| self.takes_focal_lengths()) else { return };
         let mut lengths = lengths.into_iter();

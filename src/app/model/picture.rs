@@ -8,10 +8,11 @@ use image::DynamicImage;
 
 use super::recording::Recording;
 use super::shared::Shared;
-use crate::camera::{CameraModel, FocalLength, UndistortedView};
+use crate::camera::{FocalLength, UndistortedView};
 use crate::geometry::Point;
 use crate::image::Picture;
 use crate::io::{focal_length_from_exif, sha256_of};
+use crate::study::{assumed_camera, undistorted};
 
 /// The left and the right picture.
 pub type Pictures = [Shared<Picture>; 2];
@@ -54,17 +55,13 @@ impl Opened {
         Self { picture: Shared::new(picture), overview, sha256, focal_guess, recording: None, lens: None }
     }
 
-    /// Prepares a picture of a calibrated camera, which is shown as it is and computed on without its
-    /// distortion. `None` if the distortion cannot be undone. This takes a while.
-    pub fn calibrated(self, camera: &CameraModel) -> Option<Self> {
-        let view = UndistortedView::new(camera, self.picture.frame())?;
-        let original = self.picture.clone();
-        let picture = if view.is_original() {
-            self.picture
-        } else {
-            Shared::new(original.redrawn(view.frame(), |p| view.source_of(p)))
-        };
-        Some(Self { picture, lens: Some(Arc::new(LensPicture { original, view })), ..self })
+    /// Prepares a picture of a calibrated camera, which is shown as it is and computed on in its view without
+    /// distortion. This takes a while.
+    #[must_use]
+    pub fn drawn_in(self, view: UndistortedView) -> Self {
+        let original = self.picture;
+        let picture = undistorted(&view, &original.clone().into()).into();
+        Self { picture, lens: Some(Arc::new(LensPicture { original, view })), ..self }
     }
 
     /// Returns the picture with a focal length. All coordinates stay. `None` for an impossible focal length,
@@ -72,8 +69,9 @@ impl Opened {
     #[must_use]
     pub fn with_focal_length(self, focal: FocalLength) -> Option<Self> {
         let Some(lens) = &self.lens else {
-            let camera = CameraModel::of_focal_length(focal, self.picture.frame())?;
-            return self.calibrated(&camera);
+            let frame = self.picture.frame();
+            let camera = assumed_camera(None, Some(focal), frame)?;
+            return Some(self.drawn_in(UndistortedView::new(&camera, frame)?));
         };
         let (original, view) = (lens.original.clone(), lens.view.with_focal_length(focal)?);
         Some(Self { lens: Some(Arc::new(LensPicture { original, view })), ..self })

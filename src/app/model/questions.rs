@@ -16,6 +16,7 @@ use crate::convention::FEWEST_MATCHES;
 use crate::estimate::{DivisionFit, Estimate, Reason, Search, Verdict};
 use crate::geometry::PointPair;
 use crate::io::PairOrigin;
+use crate::study::ShownGeometry;
 
 impl Model {
     /// Returns the request for a scene: for a final result on calibrated pictures whose epipole is determined.
@@ -65,6 +66,7 @@ impl Model {
         Some(EstimateRequest {
             pictures: self.open.pictures()?,
             recordings: self.compared_recordings(),
+            views: self.open.searched_views(),
             pairs: self.document.used_pairs()?,
             given: self.document.given.as_ref().map(|given| given.matches.clone()),
             parameters: self.document.search_parameters(),
@@ -95,18 +97,13 @@ impl Model {
         }
         let document = &self.document;
         Some(ComparisonQuestion {
-            result: self.result().map(|estimate| *estimate.fundamental()),
+            result: self.result().map(ShownGeometry::from),
             shown: self.shown().map(|shown| *shown.fundamental),
             imported: document.imported.as_ref().map(Imported::geometry),
             pairs: document.pairs.clone(),
             excluded: document.excluded.iter().copied().collect(),
             used: document.used().map(|pair| document.pairs[pair]).collect(),
-            matches: self.matched_pairs().collect(),
-            distinctive: self.result().map_or_else(Vec::new, |found| found.assessment.distinctive.to_vec()),
             given: document.given.as_ref().map(|given| given.matches.clone()),
-            covariance: self.result().and_then(|found| Some(found.uncertainty()?.covariance())),
-            is_trusted: self.result().is_some_and(Estimate::may_contradict),
-            has_epipoles: self.result().is_some_and(|found| !found.says_one_plane()),
             frames: document.frames()?,
             truth: self.truth().and(self.open.known()).map(|known| known.truth.clone()),
             subject: self.look.compared,

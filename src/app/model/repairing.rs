@@ -3,10 +3,11 @@
 use super::Model;
 use super::document::{PointRef, Role, Side, pair_name};
 use super::messages::MessageKind;
-use super::suggesting::{PlaceFound, PlacesQuestion, RepairQuestion, Repaired};
+use super::suggesting::{PlacesQuestion, RepairQuestion, Repaired};
 use crate::estimate::Verdict;
 use crate::geometry::Point;
 use crate::io::PairOrigin;
+use crate::study::PlaceFound;
 
 /// A point that would move by less than this, px, stays.
 const IN_PLACE: f64 = 0.01;

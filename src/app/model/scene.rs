@@ -8,8 +8,8 @@ use super::shared::Shared;
 use crate::camera::{CloudPoint, PointCloud, PoseFit, ViewPair};
 use crate::comparison::median;
 use crate::estimate::Estimate;
-use crate::geometry::PointPair;
 use crate::image::Picture;
+use crate::study::PoseOutcome;
 
 /// Share of the points, nearest first, that a fitted view shows. Points with hardly any parallax lie
 /// anywhere along their rays.
@@ -49,8 +49,8 @@ pub struct Scene {
 impl SceneQuestion {
     /// Fits the pose and triangulates the matches. `None` if they do not determine a pose.
     pub fn answer(self) -> Option<Scene> {
-        let matches: Vec<PointPair> = self.found.matches().iter().map(|found| found.pair).collect();
-        let fit = self.views.fit_pose(self.found.fundamental(), &matches)?;
+        let fit = PoseOutcome::new(&self.found, &self.views).determined()?.clone();
+        let matches = self.found.matched_pairs();
         let cloud = PointCloud::new(&fit.pose, &self.views, &matches, |point| self.left.color_at(point));
         Some(Scene { question: self, fit, cloud })
     }

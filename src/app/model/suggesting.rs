@@ -49,16 +49,6 @@ pub struct PlacesQuestion {
     pub pairs: Vec<PointPair>,
 }
 
-/// What the images tell about the place of a pair along its epipolar line.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlaceFound {
-    pub pair: PointPair,
-    /// Place of the match of the left point in the right image, px, if it is clear.
-    pub place: Option<Point>,
-    /// Whether the surroundings of both points are alike, or the match is at the right point.
-    pub is_confirmed: bool,
-}
-
 /// Request to align the right point of a pair to a fraction of a pixel near its place.
 #[derive(Clone, PartialEq)]
 pub struct RepairQuestion {

@@ -35,11 +35,11 @@ use super::model::recording::{OffsetFound, Recordings};
 use super::model::rectified::{Rectified, RectifyQuestion};
 use super::model::scene::{Scene, SceneQuestion};
 use super::model::suggesting::{
-    LensQuestion, NextClickQuestion, PlaceFound, PlacesQuestion, RepairQuestion, Repaired, SuggestQuestion,
-    Suggested,
+    LensQuestion, NextClickQuestion, PlacesQuestion, RepairQuestion, Repaired, SuggestQuestion, Suggested,
 };
 use crate::estimate::DivisionFit;
 use crate::motion::{MOST_OFFSET, find_offset};
+use crate::study::PlaceFound;
 use crate::suggest::NextClick;
 use saver::{SaveJob, Written};
 use task::{Following, Task, Waiting};

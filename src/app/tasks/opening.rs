@@ -11,11 +11,13 @@ use crate::app::model::recording::Recording;
 use crate::app::model::sample::{OpenedSample, sample_pair, sample_recordings};
 use crate::app::model::session::{Relocation, Restored};
 use crate::app::model::truth::KnownTruth;
+use crate::app::model::verdict::sentence;
 use crate::camera::{CameraModel, RelativePose};
 use crate::cancel::CancelFlag;
 use crate::geometry::PointPair;
 use crate::image::Picture;
 use crate::io::{TruthError, is_sequence, read_sequence};
+use crate::study::plan_views;
 
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Opening {
@@ -93,15 +95,13 @@ pub fn calibrated(
 ) -> Result<[Opened; 2], OpeningFailure> {
     let pictures = pictures.map(Opened::without_calibration);
     let Some(cameras) = cameras else { return Ok(pictures) };
+    let frames = pictures.each_ref().map(|opened| opened.picture.frame());
+    let views = plan_views(cameras.each_ref(), frames).map_err(|error| {
+        let problem = sentence(&error.to_string());
+        OpeningFailure::Text(format!("{problem}. Nothing was changed. Correct the calibration."))
+    })?;
     let [left, right] = pictures;
-    match (left.calibrated(&cameras[0]), right.calibrated(&cameras[1])) {
-        (Some(left), Some(right)) => Ok([left, right]),
-        _ => Err(OpeningFailure::Text(
-            "The distortion of the lens cannot be undone: it folds back at the principal point. Nothing was \
-             changed. Correct the calibration."
-                .to_owned(),
-        )),
-    }
+    Ok([left.drawn_in(views.views[0]), right.drawn_in(views.views[1])])
 }
 
 /// State of one opening while it reads pictures.

@@ -7,27 +7,17 @@ use crate::app::model::computation::EstimateRequest;
 use crate::app::model::document::Side;
 use crate::app::model::picture::Pictures;
 use crate::app::model::recording::Synchronised;
-use crate::app::model::shared::Shared;
 use crate::app::model::suggesting::{
-    LensQuestion, NextClickQuestion, PlaceFound, PlacesQuestion, RepairOutcome, RepairQuestion,
-    SuggestQuestion, Suggested,
+    LensQuestion, NextClickQuestion, PlacesQuestion, RepairOutcome, RepairQuestion, SuggestQuestion,
+    Suggested,
 };
 use crate::app::model::verdict::sentence;
 use crate::cancel::CancelFlag;
-use crate::estimate::{
-    DivisionFit, Estimate, EstimateError, Match, Monitor, PreparedPair, estimate_prepared, find_lens, follow,
-};
-use crate::geometry::{Point, PointPair};
-use crate::image::RelativeView;
+use crate::estimate::{DivisionFit, Estimate, EstimateError, Monitor};
 use crate::io::{IMAGE_EXTENSIONS, VIDEO_EXTENSIONS};
 use crate::motion::MotionError;
-use crate::suggest::{
-    ClickedImage, Known, NextClick, Rival, SuggestParameters, next_click, refine, suggest, view_at,
-};
-
-/// Distance from the match, as a share of the longer side, from which a pair counts as misplaced along its
-/// line. Measurements of suggestions count a larger distance from the truth as wrong.
-const SLID: f64 = 0.01;
+use crate::study::{PlaceFound, Question, Study};
+use crate::suggest::{ClickedImage, NextClick};
 
 /// Searches for a geometry. Tests replace the estimator of this library.
 pub type EstimateFn = dyn FnMut(&EstimateRequest, &Monitor) -> Result<Estimate, EstimateError> + Send;
@@ -76,44 +66,39 @@ pub struct Services {
 
 impl Default for Services {
     fn default() -> Self {
-        let searching = PreparedCache::default();
+        let searching = StudyCache::default();
         let [preparing, following, suggesting, advising, straightening, checking, repairing] =
             std::array::from_fn(|_| searching.clone());
         Self {
             prepare: Box::new(move |pictures, cancel| preparing.get(pictures).make_ready(cancel)),
             estimate: Box::new(move |request, monitor| {
-                let prepared = searching.get_for(request)?;
-                estimate_prepared(&prepared, &request.pairs, &request.parameters, monitor)
+                let EstimateRequest { pairs, given, parameters, .. } = request;
+                let given = given.as_ref().map(|given| given.as_slice());
+                // The import has told if the matches agree on no geometry.
+                let question = Question { clicks: pairs, given, parameters };
+                searching.get_for(request)?.solve(&question, monitor)
             }),
             follow: Box::new(move |request, starts| {
-                // The refit uses patches; sequences are compared by barcodes.
-                if request.recordings.is_some() {
-                    return None;
-                }
-                let prepared = following.get(&request.pictures);
-                follow(&prepared, starts.iter().copied(), &request.pairs, &request.parameters)
+                following.get_for(request).ok()?.follow(starts, &request.pairs, &request.parameters)
             }),
-            suggest: Box::new(move |question| {
-                let prepared = suggesting.get(&question.pictures);
-                let clicked = match question.half.side {
+            suggest: Box::new(move |SuggestQuestion { pictures, half, found, placed }| {
+                let clicked = match half.side {
                     Side::Left => ClickedImage::First,
                     Side::Right => ClickedImage::Second,
                 };
-                let view = || view_at(&prepared, &question.placed);
-                let at = question.half.point;
-                suggested(&prepared, at, clicked, question.found.as_deref(), view)
+                suggesting.get(pictures).suggest_by(found.as_deref(), placed, half.point, clicked)
             }),
             next_click: Box::new(move |question| {
-                let prepared = advising.get(&question.pictures);
-                let found = &question.found;
-                let matches: Vec<_> = found.matches().iter().map(|found| found.pair).collect();
-                next_click(&prepared, found.fundamental(), &Rival::of(found), &question.placed, &matches)
+                advising.get(&question.pictures).next_click(&question.found, &question.placed)
             }),
-            lens: Box::new(move |question| {
-                find_lens(&straightening.get(&question.pictures), &question.found)
+            lens: Box::new(move |question| straightening.get(&question.pictures).find_lens(&question.found)),
+            places: Box::new(move |question| {
+                checking.get(&question.pictures).places(&question.pairs, &question.found)
             }),
-            places: Box::new(move |question| places(&checking.get(&question.pictures), question)),
-            repair: Box::new(move |question| repaired(&repairing.get(&question.pictures), question)),
+            repair: Box::new(move |RepairQuestion { pictures, points, found, .. }| {
+                let repaired = repairing.get(pictures).repaired(points, found.as_deref());
+                repaired.map_err(|error| sentence(&error.to_string()))
+            }),
             pick_file: Arc::new(pick_file),
             pick_folder: Arc::new(pick_folder),
             pick_save: Arc::new(pick_save),
@@ -122,112 +107,51 @@ impl Default for Services {
     }
 }
 
-/// Suggests matches of a point with the geometry, the view and the matches of a result. Without a result,
-/// `view` may tell how the images are turned.
-fn suggested(
-    prepared: &PreparedPair,
-    at: Point,
-    clicked: ClickedImage,
-    found: Option<&Estimate>,
-    view: impl FnOnce() -> Option<RelativeView>,
-) -> Suggested {
-    let matches: Vec<PointPair> =
-        found.iter().flat_map(|found| found.matches()).map(|found| found.pair).collect();
-    let fundamental = found.map(|found| *found.fundamental());
-    let known = Known { fundamental, view: found.map(Estimate::view).or_else(view), matches: &matches };
-    suggest(prepared, at, clicked, &known, &SuggestParameters::default())
-}
-
-/// Looks for the matches of pairs along their epipolar lines.
-fn places(prepared: &PreparedPair, question: &PlacesQuestion) -> Vec<PlaceFound> {
-    let least = SLID * prepared.frames()[1].longer_side();
-    let view = Some(question.found.view());
-    let check = |pair: &PointPair| {
-        let found = suggested(prepared, pair.point1, ClickedImage::First, Some(&question.found), || None);
-        let place = found.ok().and_then(|found| Some(found.clear()?.position));
-        let is_there = place.is_some_and(|place| (place - pair.point2).norm() <= least);
-        // At the border of two surfaces, each has its own match. The pair may be of the other one.
-        let is_alike = || refine(prepared, pair, view, &SuggestParameters::default()).is_ok();
-        PlaceFound { pair: *pair, place, is_confirmed: is_there || is_alike() }
-    };
-    question.pairs.iter().map(check).collect()
-}
-
-/// Returns a better place for the right point of a pair, near its present place.
-fn repaired(prepared: &PreparedPair, RepairQuestion { points, found, .. }: &RepairQuestion) -> RepairOutcome {
-    let view = found.as_deref().map(Estimate::view);
-    let refined = refine(prepared, points, view, &SuggestParameters::default());
-    refined.map(|found| found.position).map_err(|error| sentence(&error.to_string()))
-}
-
-/// Data that depends on the pictures only. It is kept between requests and shared by the threads,
-/// so that moving a point costs little.
+/// The study of the open pictures. It is kept between requests and shared by the threads, so that moving a point
+/// costs little.
 #[derive(Clone, Default)]
-struct PreparedCache(Arc<Mutex<Option<CachedPair>>>);
+struct StudyCache(Arc<Mutex<Option<KeptStudy>>>);
 
-struct CachedPair {
+struct KeptStudy {
     pictures: Pictures,
     recordings: Option<Synchronised>,
-    /// Matches from elsewhere, and the seed of their fit.
-    given: Option<(Shared<Vec<Match>>, u64)>,
-    prepared: Arc<PreparedPair>,
+    study: Study,
 }
 
-impl PreparedCache {
-    /// Returns the prepared pictures, with or without matches from elsewhere.
-    fn get(&self, pictures: &Pictures) -> Arc<PreparedPair> {
-        let is_right = |kept: &CachedPair| kept.pictures == *pictures && kept.recordings.is_none();
-        self.get_or(is_right, || CachedPair {
-            pictures: pictures.clone(),
-            recordings: None,
-            given: None,
-            prepared: Arc::new(prepare(pictures)),
-        })
+impl StudyCache {
+    /// Returns the study of pictures.
+    fn get(&self, pictures: &Pictures) -> Study {
+        self.get_or_make(pictures, None, || Study::of_pictures(pictures.clone()))
     }
 
-    /// Returns the prepared pictures of an estimate, with the silhouettes of its sequences and its matches
-    /// from elsewhere.
-    fn get_for(&self, request: &EstimateRequest) -> Result<Arc<PreparedPair>, MotionError> {
-        let EstimateRequest { pictures, recordings, given, parameters, .. } = request;
-        let silhouettes = recordings.as_ref().map(Synchronised::overlapping).transpose()?;
-        let given = given.as_ref().map(|given| (given.clone(), parameters.seed));
-        let is_right = |kept: &CachedPair| {
-            kept.pictures == *pictures && kept.recordings == *recordings && kept.given == given
-        };
-        Ok(self.get_or(is_right, || {
-            let mut prepared = prepare(pictures);
-            if let Some((matches, seed)) = &given {
-                // The import has told if they agree on no geometry.
-                let _ = prepared.add_matches(matches, *seed);
-            }
-            if let Some(silhouettes) = silhouettes {
-                prepared = prepared.with_silhouettes(silhouettes);
-            }
-            let (pictures, recordings) = (pictures.clone(), recordings.clone());
-            CachedPair { pictures, recordings, given: given.clone(), prepared: Arc::new(prepared) }
-        }))
+    /// Returns the study of the pictures and sequences of an estimate, in their views.
+    fn get_for(&self, request: &EstimateRequest) -> Result<Study, MotionError> {
+        let EstimateRequest { pictures, recordings, views, .. } = request;
+        let Some(recordings) = recordings else { return Ok(self.get(pictures).drawn_in(*views)) };
+        let silhouettes = recordings.overlapping()?;
+        let make = || Study::of_pictures(pictures.clone()).with_silhouettes(silhouettes);
+        Ok(self.get_or_make(pictures, Some(recordings), make))
     }
 
-    /// Returns the kept pair if it is the right one, or makes another.
-    fn get_or(
+    /// Returns the kept study if it is the right one, or makes another.
+    fn get_or_make(
         &self,
-        is_right: impl Fn(&CachedPair) -> bool,
-        make: impl FnOnce() -> CachedPair,
-    ) -> Arc<PreparedPair> {
-        // A panic during preparation leaves the old pair, which is valid.
+        pictures: &Pictures,
+        recordings: Option<&Synchronised>,
+        make: impl FnOnce() -> Study,
+    ) -> Study {
+        // A panic of a thread that held the lock leaves the old study, which is valid.
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_right =
+            |kept: &KeptStudy| kept.pictures == *pictures && kept.recordings.as_ref() == recordings;
         if let Some(kept) = kept.as_ref().filter(|kept| is_right(kept)) {
-            return Arc::clone(&kept.prepared);
+            return kept.study.clone();
         }
-        let made = make();
-        let prepared = Arc::clone(&made.prepared);
-        *kept = Some(made);
-        prepared
+        let study = make();
+        let (pictures, recordings) = (pictures.clone(), recordings.cloned());
+        *kept = Some(KeptStudy { pictures, recordings, study: study.clone() });
+        study
     }
-}
-
-fn prepare([image1, image2]: &Pictures) -> PreparedPair {
-    PreparedPair::new(&image1.gray, &image2.gray)
 }
 
 fn pick_file() -> Option<PathBuf> {

@@ -10,7 +10,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 /// other work in between. Threads outside the pool wait for the one that makes the value. Every
 /// call must make the same value.
 #[derive(Debug)]
-pub(in crate::estimate) struct Lazy<T> {
+pub(crate) struct Lazy<T> {
     value: OnceLock<T>,
     making: Mutex<()>,
 }

@@ -1,7 +1,7 @@
 //! Evidence of two images for or against a geometry: lines, patches and covariant features.
 
 pub mod features;
-mod lazy;
+pub(super) mod lazy;
 pub(super) mod lines;
 pub(super) mod patches;
 pub(super) mod prepared;

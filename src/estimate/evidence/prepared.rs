@@ -20,17 +20,20 @@ use crate::similarity::{BarcodeSource, LineMeasure, PictureSource, SimilarityPar
 
 /// Two images made ready for estimates. Keep it while the images stay the same. A moved click then
 /// costs only the work that depends on the clicks.
-#[derive(Debug)]
+///
+/// Clones share everything that is made from the images. Each has its own matches from elsewhere and its own
+/// calibrations.
+#[derive(Debug, Clone)]
 pub struct PreparedPair {
     pyramids: Arc<PyramidPair>,
     upright: Arc<PatchLevels>,
-    features: Lazy<MatchedFeatures>,
-    slanted: Lazy<MatchedFeatures>,
+    features: Arc<Lazy<MatchedFeatures>>,
+    slanted: Arc<Lazy<MatchedFeatures>>,
     /// The latest views with features, newest first.
-    views: Mutex<VecDeque<Arc<PatchLevels>>>,
-    pencils: PencilCache,
+    views: Arc<Mutex<VecDeque<Arc<PatchLevels>>>>,
+    pencils: Arc<PencilCache>,
     silhouettes: Option<[Arc<Silhouettes>; 2]>,
-    given: Option<GivenMatches>,
+    given: Option<Arc<GivenMatches>>,
     calibrations: Option<[Matrix3<f64>; 2]>,
 }
 
@@ -67,10 +70,10 @@ impl PreparedPair {
         Self {
             upright: Arc::new(PatchLevels::new(&pyramids, RelativeView::UPRIGHT)),
             pyramids,
-            features: Lazy::default(),
-            slanted: Lazy::default(),
-            views: Mutex::default(),
-            pencils: PencilCache::default(),
+            features: Arc::default(),
+            slanted: Arc::default(),
+            views: Arc::default(),
+            pencils: Arc::default(),
             silhouettes: None,
             given: None,
             calibrations: None,
@@ -94,8 +97,13 @@ impl PreparedPair {
             let inliers = inliers.map(|(found, _)| found.pair).collect();
             GivenFit { fundamental, inliers, reach: noise.reach(), uncertainty }
         });
-        self.given = Some(GivenMatches { all: matches.to_vec(), fit });
+        self.given = Some(Arc::new(GivenMatches { all: matches.to_vec(), fit }));
         outcome
+    }
+
+    /// Returns the reason why the matches from elsewhere take no part, if so.
+    pub fn unused_matches(&self) -> Option<MatchFitError> {
+        self.given.as_ref()?.fit.as_ref().err().copied()
     }
 
     /// Tells the calibration matrices of the cameras, before matches are added. The images are views without distortion. The result is then an
@@ -111,7 +119,7 @@ impl PreparedPair {
 
     /// Returns the matches from elsewhere.
     pub(in crate::estimate) fn given(&self) -> Option<&GivenMatches> {
-        self.given.as_ref()
+        self.given.as_deref()
     }
 
     /// Returns the geometry on which the matches from elsewhere agree.
@@ -133,7 +141,8 @@ impl PreparedPair {
     /// the same number of frames, of the size of the images.
     #[must_use]
     pub fn with_silhouettes(self, silhouettes: [Arc<Silhouettes>; 2]) -> Self {
-        Self { silhouettes: Some(silhouettes), ..self }
+        // Pencils depend on the silhouettes.
+        Self { silhouettes: Some(silhouettes), pencils: Arc::default(), ..self }
     }
 
     /// Prepares the sequences of two static cameras. The images show the views of the cameras and

@@ -11,6 +11,7 @@ use crate::estimate::{Match, estimate_fundamental};
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
 use crate::io::{CalibratedCamera, Calibration, Format, GeometryFile, MatchFile, read_camera};
 use crate::presentation::lenses_in_words;
+use crate::study::matches_in;
 
 /// Maximum number of placed pairs. More handles hide the image and cost time in every frame, and nobody
 /// clicks so many: they become given matches.
@@ -204,13 +205,11 @@ impl ImportQuestion {
         let name = self.pending.source.name();
         let MatchFile { matches: all, remarks } = MatchFile::read(path).map_err(|error| error.to_string())?;
         let lies_on = |found: &&Match| is_inside(&found.pair, self.shown);
+        let mut matches: Vec<Match> = all.iter().filter(lies_on).copied().collect();
         // Matches of an archive are places in the pictures.
-        let place = |pair: &PointPair| match &self.views {
-            Some(views) => views.undistorted_from_original(pair),
-            None => Some(*pair),
-        };
-        let moved = |found: &Match| Some(Match { pair: place(&found.pair)?, ..*found });
-        let matches: Vec<Match> = all.iter().filter(lies_on).filter_map(moved).collect();
+        if let Some(views) = &self.views {
+            matches = matches_in(views, &matches).unwrap_or_default();
+        }
         if matches.is_empty() {
             return Err("none of its matches lies on the open images".to_owned());
         }

@@ -28,7 +28,7 @@ pub fn in_dialogs() -> Vec<Action> {
         action(
             Command::SetFocalLengths([FocalLength { pixels: 1.0, deviation: 0.0 }; 2]),
             "Use",
-            "Use these focal lengths. The points and the geometry stay as they are.",
+            "Use these focal lengths. The points stay as they are. Lengths known to ± 0 % also guide the search.",
         ),
         action(Command::DeletePair(0), "Delete", "Remove this pair from both images."),
         action(TonesCommand::Adjust(None), "Adjust", "Choose which image the controls change."),
