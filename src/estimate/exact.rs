@@ -60,6 +60,12 @@ impl ExactScene {
         Camera::fundamental(&self.0[0], &self.0[1]).unwrap()
     }
 
+    /// Returns the calibration matrices of the cameras, with focal lengths of this ratio to the true ones.
+    pub fn calibrations(ratio: f64) -> [Matrix3<f64>; 2] {
+        let (focal, middle) = (ratio * FOCAL, FRAME.centre());
+        [Matrix3::new(focal, 0.0, middle.x, 0.0, focal, middle.y, 0.0, 0.0, 1.0); 2]
+    }
+
     /// Returns the images of a scene point.
     pub fn seen(&self, x: f64, y: f64, z: f64) -> PointPair {
         let [point1, point2] = self.0.each_ref().map(|camera| camera.project(&Point3::new(x, y, z)).unwrap());

@@ -12,7 +12,7 @@
 //! Unlike the fundamental matrix, the essential matrix of points on one plane is determined, up to two
 //! solutions.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 
 use super::Eliminated;
 use super::minimal::Equation;
@@ -61,7 +61,6 @@ pub(crate) fn solve_five(equations: &[Equation; 5]) -> Vec<Matrix3<f64>> {
         let across =
             [(0, 1), (1, 2), (2, 0)].map(|(r, s)| at.row(r).transpose().cross(&at.row(s).transpose()));
         let across = across.into_iter().max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()))?;
-        let Vector3 { .. } = across;
         let scaled = basis[0] * across.x + basis[1] * across.y + (basis[2] * z + basis[3]) * across.z;
         let norm = scaled.norm();
         (norm > 0.0 && norm.is_finite()).then(|| scaled / norm)
@@ -225,9 +224,9 @@ fn root_between(polynomial: &[f64], mut low: f64, mut high: f64) -> Option<f64> 
             break;
         }
         if (at > 0.0) == (at_low > 0.0) {
-            low = z
+            low = z;
         } else {
-            high = z
+            high = z;
         }
         let newton = z - at / slope;
         let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
@@ -242,12 +241,12 @@ fn root_between(polynomial: &[f64], mut low: f64, mut high: f64) -> Option<f64> 
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Rotation3;
+    use nalgebra::{Rotation3, Vector3};
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64Mcg;
 
     use super::*;
-    use crate::minimal::point_equation;
+    use crate::geometry::minimal::point_equation;
 
     /// Returns an essential matrix and five of its matches, on a plane if asked for.
     fn scene(seed: u64, on_plane: bool) -> (Matrix3<f64>, [Equation; 5]) {
@@ -269,30 +268,43 @@ mod tests {
 
     #[test]
     fn the_true_matrix_is_among_the_solutions_on_a_plane_too() {
-        let mut worst: f64 = 0.0;
-        let mut missed = 0;
-        for seed in 0..2000 {
-            let (e, equations) = scene(seed, seed % 2 == 0);
-            let solutions = solve_five(&equations);
-            assert!(solutions.len() <= 10, "{}", solutions.len());
-            for s in &solutions {
-                let svd = s.singular_values();
-                let mut v = [svd[0], svd[1], svd[2]];
-                v.sort_by(f64::total_cmp);
-                worst = worst.max((v[2] - v[1]).abs()).max(v[0]);
+        for on_plane in [false, true] {
+            let mut missed = 0;
+            for seed in 0..400 {
+                let (e, equations) = scene(seed, on_plane);
+                let solutions = solve_five(&equations);
+                assert!(solutions.len() <= 10, "{}", solutions.len());
+                let off = |s: &Matrix3<f64>| (s - e).norm().min((s + e).norm());
+                missed += usize::from(solutions.iter().map(off).fold(f64::INFINITY, f64::min) > 1e-5);
             }
-            let off = |s: &Matrix3<f64>| (s - e).norm().min((s + e).norm());
-            let nearest = solutions.iter().map(off).fold(f64::INFINITY, f64::min);
-            if nearest > 1e-5 {
-                missed += 1;
-                eprintln!("{seed} {nearest} of {}", solutions.len());
+            // On a plane two solutions may come close to each other, and rounding moves them.
+            assert!(missed < 20, "{missed} of 400 on a plane: {on_plane}");
+        }
+    }
+
+    #[test]
+    fn solutions_are_essential_and_satisfy_the_equations() {
+        let (mut unequal, mut left): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
+        for seed in 0..200 {
+            let (_, equations) = scene(seed, false);
+            for e in solve_five(&equations) {
+                let mut values: Vec<f64> = e.singular_values().iter().copied().collect();
+                values.sort_by(f64::total_cmp);
+                unequal.push((values[2] - values[1]).max(values[0]));
+                let by_rows =
+                    |equation: &Equation| (0..9).map(|k| equation[k] * e[(k / 3, k % 3)]).sum::<f64>();
+                left.push(equations.iter().map(|equation| by_rows(equation).abs()).fold(0.0, f64::max));
             }
         }
-        eprintln!("missed {missed}, worst {worst}");
-        let t = std::time::Instant::now();
-        let all: Vec<_> = (0..1000).map(|s| scene(s, false).1).collect();
-        let n: usize = all.iter().map(|e| solve_five(e).len()).sum();
-        eprintln!("{n} {:?}", t.elapsed() / 1000);
-        panic!();
+        unequal.sort_by(f64::total_cmp);
+        assert!(unequal[unequal.len() * 95 / 100] < 1e-6, "{}", unequal[unequal.len() * 95 / 100]);
+        assert!(left.into_iter().fold(0.0, f64::max) < 1e-6);
+    }
+
+    #[test]
+    fn dependent_equations_and_nonsense_have_no_solution() {
+        let (_, equations) = scene(1, false);
+        assert!(solve_five(&[equations[0]; 5]).is_empty());
+        assert!(solve_five(&[[f64::NAN; 9]; 5]).is_empty());
     }
 }

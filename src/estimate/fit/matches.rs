@@ -185,6 +185,7 @@ mod tests {
 
     use super::*;
     use crate::estimate::exact::{ExactScene, FRAME};
+    use crate::geometry::random_scene::RandomScene;
     use crate::geometry::{PointPair, Vector};
 
     /// Returns matches of a scene with Cauchy noise of this scale, followed by wrong ones.
@@ -326,5 +327,26 @@ mod tests {
         assert_eq!(found, MatchFitError::Invalid(5));
         let same: Vec<Match> = vec![PointPair::new(5.0, 6.0, 7.0, 8.0).into(); 40];
         assert_eq!(estimate_fundamental(&same, [FRAME; 2], 1).unwrap_err(), MatchFitError::NoAgreement);
+    }
+
+    #[test]
+    fn matches_on_a_plane_give_the_geometry_of_known_cameras() {
+        let (mut known, mut unknown) = (0, 0);
+        for seed in 0..10 {
+            let mut scene = RandomScene::new(seed);
+            let on_plane = scene.planar_pairs(150);
+            let matches: Vec<Match> = scene.disturbed(&on_plane, 0.2).into_iter().map(Match::from).collect();
+            let elsewhere = scene.pairs(50);
+            let frames = [Frame::new(768, 576); 2];
+            let is_right = |fit: MatchFit| {
+                let off = elsewhere.iter().map(|pair| sampson_distance(&fit.fundamental, pair));
+                usize::from(crate::geometry::median(off) < 1.5)
+            };
+            let k = Matrix3::new(800.0, 0.0, 383.5, 0.0, 800.0, 287.5, 0.0, 0.0, 1.0);
+            known += is_right(estimate_essential(&matches, frames, [k; 2], seed).unwrap());
+            unknown += is_right(estimate_fundamental(&matches, frames, seed).unwrap());
+        }
+        // A plane has two solutions. Of these, one is right; a fundamental matrix may have any epipole.
+        assert!(known >= 4 && known > 2 * unknown, "{known} and {unknown} of 10");
     }
 }

@@ -106,6 +106,22 @@ mod tests {
     }
 
     #[test]
+    fn known_cameras_give_an_essential_matrix_unless_the_images_contradict_them() {
+        let scene = ExactScene::aside();
+        let run = |ratio: f64| {
+            let prepared = scene.prepared().with_calibrations(Some(ExactScene::calibrations(ratio)));
+            estimate_prepared(&prepared, &[], &Parameters::default(), &Monitor::silent()).unwrap()
+        };
+        let is_posed = |found: &Estimate| found.assessment.refinement.as_ref().unwrap().is_posed;
+        let [right, wrong] = [1.0, 1.5].map(run);
+        assert!(is_posed(&right) && !is_posed(&wrong));
+        for found in [&right, &wrong] {
+            let error = scene.error(found.fundamental());
+            assert!(error < 0.3, "{error} px");
+        }
+    }
+
+    #[test]
     fn matches_from_elsewhere_compete_and_the_images_judge_them() {
         let scene = ExactScene::aside();
         let run = |matches: &[PointPair]| {

@@ -106,29 +106,7 @@ impl Trust {
         if let Some(mirror) = evidence.mirror.filter(|mirror| mirror.is_likely()) {
             reasons.push(Reason::Mirrored { matches: mirror.matches.flipped });
         }
-        let pattern = evidence.pattern.filter(|pattern| pattern.is_bent(evidence.side));
-        if let Some(Baseline { beside, other }) = evidence.baseline {
-            if !beside.show_the_baseline() {
-                let Witnesses { along, across, on_warp, .. } = beside;
-                reasons.push(Reason::OnlyTurned { along, across, turned: on_warp });
-            }
-            if let Some(other) = other.filter(|other| !other.is_decided()) {
-                reasons.push(Reason::Ambiguous { margin: other.margin() });
-            }
-            reasons.extend(pattern.map(|pattern| Reason::Pattern { size: pattern.size }));
-        } else if let Some(plane) =
-            evidence.plane.filter(|plane| plane.leaves_the_epipoles_open(evidence.relief))
-        {
-            let PlaneEvidence { share, off: OffPlane { groups, agreeing, .. }, is_still, .. } = plane;
-            reasons.push(Reason::OnePlane { percent: (100.0 * share) as u32, groups, agreeing, is_still });
-        } else if let Some(witnesses) = evidence.relief.and_then(Relief::doubt) {
-            let Witnesses { along, across, on_warp, .. } = witnesses;
-            reasons.push(Reason::NoRelief { along, across, on_warp });
-        } else if let Some(plane) = evidence.plane.filter(PlaneEvidence::is_bent) {
-            reasons.push(Reason::Bent { percent: (100.0 * plane.bent_share) as u32 });
-        } else if let Some(pattern) = pattern {
-            reasons.push(Reason::Pattern { size: pattern.size });
-        }
+        reasons.extend(of_the_epipole(evidence));
         if evidence.strong_lens {
             reasons.push(Reason::Fisheye);
         }
@@ -163,11 +141,37 @@ impl Trust {
     }
 }
 
+/// Returns the failed tests of the epipoles.
+fn of_the_epipole(evidence: &Evidence) -> Vec<Reason> {
+    let pattern = evidence.pattern.filter(|pattern| pattern.is_bent(evidence.side));
+    let pattern = pattern.map(|pattern| Reason::Pattern { size: pattern.size });
+    if let Some(Baseline { beside, other }) = evidence.baseline {
+        let Witnesses { along, across, on_warp: turned, .. } = beside;
+        let turned = (!beside.show_the_baseline()).then_some(Reason::OnlyTurned { along, across, turned });
+        let other = other.filter(|other| !other.is_decided());
+        let other = other.map(|other| Reason::Ambiguous { margin: other.margin() });
+        return [turned, other, pattern].into_iter().flatten().collect();
+    }
+    let only = if let Some(plane) =
+        evidence.plane.filter(|plane| plane.leaves_the_epipoles_open(evidence.relief))
+    {
+        let PlaneEvidence { share, off: OffPlane { groups, agreeing, .. }, is_still, .. } = plane;
+        Some(Reason::OnePlane { percent: (100.0 * share) as u32, groups, agreeing, is_still })
+    } else if let Some(Witnesses { along, across, on_warp, .. }) = evidence.relief.and_then(Relief::doubt) {
+        Some(Reason::NoRelief { along, across, on_warp })
+    } else if let Some(plane) = evidence.plane.filter(PlaneEvidence::is_bent) {
+        Some(Reason::Bent { percent: (100.0 * plane.bent_share) as u32 })
+    } else {
+        pattern
+    };
+    only.into_iter().collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::evidence::{
-        ANY_EPIPOLE, HALF_PLANE, MOSTLY_PLANE, MOTIONS_BY_CHANCE, Mirror, ONE_PLANE, PATTERN, PATTERN_SIZE,
-        ResidualPattern, Together, USUAL_SIDE,
+        ANY_EPIPOLE, HALF_PLANE, MOSTLY_PLANE, MOTIONS_BY_CHANCE, Mirror, ONE_PLANE, OtherPose, PATTERN,
+        PATTERN_SIZE, ResidualPattern, Together, USUAL_SIDE,
     };
     use super::*;
     use crate::estimate::evidence::patches::MirrorMatches;
@@ -190,10 +194,26 @@ mod tests {
         unguided: None,
         unguided_on_lines: 0,
         given: None,
+        baseline: None,
         mirror: None,
         pattern: Some(ResidualPattern { share: 0.1, size: 0.1 }),
         side: 768.0,
     };
+
+    #[test]
+    fn a_plane_does_not_leave_the_baseline_of_known_cameras_open() {
+        let flat = Evidence { plane: Some(plane(0.99, 1, 1.0)), relief: None, ..GOOD };
+        assert_eq!(verdict(&flat), Verdict::Doubtful);
+        let many_wrong = Witnesses { on_warp: 80, along: 430, across: 120, off: 400 };
+        let with = |beside, other| Evidence { baseline: Some(Baseline { beside, other }), ..flat };
+        assert_eq!(verdict(&with(many_wrong, None)), Verdict::Reliable);
+        let turned = Witnesses { on_warp: 400, along: 9, across: 11, off: 40 };
+        let reasons = |evidence: &Evidence| Trust::judge(evidence).reasons;
+        assert_eq!(reasons(&with(turned, None)), [Reason::OnlyTurned { along: 9, across: 11, turned: 400 }]);
+        let other = |this_only, other_only| Some(OtherPose { this_only, other_only });
+        assert_eq!(verdict(&with(many_wrong, other(30, 2))), Verdict::Reliable);
+        assert_eq!(reasons(&with(many_wrong, other(6, 5))), [Reason::Ambiguous { margin: 1.0 / 11.0 }]);
+    }
 
     /// Returns a plane beside which seven of nine groups agree with the epipoles.
     const fn plane(share: f64, motions: usize, by_chance: f64) -> PlaneEvidence {
