@@ -17,7 +17,7 @@ use crate::io::{
     CalibratedNote, Format, GeometryFile, PairLabel, PairOrigin, PointResultFile, ResultFile, TrustNote,
     UndistortedFiles, result_in_words,
 };
-use crate::presentation::{NO_BASELINE, pose_in_words};
+use crate::presentation::{NO_BASELINE, pose_in_words, turn_in_words};
 use crate::study::PoseOutcome;
 
 /// Output options of a result.
@@ -163,6 +163,7 @@ pub(super) fn relative_pose_in_words(pose: &PoseOutcome) -> String {
     match pose {
         PoseOutcome::Determined(fit) => pose_in_words(fit),
         PoseOutcome::OpenEpipole(_) => format!("Relative pose: {NO_BASELINE}\n"),
+        PoseOutcome::OnlyTurned(fit) => format!("Relative pose: {NO_BASELINE}\n{}", turn_in_words(&fit.pose)),
         PoseOutcome::TooFewMatches => "Relative pose: too few matches for one\n".to_owned(),
         PoseOutcome::NoFocalLengths => String::new(),
     }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use nalgebra::Vector3;
 
-use crate::camera::{PoseDifference, PoseFit};
+use crate::camera::{PoseDifference, PoseFit, RelativePose};
 
 /// Why a result that is limited to one plane or a rotation of the camera has no pose.
 pub const NO_BASELINE: &str = "The epipole is not determined, so there is no baseline and no depth.";
@@ -18,9 +18,7 @@ pub fn pose_in_words(fit: &PoseFit) -> String {
         None => [String::new(), String::new()],
     };
     let mut text = String::from("Relative pose (x2 = R x1 + t, |t| = 1; ± is a standard deviation):\n");
-    let axis = pose.rotation.axis().map_or_else(String::new, |axis| format!(" about {}", triple(&axis)));
-    let angle = pose.rotation.angle().to_degrees();
-    let _ = writeln!(text, "  Camera 2 is turned by {angle:.2}°{turn_error}{axis}");
+    text += &turned(pose, &turn_error);
     let _ = writeln!(
         text,
         "  It lies in the direction {}{place_error} from camera 1 (x right, y down, z forwards)",
@@ -33,6 +31,17 @@ pub fn pose_in_words(fit: &PoseFit) -> String {
         parallax.to_degrees()
     );
     text
+}
+
+/// Describes the rotation of a relative pose, on a line.
+pub fn turn_in_words(pose: &RelativePose) -> String {
+    turned(pose, "")
+}
+
+fn turned(pose: &RelativePose, deviation: &str) -> String {
+    let axis = pose.rotation.axis().map_or_else(String::new, |axis| format!(" about {}", triple(&axis)));
+    let angle = pose.rotation.angle().to_degrees();
+    format!("  Camera 2 is turned by {angle:.2}°{deviation}{axis}\n")
 }
 
 /// Describes how far the pose of a calibration is from the pose that the matches show.

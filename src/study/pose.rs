@@ -13,6 +13,8 @@ pub enum PoseOutcome {
     /// Only a plane or a rotation of the camera is certain. The pose belongs to one of many epipoles that fit.
     /// It has no uncertainty: a covariance describes the errors around this epipole alone.
     OpenEpipole(PoseFit),
+    /// The cameras are known and only turned. The rotation is determined; the translation is one of many that fit.
+    OnlyTurned(PoseFit),
     /// There are too few matches for a pose.
     TooFewMatches,
     /// A focal length is unknown.
@@ -26,7 +28,11 @@ impl PoseOutcome {
             return Self::NoFocalLengths;
         }
         match views.fit_pose(found.fundamental(), &found.matched_pairs()) {
-            Some(fit) if found.says_one_plane() => Self::OpenEpipole(PoseFit { uncertainty: None, ..fit }),
+            Some(fit) if found.says_one_plane() => {
+                let is_posed = found.assessment.refinement.as_ref().is_some_and(|fitted| fitted.is_posed);
+                let open = if is_posed { Self::OnlyTurned } else { Self::OpenEpipole };
+                open(PoseFit { uncertainty: None, ..fit })
+            }
             Some(fit) => Self::Determined(fit),
             None => Self::TooFewMatches,
         }
@@ -35,7 +41,7 @@ impl PoseOutcome {
     /// Returns the fitted pose, even if other epipoles fit as well.
     pub fn fit(&self) -> Option<&PoseFit> {
         match self {
-            Self::Determined(fit) | Self::OpenEpipole(fit) => Some(fit),
+            Self::Determined(fit) | Self::OpenEpipole(fit) | Self::OnlyTurned(fit) => Some(fit),
             Self::TooFewMatches | Self::NoFocalLengths => None,
         }
     }

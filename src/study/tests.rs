@@ -122,6 +122,10 @@ fn a_pose_without_a_determined_epipole_has_no_uncertainty() {
     let plane = Reason::NoRelief { along: 3, across: 4, on_warp: 400 };
     let open = PoseOutcome::new(&found(&matches, vec![plane]), &views);
     assert!(open.determined().is_none() && open.fit().unwrap().uncertainty.is_none());
+    let mut turned = found(&matches, vec![Reason::OnlyTurned { along: 3, across: 4, turned: 400 }]);
+    turned.assessment.refinement.as_mut().unwrap().is_posed = true;
+    let turned = PoseOutcome::new(&turned, &views);
+    assert!(matches!(turned, PoseOutcome::OnlyTurned(_)) && turned.determined().is_none());
     let few = PoseOutcome::new(&found(&matches[..5], Vec::new()), &views);
     assert!(matches!(few, PoseOutcome::TooFewMatches) && few.fit().is_none());
     let lens = cameras.map(|_| CameraModel::of_division(-0.1, FRAME).unwrap());
