@@ -32,6 +32,7 @@ mod point;
 mod posed;
 #[cfg(test)]
 pub(crate) mod random_scene;
+mod representation;
 mod residual;
 mod robust_fit;
 mod seven_point;
@@ -60,10 +61,11 @@ pub use pencil::{LinePair, PencilMap, pencil_angles};
 pub(crate) use point::scaling;
 pub use point::{HomogeneousPoint, PointPair, finite_point, rescaled, rescaling};
 pub(crate) use posed::calibration_chi_square;
+pub use representation::Matrix9;
 pub(crate) use residual::median;
 pub use residual::{algebraic_residual, apart_across_lines, sampson_distance, symmetric_epipolar_distance};
 pub use robust_fit::{
-    FundamentalFit, GroupedObservation, Matrix9, Observation, fit_fundamental, fit_posed, grouped_covariance,
+    FundamentalFit, GroupedObservation, Observation, fit_fundamental, fit_posed, grouped_covariance,
 };
 pub(crate) use seven_point::determinant_on_pencil;
 pub use seven_point::{SevenPointError, seven_point};

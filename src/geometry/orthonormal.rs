@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix3, Rotation3, SVector, Vector3};
 
-use super::robust_fit::Representation;
+use super::representation::Representation;
 use super::{Frame, FundamentalMatrix, pixels_from_half_diagonals};
 
 /// Increments of the seven numbers: a small rotation on each side, then φ.

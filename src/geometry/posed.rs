@@ -6,7 +6,7 @@
 use nalgebra::{Matrix2, Matrix3, Rotation3, SVector, Vector2, Vector3};
 
 use super::FundamentalMatrix;
-use super::robust_fit::{Matrix9, Representation};
+use super::representation::{Matrix9, Representation};
 
 /// A fundamental matrix of two known cameras.
 #[derive(Debug, Clone)]

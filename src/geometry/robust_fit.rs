@@ -6,6 +6,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::orthonormal::Orthonormal;
 use super::posed::Posed;
+use super::representation::{Matrix9, Representation};
 use super::{FundamentalMatrix, PointPair, scaling};
 
 /// A match with the standard deviation of its coordinates.
@@ -26,18 +27,6 @@ pub struct FundamentalFit {
     /// robust cost times the residual variance. `None` when the observations do not determine all its
     /// numbers.
     pub covariance: Option<Matrix9>,
-}
-
-/// A 9×9 covariance of the entries of a 3×3 matrix, row by row.
-pub type Matrix9 = SMatrix<f64, 9, 9>;
-
-/// A matrix of rank 2 by `N` numbers.
-pub(super) trait Representation<const N: usize>: Sized {
-    fn matrix(&self) -> Matrix3<f64>;
-    /// Returns the derivatives of the matrix by small steps of the numbers.
-    fn derivatives(&self) -> [Matrix3<f64>; N];
-    #[must_use]
-    fn moved(&self, step: &SVector<f64, N>) -> Self;
 }
 
 /// Fits `F` to the observations, starting from `start`.

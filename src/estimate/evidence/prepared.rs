@@ -10,7 +10,7 @@ use crate::estimate::evidence::features::{MatchedFeatures, putative};
 use crate::estimate::evidence::lazy::Lazy;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::PatchLevels;
-use crate::estimate::fit::{Match, MatchFit, MatchFitError, Uncertainty, fit_given};
+use crate::estimate::fit::{Match, MatchFit, MatchFitError, Uncertainty, estimate_essential, fit_given};
 use crate::estimate::{CancelFlag, EstimateError, Parameters, PencilParameters};
 use crate::features::FeatureViews;
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
@@ -201,6 +201,20 @@ impl PreparedPair {
     pub fn putative_matches(&self) -> Vec<Match> {
         let MatchedFeatures { sets, matches } = self.features(FeatureViews::Frontal);
         putative(sets.each_ref(), matches, self.frames())
+    }
+
+    /// Returns the geometry of known cameras that most matches of features agree on, and these matches. `None` if
+    /// the cameras are not known, or too few matches agree.
+    pub(in crate::estimate) fn essential_of_features(
+        &self,
+        of: FeatureViews,
+        seed: u64,
+    ) -> Option<(FundamentalMatrix, Vec<PointPair>)> {
+        let MatchedFeatures { sets, matches } = self.features(of);
+        let putative = putative(sets.each_ref(), matches, self.frames());
+        let fit = estimate_essential(&putative, self.frames(), self.calibrations?, seed).ok()?;
+        let right = putative.iter().zip(&fit.inlier_probabilities).filter(|(_, right)| **right > 0.5);
+        Some((fit.fundamental, right.map(|(m, _)| m.pair).collect()))
     }
 
     /// Returns the patches of the upright view, without features.

@@ -8,15 +8,14 @@ use super::pencils::compare_pencils;
 use super::record::SearchRecord;
 use super::refinement::refine_ranked;
 use crate::estimate::evidence::features::{
-    FeatureEvidence, FeatureHypothesis, hypotheses_from_features, is_same_view, putative, view_of,
-    view_of_pairs,
+    FeatureEvidence, FeatureHypothesis, hypotheses_from_features, is_same_view, view_of, view_of_pairs,
 };
 use crate::estimate::evidence::patches::{Proposal, rank_fine};
 use crate::estimate::evidence::prepared::GivenFit;
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::assessment::RestsOn;
 use crate::estimate::verdict::selection::{ClickedPairs, select};
-use crate::estimate::{CancelFlag, Estimate, EstimateError, Stage, estimate_essential};
+use crate::estimate::{CancelFlag, Estimate, EstimateError, Stage};
 use crate::features::FeatureViews;
 use crate::geometry::FundamentalMatrix;
 use crate::image::RelativeView;
@@ -51,14 +50,9 @@ impl FeatureProposals {
         let mut hypotheses = hypotheses_from_features(&evidence, &parameters.features, parameters.seed);
         record.cancel().check()?;
         let frames = prepared.frames();
-        if let Some(calibrations) = prepared.calibrations() {
-            let putative = putative(features.sets.each_ref(), &features.matches, frames);
-            if let Ok(fit) = estimate_essential(&putative, frames, calibrations, parameters.seed) {
-                let right = putative.iter().zip(&fit.inlier_probabilities).filter(|(_, right)| **right > 0.5);
-                let matches = right.map(|(m, _)| m.pair).collect();
-                let score = hypotheses.first().map_or(0.0, |best| best.score);
-                hypotheses.insert(0, FeatureHypothesis { fundamental: fit.fundamental, score, matches });
-            }
+        if let Some((fundamental, matches)) = prepared.essential_of_features(of, parameters.seed) {
+            let score = hypotheses.first().map_or(0.0, |best| best.score);
+            hypotheses.insert(0, FeatureHypothesis { fundamental, score, matches });
         }
         let mut given_view = None;
         if let Some(GivenFit { fundamental, inliers, .. }) = prepared.given_fit() {
