@@ -76,7 +76,17 @@ const LEAST_NOISE: f64 = 0.01;
 /// Change of a parameter for numerical derivatives, radians.
 const DIFFERENCE: f64 = 1e-6;
 
+/// Returns the angle of a rotation, radians. Rounding may take the trace of the identity beyond 3.
+fn angle(rotation: &Rotation3<f64>) -> f64 {
+    (0.5 * (rotation.matrix().trace() - 1.0)).clamp(-1.0, 1.0).acos()
+}
+
 impl RelativePose {
+    /// Returns the angle of the rotation, radians.
+    pub fn angle(&self) -> f64 {
+        angle(&self.rotation)
+    }
+
     /// Returns the essential matrix `[t]× R`.
     pub fn essential(&self) -> Matrix3<f64> {
         self.translation.cross_matrix() * self.rotation.matrix()
@@ -203,7 +213,7 @@ impl PoseFit {
         let translation = self.pose.translation.angle(&other.translation);
         let square = change.dot(&uncertainty.covariance.cholesky()?.solve(&change));
         Some(PoseDifference {
-            rotation: self.pose.rotation.angle_to(&other.rotation),
+            rotation: angle(&self.pose.rotation.rotation_to(&other.rotation)),
             translation,
             uncertainty,
             is_significant: square > CHI_SQUARE || translation > 0.5 * PI,

@@ -347,7 +347,7 @@ impl PoseFile {
             translation: pose.translation.into(),
             essential: nested(&pose.essential()),
             fundamental: *fundamental,
-            angle: pose.rotation.angle(),
+            angle: pose.angle(),
             parallax: *parallax,
             matches: *matches,
             in_front: *in_front,

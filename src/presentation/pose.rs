@@ -40,7 +40,7 @@ pub fn turn_in_words(pose: &RelativePose) -> String {
 
 fn turned(pose: &RelativePose, deviation: &str) -> String {
     let axis = pose.rotation.axis().map_or_else(String::new, |axis| format!(" about {}", triple(&axis)));
-    let angle = pose.rotation.angle().to_degrees();
+    let angle = pose.angle().to_degrees();
     format!("  Camera 2 is turned by {angle:.2}°{deviation}{axis}\n")
 }
 

@@ -145,6 +145,7 @@ fn a_stereo_pair_takes_the_pose_of_f_and_the_baseline_of_its_calibration() {
     let (found, baseline) = stereo_pose(None, &views, Some(&fundamental), &matches).unwrap();
     let off = (found.rotation.matrix() - pose.rotation.matrix()).norm();
     assert!(off < 1e-9 && baseline.is_none(), "{off}");
+    assert!(found.angle() < 1e-6, "rounding leaves a number: {}", found.angle());
     // Fewer matches than a fit needs still tell the left camera.
     assert!(stereo_pose(own, &views, Some(&fundamental), &matches[..3]).is_ok());
     let lens = self::views(&cameras.map(|_| CameraModel::of_division(-0.1, FRAME).unwrap()));

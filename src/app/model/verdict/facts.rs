@@ -259,7 +259,7 @@ pub fn pose_facts(fit: &PoseFit) -> Vec<Fact> {
         fit.uncertainty.as_ref().map_or_else(String::new, |u| format!(" ± {:.2}°", of(u).to_degrees()))
     };
     let place = fit.pose.position2();
-    let turn = fit.pose.rotation.angle().to_degrees();
+    let turn = fit.pose.angle().to_degrees();
     vec![
         Fact::new(
             "Rotation",

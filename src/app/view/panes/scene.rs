@@ -208,8 +208,7 @@ impl Drawing {
         let count = scene.cloud.points.len();
         let mut text = format!("{count} points from {} matches · unit: one baseline", scene.fit.matches);
         if let Some(uncertainty) = scene.fit.uncertainty {
-            let [turn, deviation] =
-                [scene.fit.pose.rotation.angle(), uncertainty.rotation].map(f64::to_degrees);
+            let [turn, deviation] = [scene.fit.pose.angle(), uncertainty.rotation].map(f64::to_degrees);
             text = format!("{text} · turned by {turn:.2}° ± {deviation:.2}°");
         }
         if scene.focal_deviation() > 0.0 {
