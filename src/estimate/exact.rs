@@ -60,10 +60,13 @@ impl ExactScene {
         Camera::fundamental(&self.0[0], &self.0[1]).unwrap()
     }
 
-    /// Returns the calibration matrices of the cameras, with focal lengths of this ratio to the true ones.
-    pub fn calibrations(ratio: f64) -> [Matrix3<f64>; 2] {
-        let (focal, middle) = (ratio * FOCAL, FRAME.centre());
-        [Matrix3::new(focal, 0.0, middle.x, 0.0, focal, middle.y, 0.0, 0.0, 1.0); 2]
+    /// Returns the calibration matrices of the cameras, with focal lengths of these ratios to the true ones.
+    pub fn calibrations(ratios: [f64; 2]) -> [Matrix3<f64>; 2] {
+        let middle = FRAME.centre();
+        ratios.map(|ratio| {
+            let focal = ratio * FOCAL;
+            Matrix3::new(focal, 0.0, middle.x, 0.0, focal, middle.y, 0.0, 0.0, 1.0)
+        })
     }
 
     /// Returns the images of a scene point.

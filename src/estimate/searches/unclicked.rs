@@ -108,12 +108,13 @@ mod tests {
     #[test]
     fn known_cameras_give_an_essential_matrix_unless_the_images_contradict_them() {
         let scene = ExactScene::aside();
-        let run = |ratio: f64| {
-            let prepared = scene.prepared().with_calibrations(Some(ExactScene::calibrations(ratio)));
+        let run = |ratios: [f64; 2]| {
+            let prepared = scene.prepared().with_calibrations(Some(ExactScene::calibrations(ratios)));
             estimate_prepared(&prepared, &[], &Parameters::default(), &Monitor::silent()).unwrap()
         };
         let is_posed = |found: &Estimate| found.assessment.refinement.as_ref().unwrap().is_posed;
-        let [right, wrong] = [1.0, 1.5].map(run);
+        // With one focal length twice as long, the best essential matrix is 1.2 px off; with both, 0.2 px.
+        let [right, wrong] = [[1.0, 1.0], [1.0, 2.0]].map(run);
         assert!(is_posed(&right) && !is_posed(&wrong));
         for found in [&right, &wrong] {
             let error = scene.error(found.fundamental());
