@@ -126,7 +126,7 @@ fn clicks_in_bent_pictures_give_the_geometry_of_straight_ones_and_a_pose() {
     let output = run(&["estimate", &near, &far]);
     let summary = text(&output.stdout);
     assert!(!summary.contains("Relative pose"), "{summary}");
-    // A focal length alone gives a pose. This one is wrong, and leaves the geometry up to rounding.
+    // A focal length alone gives a pose. The bent pictures contradict it, so the geometry stays, up to rounding.
     let typed = run(&["estimate", &near, &far, "--focal-length", "700"]);
     let typed = text(&typed.stdout);
     assert!(typed.contains("Relative pose") && !typed.contains("guessed"), "{typed}");
