@@ -95,7 +95,12 @@ impl Evidence<'_> {
         let refitted = |last: &Fitted| {
             Some(self.explained(&self.refitted(&last.fundamental, &self.observations(last), 1.0)?))
         };
-        climbed(self.explained(start), LEAST_GAIN, |fitted| fitted.log_likelihood, refitted)
+        let mut first = self.explained(start);
+        if self.calibrations.is_some() {
+            // A start that is no essential matrix may be likelier than any.
+            first = refitted(&first)?;
+        }
+        climbed(first, LEAST_GAIN, |fitted| fitted.log_likelihood, refitted)
     }
 
     fn refitted(
