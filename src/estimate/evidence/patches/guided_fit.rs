@@ -21,11 +21,12 @@ use rayon::prelude::*;
 use super::dense::densified;
 use super::matches::{LEAST_MATCHES, LevelMatch, MATCH_SIGMA, at_level};
 use super::near_lines::is_within;
+use super::plane::largest_plane;
 use super::refinement::{LevelMatcher, Refined};
 use crate::cancel::CancelFlag;
 use crate::estimate::fit::{Evidence, Fitted, LEAST_SCALE, Match, Noise};
 use crate::geometry::{
-    FundamentalMatrix, Matrix9, Observation, calibration_chi_square, rescaling, sampson_distance,
+    FundamentalMatrix, Observation, PointPair, calibration_chi_square, rescaling, sampson_distance,
 };
 use crate::image::GrayPlane;
 
@@ -66,11 +67,17 @@ struct Followed {
     fitted: Fitted,
 }
 
+impl Followed {
+    /// Returns the matches within reach of the noise.
+    fn right(&self) -> Vec<PointPair> {
+        let Fitted { fundamental, noise, .. } = &self.fitted;
+        self.matches.iter().filter(|m| is_right(m, fundamental, *noise)).map(|m| m.found.pair).collect()
+    }
+}
+
 impl LevelMatcher<'_> {
     /// Fits `start` (full size) and its rivals. Returns the likeliest. For known cameras, it is an essential
-    /// matrix unless the matches contradict the calibration: a fundamental matrix is likelier by more than its two
-    /// further numbers are worth, and the calibration is outside its region of 99.9 %. The first test takes the
-    /// matches as independent, the second lets those of one region share their error.
+    /// matrix unless the matches contradict the calibration ([`Self::contradict`]).
     pub fn settled(
         &self,
         start: &FundamentalMatrix,
@@ -94,22 +101,42 @@ impl LevelMatcher<'_> {
         let known = Fixed { calibrations: Some(calibrations), ..fixed };
         let posed = self.likeliest(&free.fitted.fundamental, &known, band, settling, cancel);
         let unknown = Fixed { calibrations: None, ..known };
-        let many = observed(&free.matches);
-        let covariance = || self.evidence(&many, &unknown, band).covariance(&free.fitted);
-        let worth = (many.len() as f64).ln();
-        let is_right = |posed: &Followed| {
-            let contradicted = |covariance: Matrix9| {
-                let (f, posed) = (&free.fitted.fundamental, &posed.fitted.fundamental);
-                calibration_chi_square(f, &covariance, posed, &calibrations)
-                    .is_none_or(|chi| chi > SIGNIFICANT)
-            };
-            posed.fitted.log_likelihood >= free.fitted.log_likelihood - worth
-                || !covariance().is_some_and(contradicted)
-        };
-        match posed.filter(is_right) {
+        let evidence = (&unknown, band, settling.seed);
+        match posed.filter(|posed| !self.contradict(&calibrations, posed, &free, evidence)) {
             Some(posed) => self.refined(posed, &Fixed { calibrations: Some(calibrations), ..unknown }, band),
             None => self.refined(free, &unknown, band),
         }
+    }
+
+    /// Returns whether the matches contradict the calibrations. Three tests have to speak against them:
+    ///
+    /// - The fundamental matrix is likelier than the essential one by more than its two further numbers are worth.
+    /// - Most of its matches are not on one plane. There its epipole rests on the others, which may be accidents.
+    ///   The essential matrix has to explain as many matches as the plane.
+    /// - The calibrations are outside its region of 99.9 %. The first test takes the matches as independent; here,
+    ///   those of one region share their error.
+    fn contradict(
+        &self,
+        calibrations: &[Matrix3<f64>; 2],
+        posed: &Followed,
+        free: &Followed,
+        (unknown, band, seed): (&Fixed, f64, u64),
+    ) -> bool {
+        let many = observed(&free.matches);
+        let worth = (many.len() as f64).ln();
+        if posed.fitted.log_likelihood >= free.fitted.log_likelihood - worth {
+            return false;
+        }
+        let (right, posed_right) = (free.right(), posed.right());
+        let plane = largest_plane(&right, free.fitted.noise.reach(), seed).map_or(0, |(_, most)| most);
+        if 2 * plane > right.len() && posed_right.len() >= plane {
+            return false;
+        }
+        let covariance = self.evidence(&many, unknown, band).covariance(&free.fitted);
+        let (f, posed) = (&free.fitted.fundamental, &posed.fitted.fundamental);
+        covariance.is_some_and(|covariance| {
+            calibration_chi_square(f, &covariance, posed, calibrations).is_none_or(|chi| chi > SIGNIFICANT)
+        })
     }
 
     /// Returns the likeliest geometry among a start and its rivals, with the matches along its lines.
@@ -232,7 +259,11 @@ impl LevelMatcher<'_> {
 
 /// Keeps the matches within reach of the noise.
 fn keep_right(matches: &mut Vec<LevelMatch>, f: &FundamentalMatrix, noise: Noise) {
-    matches.retain(|m| sampson_distance(f, &m.found.pair) < noise.reach() * m.sigma / MATCH_SIGMA);
+    matches.retain(|m| is_right(m, f, noise));
+}
+
+fn is_right(m: &LevelMatch, f: &FundamentalMatrix, noise: Noise) -> bool {
+    sampson_distance(f, &m.found.pair) < noise.reach() * m.sigma / MATCH_SIGMA
 }
 
 /// Returns the matches, with deviations relative to an aligned match.

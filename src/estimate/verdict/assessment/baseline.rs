@@ -58,7 +58,7 @@ impl Posed<'_> {
         let on =
             |h: &Matrix3<f64>| self.matches.iter().filter(|m| transfer_error(h, m) < self.tolerance).count();
         let turned = fitted.max_by_key(on)?;
-        Some(Baseline { beside: self.beside(&turned), other: self.other_pose(&pose) })
+        Some(Baseline { beside: self.beside(&pose, &turned), other: self.other_pose(&pose) })
     }
 
     /// Fits a turn with a zoom to most of the matches. Returns its homography.
@@ -103,17 +103,21 @@ impl Posed<'_> {
         Some(homography(&turn, zoom))
     }
 
-    /// Counts the matches found without the geometry that lie beside a turn.
-    fn beside(&self, turned: &Matrix3<f64>) -> Witnesses {
+    /// Counts the matches found without the geometry that lie beside a turn. A scene point behind a camera
+    /// contradicts the baseline: where a wrong focal length moves the points, half of them are behind.
+    fn beside(&self, pose: &RelativePose, turned: &Matrix3<f64>) -> Witnesses {
         let mut on = 0;
         let mut beside = Vec::new();
-        for pair in one_a_place(self.unguided, LIKELY) {
+        let pairs: Vec<PointPair> = one_a_place(self.unguided, LIKELY).collect();
+        let points = pose.scene_points(self.calibrations, &pairs);
+        for (pair, point) in pairs.into_iter().zip(points) {
             let Some(place) = finite_point(&(turned * pair.point1.to_homogeneous())) else { continue };
             let off = pair.point2 - place;
             if off.norm() <= self.tolerance {
                 on += 1;
             } else if let Some(line) = self.f.line2_from_point1(pair.point1) {
-                beside.push(Beside::new(pair, off, &line));
+                let one = Beside::new(pair, off, &line);
+                beside.push(if point.is_some() { one } else { one.turned_across() });
             }
         }
         counted(&beside, on, self.tolerance)
@@ -239,6 +243,10 @@ mod tests {
             let turned = of(&matches(turn, [0.0; 3], zoom, wall), turn, step);
             assert!(!turned.beside.show_the_baseline(), "{turned:?}");
         }
+        // Half of the points are behind the cameras, as where a wrong calibration moves them.
+        let half = |x: f64, y: f64| if (40.0 * x) as i32 % 2 == 0 { wall(x, y) } else { -wall(x, y) };
+        let behind = of(&matches(turn, step, 1.0, half), turn, step);
+        assert!(!behind.beside.show_the_baseline(), "{behind:?}");
     }
 
     #[test]
