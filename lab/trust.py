@@ -222,7 +222,7 @@ FIRST_HALF = {
     "BruggeSquare", "LePoint1", "adam", "city", "ev_cafe", "ev_graf",
 }
 GROUPS = ["nothing", "click", "epipole", "support", "unreliable"]
-OF_EPIPOLE = {"one-plane", "no-relief", "only-turned", "bent", "pattern", "mirrored"}
+OF_EPIPOLE = {"one-plane", "no-relief", "only-turned", "behind-cameras", "bent", "pattern", "mirrored"}
 
 
 def load(tables):

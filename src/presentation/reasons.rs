@@ -119,6 +119,11 @@ pub fn reason_in_words(reason: &Reason) -> String {
         }
         Reason::NoRelief { along, across, on_warp } => no_relief(along, across, on_warp),
         Reason::OnlyTurned { along, across, turned } => only_turned(along, across, turned),
+        Reason::BehindCameras { in_front, matches } => format!(
+            "Only {in_front} of {matches} scene points lie in front of both cameras. By chance, half of them do. \
+             The camera only turned, or the calibration is wrong, so the direction of the baseline is not determined. \
+             Check the calibration, or use views from different places."
+        ),
         Reason::Mirrored { matches } => format!(
             "{matches} places of image 1 match image 2 only if it is flipped, like a mirror image. \
              The epipolar geometry of such a pair says nothing about the cameras. \
@@ -253,6 +258,7 @@ mod tests {
             Reason::NoRelief { along: 12, across: 9, on_warp: 480 },
             Reason::NoRelief { along: 16, across: 4, on_warp: 5 },
             Reason::OnlyTurned { along: 12, across: 9, turned: 480 },
+            Reason::BehindCameras { in_front: 1013, matches: 1959 },
             Reason::Mirrored { matches: 212 },
             Reason::Loose { deviation: 2.0 },
         ]

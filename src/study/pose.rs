@@ -1,7 +1,7 @@
 //! Relative poses of the cameras of a result.
 
 use crate::camera::{PoseFit, RelativePose, ViewPair};
-use crate::estimate::Estimate;
+use crate::estimate::{Estimate, Reason};
 use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::study::StudyError;
 
@@ -29,8 +29,10 @@ impl PoseOutcome {
         }
         match views.fit_pose(found.fundamental(), &found.matched_pairs()) {
             Some(fit) if found.says_one_plane() => {
-                let is_posed = found.assessment.refinement.as_ref().is_some_and(|fitted| fitted.is_posed);
-                let open = if is_posed { Self::OnlyTurned } else { Self::OpenEpipole };
+                let reasons = || found.assessment.trust.iter().flat_map(|trust| &trust.reasons);
+                let is_turned = reasons().any(|reason| matches!(reason, Reason::OnlyTurned { .. }));
+                let may_be_wrong = reasons().any(|reason| matches!(reason, Reason::BehindCameras { .. }));
+                let open = if is_turned && !may_be_wrong { Self::OnlyTurned } else { Self::OpenEpipole };
                 open(PoseFit { uncertainty: None, ..fit })
             }
             Some(fit) => Self::Determined(fit),

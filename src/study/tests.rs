@@ -122,9 +122,11 @@ fn a_pose_without_a_determined_epipole_has_no_uncertainty() {
     let plane = Reason::NoRelief { along: 3, across: 4, on_warp: 400 };
     let open = PoseOutcome::new(&found(&matches, vec![plane]), &views);
     assert!(open.determined().is_none() && open.fit().unwrap().uncertainty.is_none());
-    let mut turned = found(&matches, vec![Reason::OnlyTurned { along: 3, across: 4, turned: 400 }]);
-    turned.assessment.refinement.as_mut().unwrap().is_posed = true;
-    let turned = PoseOutcome::new(&turned, &views);
+    let turned = Reason::OnlyTurned { along: 3, across: 4, turned: 400 };
+    let behind = Reason::BehindCameras { in_front: 160, matches: 300 };
+    let doubtful = PoseOutcome::new(&found(&matches, vec![turned.clone(), behind]), &views);
+    assert!(matches!(doubtful, PoseOutcome::OpenEpipole(_)));
+    let turned = PoseOutcome::new(&found(&matches, vec![turned]), &views);
     assert!(matches!(turned, PoseOutcome::OnlyTurned(_)) && turned.determined().is_none());
     let few = PoseOutcome::new(&found(&matches[..5], Vec::new()), &views);
     assert!(matches!(few, PoseOutcome::TooFewMatches) && few.fit().is_none());

@@ -79,6 +79,7 @@ impl Judged {
                 Reason::OnePlane { .. }
                     | Reason::NoRelief { .. }
                     | Reason::OnlyTurned { .. }
+                    | Reason::BehindCameras { .. }
                     | Reason::Mirrored { .. }
                     | Reason::Bent { .. }
                     | Reason::Contradicted { .. }

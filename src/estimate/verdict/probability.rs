@@ -37,6 +37,7 @@ impl Doubt {
             Reason::OnePlane { .. }
             | Reason::NoRelief { .. }
             | Reason::OnlyTurned { .. }
+            | Reason::BehindCameras { .. }
             | Reason::Bent { .. }
             | Reason::Pattern { .. }
             | Reason::Mirrored { .. } => Some(Self::Epipole),

@@ -127,7 +127,10 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
         Reason::ClickOff { suspect: Suspect::Geometry, distance, .. } => (2, -distance),
         Reason::GivenContradict { .. } => (-1, 0.0),
         // The words beside the verdict are about the epipole then.
-        Reason::OnePlane { .. } | Reason::NoRelief { .. } | Reason::OnlyTurned { .. } => (1, -1.0),
+        Reason::OnePlane { .. }
+        | Reason::NoRelief { .. }
+        | Reason::OnlyTurned { .. }
+        | Reason::BehindCameras { .. } => (1, -1.0),
         _ => (1, 0.0),
     };
     reasons.sort_by(|a, b| {

@@ -1,11 +1,13 @@
 //! Test whether the matches determine the direction of the baseline of two known cameras.
 //!
 //! A plane leaves the epipoles of a fundamental matrix open, but an essential matrix only two solutions (Hartley &
-//! Zisserman, §13.5; Faugeras & Lustman 1988). Two things leave its baseline open:
+//! Zisserman, §13.5; Faugeras & Lustman 1988). Three things leave its baseline open:
 //!
 //! - **A camera that only turned.** Null hypothesis: `x2 = K2 Z R K1⁻¹ x1` with a rotation `R`, and a zoom
 //!   `Z = diag(s, s, 1)` for a focal length that differs from the calibration. Matches beside it show the baseline if
 //!   they lie along their epipolar lines, as in the test of [`relief`](super::warp).
+//! - **A wrong calibration.** It moves the points of a turned camera along some lines, but half of their scene points
+//!   then lie behind the cameras.
 //! - **The other solution of a plane.** It is a rival if its scene points lie in front of both cameras, too. The
 //!   matches off the plane decide.
 
@@ -58,7 +60,13 @@ impl Posed<'_> {
         let on =
             |h: &Matrix3<f64>| self.matches.iter().filter(|m| transfer_error(h, m) < self.tolerance).count();
         let turned = fitted.max_by_key(on)?;
-        Some(Baseline { beside: self.beside(&pose, &turned), other: self.other_pose(&pose) })
+        let points = pose.scene_points(self.calibrations, self.matches);
+        Some(Baseline {
+            beside: self.beside(&turned),
+            other: self.other_pose(&pose),
+            in_front: points.iter().flatten().count(),
+            matches: points.len(),
+        })
     }
 
     /// Fits a turn with a zoom to most of the matches. Returns its homography.
@@ -103,21 +111,17 @@ impl Posed<'_> {
         Some(homography(&turn, zoom))
     }
 
-    /// Counts the matches found without the geometry that lie beside a turn. A scene point behind a camera
-    /// contradicts the baseline: where a wrong focal length moves the points, half of them are behind.
-    fn beside(&self, pose: &RelativePose, turned: &Matrix3<f64>) -> Witnesses {
+    /// Counts the matches found without the geometry that lie beside a turn.
+    fn beside(&self, turned: &Matrix3<f64>) -> Witnesses {
         let mut on = 0;
         let mut beside = Vec::new();
-        let pairs: Vec<PointPair> = one_a_place(self.unguided, LIKELY).collect();
-        let points = pose.scene_points(self.calibrations, &pairs);
-        for (pair, point) in pairs.into_iter().zip(points) {
+        for pair in one_a_place(self.unguided, LIKELY) {
             let Some(place) = finite_point(&(turned * pair.point1.to_homogeneous())) else { continue };
             let off = pair.point2 - place;
             if off.norm() <= self.tolerance {
                 on += 1;
             } else if let Some(line) = self.f.line2_from_point1(pair.point1) {
-                let one = Beside::new(pair, off, &line);
-                beside.push(if point.is_some() { one } else { one.turned_across() });
+                beside.push(Beside::new(pair, off, &line));
             }
         }
         counted(&beside, on, self.tolerance)
@@ -246,7 +250,7 @@ mod tests {
         // Half of the points are behind the cameras, as where a wrong calibration moves them.
         let half = |x: f64, y: f64| if (40.0 * x) as i32 % 2 == 0 { wall(x, y) } else { -wall(x, y) };
         let behind = of(&matches(turn, step, 1.0, half), turn, step);
-        assert!(!behind.beside.show_the_baseline(), "{behind:?}");
+        assert!(behind.is_behind() && !moved.is_behind(), "{behind:?}");
     }
 
     #[test]

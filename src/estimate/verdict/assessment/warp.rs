@@ -160,11 +160,6 @@ impl Beside {
         let along = (off.norm_squared() - across * across).max(0.0).sqrt();
         Self { pair, along, across }
     }
-
-    /// Returns the match as one that contradicts its line, by as much.
-    pub(super) fn turned_across(self) -> Self {
-        Self { across: self.along.hypot(self.across), along: 0.0, ..self }
-    }
 }
 
 /// Counts the matches that were found without the geometry and lie beside a smooth warp of `matches`,

@@ -33,7 +33,8 @@ pub(in crate::estimate) const ANY_EPIPOLE: usize = 2;
 /// other pairs.
 pub(super) const LEAST_ALONG: f64 = 0.05;
 /// Least share along the lines among the matches along and across, at the lower end of its interval:
-/// three quarters. By chance, half are along and half across.
+/// three quarters. By chance, half are along and half across. The same share of the scene points of known cameras has
+/// to be in front of them; by chance, half are.
 const MOSTLY_ALONG: f64 = 0.75;
 /// Least share along the lines among the matches along and off, or along and across, at the lower end of its
 /// interval: the majority. By chance, [`ALONG_BY_CHANCE`] are along, or half.
@@ -209,6 +210,17 @@ pub(in crate::estimate) struct Baseline {
     pub beside: Witnesses,
     /// The other solution of the largest plane, if there is one.
     pub other: Option<OtherPose>,
+    /// Number of matches along the lines whose scene point is in front of both cameras.
+    pub in_front: usize,
+    /// Number of matches along the lines.
+    pub matches: usize,
+}
+
+impl Baseline {
+    /// Returns whether too many scene points are behind a camera. By chance, half of them are.
+    pub fn is_behind(self) -> bool {
+        at_least(self.in_front, self.matches) < MOSTLY_ALONG
+    }
 }
 
 /// Matches found without the geometry that a pose explains and the other solution of a plane does not, and the

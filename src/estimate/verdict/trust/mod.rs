@@ -92,6 +92,9 @@ pub enum Reason {
     /// The cameras are known, and most matches follow a camera that only turned. Counts matches that were found
     /// without the geometry: beside the turn along and across their epipolar lines, and on the turn.
     OnlyTurned { along: usize, across: usize, turned: usize },
+    /// The cameras are known, and many scene points would lie behind one of them: the number in front of both, and the
+    /// number of matches along the lines.
+    BehindCameras { in_front: usize, matches: usize },
     /// One image is a mirror image of the other: the number of distinctive matches if image 2 is flipped.
     Mirrored { matches: usize },
     /// The matches leave the epipolar lines uncertain: their standard deviation.
@@ -127,7 +130,13 @@ impl Trust {
     /// Returns whether only one plane or a rotation of the camera is certain.
     pub fn says_one_plane(&self) -> bool {
         self.reasons.iter().any(|reason| {
-            matches!(reason, Reason::OnePlane { .. } | Reason::NoRelief { .. } | Reason::OnlyTurned { .. })
+            matches!(
+                reason,
+                Reason::OnePlane { .. }
+                    | Reason::NoRelief { .. }
+                    | Reason::OnlyTurned { .. }
+                    | Reason::BehindCameras { .. }
+            )
         })
     }
 }

@@ -145,12 +145,14 @@ impl Trust {
 fn of_the_epipole(evidence: &Evidence) -> Vec<Reason> {
     let pattern = evidence.pattern.filter(|pattern| pattern.is_bent(evidence.side));
     let pattern = pattern.map(|pattern| Reason::Pattern { size: pattern.size });
-    if let Some(Baseline { beside, other }) = evidence.baseline {
+    if let Some(baseline) = evidence.baseline {
+        let Baseline { beside, other, in_front, matches } = baseline;
         let Witnesses { along, across, on_warp: turned, .. } = beside;
         let turned = (!beside.show_the_baseline()).then_some(Reason::OnlyTurned { along, across, turned });
         let other = other.filter(|other| !other.is_decided());
         let other = other.map(|other| Reason::Ambiguous { margin: other.margin() });
-        return [turned, other, pattern].into_iter().flatten().collect();
+        let behind = baseline.is_behind().then_some(Reason::BehindCameras { in_front, matches });
+        return [turned, behind, other, pattern].into_iter().flatten().collect();
     }
     let only = if let Some(plane) =
         evidence.plane.filter(|plane| plane.leaves_the_epipoles_open(evidence.relief))
@@ -205,11 +207,17 @@ mod tests {
         let flat = Evidence { plane: Some(plane(0.99, 1, 1.0)), relief: None, ..GOOD };
         assert_eq!(verdict(&flat), Verdict::Doubtful);
         let many_wrong = Witnesses { on_warp: 80, along: 430, across: 120, off: 400 };
-        let with = |beside, other| Evidence { baseline: Some(Baseline { beside, other }), ..flat };
+        let with = |beside, other| Evidence {
+            baseline: Some(Baseline { beside, other, in_front: 290, matches: 300 }),
+            ..flat
+        };
         assert_eq!(verdict(&with(many_wrong, None)), Verdict::Reliable);
         let turned = Witnesses { on_warp: 400, along: 9, across: 11, off: 40 };
         let reasons = |evidence: &Evidence| Trust::judge(evidence).reasons;
         assert_eq!(reasons(&with(turned, None)), [Reason::OnlyTurned { along: 9, across: 11, turned: 400 }]);
+        let mut behind = with(many_wrong, None);
+        behind.baseline = behind.baseline.map(|baseline| Baseline { in_front: 160, ..baseline });
+        assert_eq!(reasons(&behind), [Reason::BehindCameras { in_front: 160, matches: 300 }]);
         let other = |this_only, other_only| Some(OtherPose { this_only, other_only });
         assert_eq!(verdict(&with(many_wrong, other(30, 2))), Verdict::Reliable);
         assert_eq!(reasons(&with(many_wrong, other(6, 5))), [Reason::Ambiguous { margin: 1.0 / 11.0 }]);
