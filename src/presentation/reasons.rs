@@ -120,7 +120,7 @@ pub fn reason_in_words(reason: &Reason) -> String {
         Reason::NoRelief { along, across, on_warp } => no_relief(along, across, on_warp),
         Reason::OnlyTurned { along, across, turned } => only_turned(along, across, turned),
         Reason::BehindCameras { in_front, matches } => format!(
-            "Only {in_front} of {matches} scene points lie in front of both cameras. By chance, half of them do. \
+            "Only {in_front} of {matches} scene points lie in front of both cameras, where chance gives half. \
              The camera only turned, or the calibration is wrong, so the direction of the baseline is not determined. \
              Check the calibration, or use views from different places."
         ),
