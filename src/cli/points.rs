@@ -10,13 +10,13 @@ use super::estimate_arguments::EstimateArguments;
 use super::geometry_file::read_matches;
 use super::result_output::{relative_pose_in_words, with_views};
 use crate::camera::PicturesOf;
-use crate::estimate::{PointEstimate, Preset, Uncertainty, check_inside, estimate_points};
+use crate::estimate::{PointEstimate, Preset, Uncertainty};
 use crate::geometry::{Frame, PointPair};
 use crate::io::{
     CalibratedCamera, GeometryFile, ImageNote, PairLabel, PairOrigin, PointResultFile, TrustNote,
     points_in_words,
 };
-use crate::study::{PoseOutcome, matches_in};
+use crate::study::{PointStudy, PoseOutcome};
 
 /// Colour of a scene point without a picture.
 const GREY: [u8; 3] = [128; 3];
@@ -28,45 +28,41 @@ pub(super) fn run(arguments: &EstimateArguments, path: &Path) -> Result<(), CliE
     let inputs: Vec<&Path> = cameras.calibration.files().chain([path]).collect();
     let output = arguments.result.prepare(&inputs)?;
     let calibrated = cameras.calibration.read()?;
-    let mut given = read_matches(path)?;
+    let given = read_matches(path)?;
     let sizes = match arguments.sizes.as_deref() {
         Some([both]) => Some([*both; 2]),
         Some([left, right]) => Some([*left, *right]),
         _ => None,
     };
     let known = sizes.or_else(|| sizes_of(calibrated.as_ref()?));
-    if let Some(known) = known {
-        check_inside(&given, known)?;
-    }
-    let (mut of_cameras, mut frames) = (None, known);
+    let mut study = PointStudy::of_points(given, known)?;
+    let mut of_cameras = None;
     if cameras.is_given() {
         let unknown = "the sizes of the images are needed for the cameras. Give them (--sizes WIDTHxHEIGHT)";
         let known = known.ok_or_else(|| CliError::Arguments(unknown.into()))?;
         let found = cameras.of_frames(calibrated, known, [None; 2], None)?;
-        let pairs = || given.iter().map(|m| m.pair).collect();
+        let pairs = || study.matches().iter().map(|m| m.pair).collect();
         of_cameras = found.map(|found| settled_by(found, known, pairs)).transpose()?;
     }
     let baseline = of_cameras.as_ref().and_then(CalibratedCamera::baseline);
-    let views = of_cameras.zip(known).map(|(cameras, known)| views(&cameras, known)).transpose()?;
-    if let Some(views) = &views {
-        let all = given.len();
-        given = matches_in(views, &given)?;
-        let left_out = all - given.len();
+    if let Some((cameras, known)) = of_cameras.zip(known) {
+        study = study.with_views(views(&cameras, known)?)?;
+        let (left_out, all) = (study.left_out(), study.matches().len() + study.left_out());
         if left_out > 0 {
             tell(format_args!(
                 "warning: {left_out} of {all} matches lie beyond the range of a lens and are left out"
             ));
         }
-        frames = Some(views.frames());
     }
+    let (frames, views) = (study.frames(), study.views());
     let seed = arguments.seed.unwrap_or_default();
-    let found = on_threads(arguments.threads, || estimate_points(&given, frames, seed))??;
-    let pairs: Vec<PointPair> = given.iter().map(|m| m.pair).collect();
+    let found = on_threads(arguments.threads, || study.solve(seed))??;
+    let pairs: Vec<PointPair> = study.matches().iter().map(|m| m.pair).collect();
     let mut result = PointResultFile::new(&found, &pairs, frames.is_some(), seed);
     let mut words = points_in_words(&found, &pairs, frames.is_some());
     let matched = found.estimate.matched_pairs();
-    let pose = views.as_ref().map(|views| PoseOutcome::new(&found.estimate, views));
-    if let Some((views, pose)) = views.as_ref().zip(pose.as_ref()) {
+    let pose = views.map(|views| PoseOutcome::new(&found.estimate, views));
+    if let Some((views, pose)) = views.zip(pose.as_ref()) {
         result = result.calibrated(views, pose.fit(), baseline);
         words += &relative_pose_in_words(pose);
         if views.is_undistorted() {
@@ -75,8 +71,8 @@ pub(super) fn run(arguments: &EstimateArguments, path: &Path) -> Result<(), CliE
     }
     let determined = pose.as_ref().and_then(PoseOutcome::determined);
     output.write_points(&result, &words, found.estimate.says_one_plane(), || {
-        let file = exported(&found, &pairs, frames, PicturesOf::from(views.as_ref()));
-        let Some(views) = &views else { return file };
+        let file = exported(&found, &pairs, frames, PicturesOf::from(views));
+        let Some(views) = views else { return file };
         with_views(file, views, determined, baseline, &matched, |_| GREY)
     })
 }

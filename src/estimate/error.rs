@@ -98,4 +98,6 @@ pub enum Warning {
     CloseClicks { distance: f64 },
     /// Of the lines examined, few have texture.
     LittleTexture { pair: usize, textured: usize, lines: usize },
+    /// The matches contradict the calibration of known cameras, so the geometry was fitted without it.
+    CalibrationContradicted,
 }

@@ -1,20 +1,23 @@
 //! Geometry of point pairs alone, without pictures.
 //!
 //! [`estimate_points`] fits `F` to matches, many of which may be wrong, and judges it by the matches. With 14
-//! agreeing matches or more, the noise is estimated too ([`estimate_fundamental`]); with fewer, or where no 14
-//! agree, the geometry that chance explains least is taken (`fit/few`).
+//! agreeing matches or more, the noise is estimated too
+//! ([`estimate_fundamental`](crate::estimate::estimate_fundamental)); with fewer, or where no 14 agree, the geometry
+//! that chance explains least is taken (`fit/few`). For known cameras, `F` is the fundamental matrix of a relative
+//! pose, unless the matches contradict the calibration.
 //!
 //! Coordinates are pixels. Without the sizes of the images, the extent of the points takes their place: it
 //! conditions the equations, and says what is near and what is far. `F` itself does not depend on it.
 
+use std::collections::{HashMap, HashSet};
+
 use nalgebra::Matrix3;
 use thiserror::Error;
 
-use super::evidence::patches::{RefinedMatch, Refinement, largest_plane};
-use super::fit::false_alarms::Agreement;
+use super::Warning;
+use super::evidence::patches::{RefinedMatch, Refinement};
 use super::fit::{
-    EpipoleBearing, FEWEST, MOST_FEW, Match, MatchFit, Uncertainty, agreement_of, estimate_fundamental,
-    fit_few, widening,
+    EpipoleBearing, Match, MatchFit, Model, Uncertainty, agreement_of, fit_matches, largest_plane,
 };
 use super::verdict::assessment::PointEvidence;
 use super::verdict::result::{Assessment, Determined, Estimate};
@@ -42,9 +45,9 @@ pub struct PointEstimate {
 pub enum PointsError {
     /// Too few different matches.
     #[error(
-        "at least {FEWEST} different matches are needed, and there are {0}. Seven fit up to three geometries, and nothing tells which is right. Add matches"
+        "at least {needed} different matches are needed, and there are {found}. One fewer fits several geometries, and nothing tells which is right. Add matches"
     )]
-    TooFew(usize),
+    TooFew { found: usize, needed: usize },
     /// A match has a coordinate that is NaN or infinite.
     #[error("match {0} has a coordinate that is not a finite number. Leave it out")]
     NotFinite(usize),
@@ -68,9 +71,9 @@ pub enum PointsError {
         "all points lie on one plane, or the camera only turned: a homography maps them all, so every epipole fits. Add matches off the plane"
     )]
     OnePlane,
-    /// No geometry fits eight matches.
+    /// No geometry fits the matches.
     #[error(
-        "no epipolar geometry fits {FEWEST} of the matches. Check that each line has x1 y1 x2 y2 of one scene point"
+        "no epipolar geometry fits enough of the matches. Check that each line has x1 y1 x2 y2 of one scene point"
     )]
     NoGeometry,
 }
@@ -83,75 +86,75 @@ const LEAST_EXTENT: f64 = 32.0;
 const LINE: f64 = 1.0;
 /// Distance of a point beyond its image that differences between conventions of pixels explain, px.
 const BEYOND: f64 = 1.0;
-/// Least probability of an agreeing match: likelier right than wrong.
-const LIKELY: f64 = 0.5;
 /// Median of the absolute values of a Gaussian distribution, in standard deviations.
 const MEDIAN: f64 = 0.6745;
 /// Smallest standard deviation of a match that a test of planes assumes, as a share of the longer side: what
 /// the correction of a lens leaves.
 const LEAST_SIGMA: f64 = 5e-5;
-/// Degrees of freedom of F.
+/// Fewest agreeing matches that show whether points lie on a line: seven, the degrees of freedom of F.
 const FREEDOM: usize = 7;
 
 /// Fits a fundamental matrix to matches and judges it, without pictures.
 ///
-/// `frames` are the sizes of the images, if they are known. The same matches and seed give the same result
-/// on any number of threads. The verdict is never reliable, since nothing confirms that the points of a match
-/// show the same scene point.
+/// `frames` are the sizes of the images, if they are known. `calibrations` are the calibration matrices of known
+/// cameras, for points without distortion. The same matches and seed give the same result on any number of threads.
+/// The verdict is never reliable, since nothing confirms that the points of a match show the same scene point.
 ///
 /// # Errors
 /// [`PointsError`] for points that cannot determine a geometry.
 pub fn estimate_points(
     matches: &[Match],
     frames: Option<[Frame; 2]>,
+    calibrations: Option<[Matrix3<f64>; 2]>,
     seed: u64,
 ) -> Result<PointEstimate, PointsError> {
     if let Some(wrong) = matches.iter().position(|m| !m.pair.is_finite()) {
         return Err(PointsError::NotFinite(wrong + 1));
     }
     let (distinct, places) = distinct(matches);
-    if distinct.len() < FEWEST {
-        return Err(PointsError::TooFew(distinct.len()));
+    let needed = Model::of(calibrations).unknowns() + 1;
+    if distinct.len() < needed {
+        return Err(PointsError::TooFew { found: distinct.len(), needed });
     }
     let extent = Extent::of(matches, frames)?;
     let local: Vec<Match> = distinct.iter().map(|m| extent.local(m)).collect();
-    let (fit, agreement) = fitted(&local, extent.frames, seed).ok_or_else(|| no_geometry(&local, seed))?;
-    let [agreeing, others] = [true, false].map(|wanted| -> Vec<Match> {
-        let is_likely = |p: &f64| (*p > LIKELY) == wanted;
-        local.iter().zip(&fit.inlier_probabilities).filter(|(_, p)| is_likely(p)).map(|(m, _)| *m).collect()
-    });
-    let agreeing: Vec<PointPair> = agreeing.iter().map(|m| m.pair).collect();
+    let calibrations = calibrations.map(|known| extent.local_calibrations(known));
+    let fit = fit_matches(&local, extent.frames, calibrations, seed);
+    let fit: MatchFit = fit.map_err(|_| no_geometry(&local, seed))?;
+    let agreeing = fit.agreeing(&local);
     for image in 0..2 {
         let points: Vec<Point> = agreeing.iter().map(|pair| of_image(pair, image)).collect();
         if points.len() >= FREEDOM && off_line(&points) < LINE {
             return Err(PointsError::OneLine(image + 1));
         }
     }
-    let rival = fitted(&others, extent.frames, seed);
-    let rival = rival.filter(|(_, rival)| rival.is_no_chance());
-    let rival = rival.map(|(rival, _)| agreement_of(&rival.fundamental, &local, extent.frames));
+    let model = if fit.is_posed { Model::of(calibrations) } else { Model::Free };
     let (trust, margin, plane) = PointEvidence {
         matches: &local,
         agreeing: &agreeing,
-        agreement,
-        rival: rival.map(|rival| rival.agreeing),
+        agreement: fit.agreement,
+        rival: rival(&local, &agreeing, extent.frames, model, seed),
         fundamental: &fit.fundamental,
         uncertainty: fit.uncertainty.as_ref(),
+        calibrations: model.calibrations().copied(),
         sigma: (std::f64::consts::SQRT_2 * fit.noise.scale / MEDIAN)
             .max(LEAST_SIGMA * extent.frames[0].longer_side()),
         frames: extent.frames,
         seed,
     }
     .judge();
+    let agreement = fit.agreement;
     let is_chance = !agreement.is_no_chance();
     let refinement = Refinement {
         matches: agreeing.iter().map(|pair| RefinedMatch { pair: *pair, correlation: 0.0 }).collect(),
         uncertainty: fit.uncertainty,
         noise: Some(fit.noise.scale),
-        is_posed: false,
+        is_posed: fit.is_posed,
     };
+    let is_contradicted = calibrations.is_some() && !fit.is_posed;
     let assessment = Assessment {
         refinement: Some(refinement),
+        warnings: is_contradicted.then_some(Warning::CalibrationContradicted).into_iter().collect(),
         margin,
         trust: Some(trust),
         plane,
@@ -196,38 +199,27 @@ pub fn check_inside(matches: &[Match], frames: [Frame; 2]) -> Result<(), PointsE
     Ok(())
 }
 
-/// Returns the fit that chance explains least, and its agreement. `None` for fewer than eight matches.
-fn fitted(matches: &[Match], frames: [Frame; 2], seed: u64) -> Option<(MatchFit, Agreement)> {
-    if matches.len() < FEWEST {
-        return None;
-    }
-    let many = estimate_fundamental(matches, frames, seed).ok().map(|fit| {
-        let agreement = agreement_of(&fit.fundamental, matches, frames);
-        (widened(fit), agreement)
-    });
-    if matches.len() > MOST_FEW || many.as_ref().is_some_and(|(_, agreement)| agreement.is_no_chance()) {
-        return many;
-    }
-    let both = many.into_iter().chain(fit_few(matches, frames, seed));
-    both.min_by(|(_, a), (_, b)| a.by_false_alarms(b))
-}
-
-/// Widens the covariance of a fit to matches whose noise follows from their own residuals: a fit to `k`
-/// matches leaves `k − 7` degrees of freedom.
-fn widened(fit: MatchFit) -> MatchFit {
-    let agreeing = fit.inlier_probabilities.iter().filter(|p| **p > LIKELY).count();
-    let freedom = agreeing.saturating_sub(FREEDOM).max(1);
-    let by = agreeing as f64 / freedom as f64 * widening(freedom).powi(2);
-    let uncertainty = fit.uncertainty.as_ref();
-    let uncertainty =
-        uncertainty.map(|u| Uncertainty::new(&fit.fundamental, &(u.covariance() * by), [1.0; 2]));
-    MatchFit { uncertainty, ..fit }
+/// Returns the number of all matches that agree on another geometry, if those that do not agree on the first one do
+/// so beyond chance.
+fn rival(
+    matches: &[Match],
+    agreeing: &[PointPair],
+    frames: [Frame; 2],
+    model: Model,
+    seed: u64,
+) -> Option<usize> {
+    let agreeing: HashSet<[u64; 4]> = agreeing.iter().map(|pair| pair.numbers().map(f64::to_bits)).collect();
+    let is_other = |m: &&Match| !agreeing.contains(&m.pair.numbers().map(f64::to_bits));
+    let others: Vec<Match> = matches.iter().filter(is_other).copied().collect();
+    let rival = fit_matches(&others, frames, model.calibrations().copied(), seed).ok()?;
+    let of_all = || agreement_of(&rival.fundamental, matches, frames, model).agreeing;
+    rival.agreement.is_no_chance().then(of_all)
 }
 
 /// Returns the different matches, and the number of each match among them. A repeated match shows no more
 /// than one.
 fn distinct(matches: &[Match]) -> (Vec<Match>, Vec<usize>) {
-    let mut known = std::collections::HashMap::new();
+    let mut known = HashMap::new();
     let mut distinct = Vec::new();
     let place = |m: &Match| {
         *known.entry(m.pair.numbers().map(f64::to_bits)).or_insert_with(|| {
@@ -281,13 +273,14 @@ impl Extent {
         Match { pair, ..*m }
     }
 
+    /// Returns calibration matrices for the coordinates of the rectangles.
+    fn local_calibrations(&self, calibrations: [Matrix3<f64>; 2]) -> [Matrix3<f64>; 2] {
+        [0, 1].map(|k| shifted(-self.corners[k]) * calibrations[k])
+    }
+
     /// Returns a geometry of the rectangles in the coordinates of the points.
     fn back(&self, mut local: Estimate) -> Option<Estimate> {
-        let shift = |image: usize, sign: f64| {
-            let corner = self.corners[image] * sign;
-            Matrix3::new(1.0, 0.0, corner.x, 0.0, 1.0, corner.y, 0.0, 0.0, 1.0)
-        };
-        let [to1, to2] = [shift(0, -1.0), shift(1, -1.0)];
+        let [to1, to2] = self.corners.map(|corner| shifted(-corner));
         let moved = to2.transpose() * local.fundamental.matrix() * to1;
         let fundamental = FundamentalMatrix::from_rank_two(moved)?;
         if let Some(refinement) = &mut local.assessment.refinement {
@@ -302,12 +295,17 @@ impl Extent {
             }
         }
         if let Some(plane) = &mut local.assessment.plane {
-            let h = shift(1, 1.0) * plane.homography21 * to1;
+            let h = shifted(self.corners[1]) * plane.homography21 * to1;
             let divisor = if h[(2, 2)].abs() > 1e-9 * h.norm() { h[(2, 2)] } else { h.norm() };
             plane.homography21 = h / divisor;
         }
         Some(Estimate { fundamental, ..local })
     }
+}
+
+/// Returns the matrix that moves points by a vector.
+fn shifted(by: Vector) -> Matrix3<f64> {
+    Matrix3::new(1.0, 0.0, by.x, 0.0, 1.0, by.y, 0.0, 0.0, 1.0)
 }
 
 /// Returns the point of a pair in image 0 or 1.
@@ -345,7 +343,7 @@ mod tests {
         let scene = ExactScene::aside();
         let matches = noisy(&scene.pairs(200), 0.2, 3);
         for frames in [None, Some([FRAME; 2])] {
-            let found = estimate_points(&matches, frames, 0).unwrap();
+            let found = estimate_points(&matches, frames, None, 0).unwrap();
             assert!(scene.error(&found.estimate.fundamental) < 0.5);
             assert!(matches!(reasons(&found)[0], Reason::PointsAlone { matches: 200, .. }), "{found:?}");
             assert_eq!(found.estimate.assessment.trust.as_ref().unwrap().verdict, Verdict::Doubtful);
@@ -366,7 +364,7 @@ mod tests {
             ..*m
         };
         let there: Vec<Match> = matches.iter().map(far).collect();
-        let [here, there_found] = [&matches, &there].map(|all| estimate_points(all, None, 0).unwrap());
+        let [here, there_found] = [&matches, &there].map(|all| estimate_points(all, None, None, 0).unwrap());
         for (a, b) in matches.iter().zip(&there) {
             let [near, shifted] = [(&here, a), (&there_found, b)].map(|(found, m)| {
                 let u = found.estimate.uncertainty().unwrap();
@@ -384,9 +382,9 @@ mod tests {
     fn points_that_determine_no_geometry_are_told() {
         let scene = ExactScene::aside();
         let all: Vec<Match> = scene.pairs(20).into_iter().map(Match::from).collect();
-        let error = |matches: &[Match]| estimate_points(matches, None, 0).unwrap_err();
-        assert_eq!(error(&all[..7]), PointsError::TooFew(7));
-        assert_eq!(error(&[all[0]; 30]), PointsError::TooFew(1));
+        let error = |matches: &[Match]| estimate_points(matches, None, None, 0).unwrap_err();
+        assert_eq!(error(&all[..7]), PointsError::TooFew { found: 7, needed: 8 });
+        assert_eq!(error(&[all[0]; 30]), PointsError::TooFew { found: 1, needed: 8 });
         let mut broken = all.clone();
         broken[4].pair.point2.y = f64::NAN;
         assert_eq!(error(&broken), PointsError::NotFinite(5));
@@ -415,11 +413,11 @@ mod tests {
     fn points_on_a_plane_leave_the_epipole_open() {
         let plane = RandomScene::new(4).planar_pairs(40);
         let exact: Vec<Match> = plane.iter().map(|pair| Match::from(*pair)).collect();
-        if let Err(error) = estimate_points(&exact, None, 0) {
+        if let Err(error) = estimate_points(&exact, None, None, 0) {
             assert_eq!(error, PointsError::OnePlane);
         }
         for (count, sigma) in [(11, 0.1), (40, 0.1)] {
-            let found = estimate_points(&noisy(&plane[..count], sigma, 2), None, 0).unwrap();
+            let found = estimate_points(&noisy(&plane[..count], sigma, 2), None, None, 0).unwrap();
             assert!(found.estimate.says_one_plane(), "{count} {sigma}: {:?}", reasons(&found));
             let plane = found.estimate.assessment.plane.unwrap();
             assert!(plane.residual < 1.0, "{plane:?}");
@@ -434,7 +432,7 @@ mod tests {
             points.chunks_exact(2).map(|two| PointPair { point1: two[0].point1, point2: two[1].point2 });
         for count in [9, 11, 20, 60] {
             let some: Vec<Match> = wrong.clone().take(count).map(Match::from).collect();
-            let found = estimate_points(&some, None, 0).unwrap();
+            let found = estimate_points(&some, None, None, 0).unwrap();
             assert_eq!(
                 found.estimate.assessment.trust.as_ref().unwrap().verdict,
                 Verdict::Unreliable,
@@ -449,11 +447,54 @@ mod tests {
         let [one, other] = [ExactScene::aside(), ExactScene::moved([0.3, 0.02, 0.3])];
         let mut all = noisy(&one.pairs(60), 0.1, 1);
         all.extend(noisy(&other.pairs(55), 0.1, 2));
-        let found = estimate_points(&all, None, 0).unwrap();
+        let found = estimate_points(&all, None, None, 0).unwrap();
         assert!(
             reasons(&found).iter().any(|r| matches!(r, Reason::Ambiguous { .. })),
             "{:?}",
             reasons(&found)
         );
+    }
+
+    #[test]
+    fn known_cameras_give_a_pose_where_a_plane_leaves_the_fundamental_matrix_open() {
+        let k = Matrix3::new(800.0, 0.0, 383.5, 0.0, 800.0, 287.5, 0.0, 0.0, 1.0);
+        let frames = Some([Frame::new(768, 576); 2]);
+        let mut right = 0;
+        for seed in 0..10 {
+            let mut scene = RandomScene::new(seed);
+            let mut all = scene.planar_pairs(12);
+            let others = scene.pairs(12);
+            all.extend(&others[..3]);
+            let found = estimate_points(&noisy(&all, 0.2, seed), frames, Some([k; 2]), 0).unwrap();
+            assert!(found.estimate.assessment.refinement.as_ref().unwrap().is_posed);
+            let off = others.iter().map(|pair| sampson_distance(&found.estimate.fundamental, pair));
+            right += usize::from(crate::geometry::median(off) < 2.0);
+        }
+        assert!(right >= 9, "{right} of 10");
+    }
+
+    #[test]
+    fn a_wrong_focal_length_leaves_the_geometry_of_the_points() {
+        let scene = ExactScene::aside();
+        let matches = noisy(&scene.pairs(200), 0.1, 3);
+        let k = |focal: f64| Matrix3::new(focal, 0.0, 159.5, 0.0, focal, 119.5, 0.0, 0.0, 1.0);
+        let found = |known| estimate_points(&matches, Some([FRAME; 2]), known, 0).unwrap();
+        let wrong = found(Some([k(300.0), k(900.0)]));
+        assert_eq!(wrong.estimate.assessment.warnings, [Warning::CalibrationContradicted]);
+        assert!(!wrong.estimate.assessment.refinement.as_ref().unwrap().is_posed);
+        assert_eq!(wrong.estimate.fundamental, found(None).estimate.fundamental);
+    }
+
+    #[test]
+    fn six_points_of_known_cameras_are_enough() {
+        let k = Matrix3::new(800.0, 0.0, 383.5, 0.0, 800.0, 287.5, 0.0, 0.0, 1.0);
+        let frames = Some([Frame::new(768, 576); 2]);
+        let pairs = RandomScene::new(5).pairs(30);
+        let six = noisy(&pairs[..6], 0.1, 1);
+        let found = estimate_points(&six, frames, Some([k; 2]), 0).unwrap();
+        let off = pairs.iter().map(|pair| sampson_distance(&found.estimate.fundamental, pair));
+        assert!(crate::geometry::median(off) < 3.0);
+        let error = estimate_points(&six[..5], frames, Some([k; 2]), 0).unwrap_err();
+        assert_eq!(error, PointsError::TooFew { found: 5, needed: 6 });
     }
 }

@@ -12,7 +12,7 @@ use crate::estimate::{
     Determined, EpipoleBearing, PlaneHomography, PointEstimate, Reason, Uncertainty, Verdict,
 };
 use crate::geometry::{Frame, FundamentalMatrix, PointPair, finite_point, median, sampson_distance};
-use crate::presentation::{epipole_in_words, reason_in_words};
+use crate::presentation::{epipole_in_words, reason_in_words, warning_in_words};
 
 /// Content of a result file of points without pictures. As JSON it is also a geometry file.
 #[derive(Serialize)]
@@ -106,7 +106,7 @@ impl<'a> PointResultFile<'a> {
             given_distances: given.iter().map(residual).collect(),
             given_probabilities: &found.inlier_probabilities,
             calibrated: None,
-            warnings: Vec::new(),
+            warnings: estimate.assessment.warnings.iter().map(Told::of_result).collect(),
             version: env!("CARGO_PKG_VERSION"),
         }
     }
@@ -159,6 +159,9 @@ pub fn points_in_words(found: &PointEstimate, given: &[PointPair], are_sizes: bo
             100.0 * plane.share
         );
         text += &matrix_in_words(nested(&plane.homography21));
+    }
+    for warning in &estimate.assessment.warnings {
+        let _ = writeln!(text, "Warning: {}", warning_in_words(warning));
     }
     let agreeing = estimate.matches();
     if !agreeing.is_empty() {

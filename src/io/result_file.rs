@@ -173,6 +173,12 @@ pub(super) struct Told<'a> {
     warning: AnyWarning<'a>,
 }
 
+impl<'a> Told<'a> {
+    pub(super) fn of_result(warning: &'a Warning) -> Self {
+        Self { message: warning_in_words(warning), warning: AnyWarning::Result(warning) }
+    }
+}
+
 #[derive(Serialize)]
 #[serde(untagged)]
 enum AnyWarning<'a> {
@@ -243,11 +249,7 @@ impl<'a> ResultFile<'a> {
             first_seconds: trace.map(|t| t.first_seconds),
             timings: trace.map_or(&[], |t| &t.timings),
             counts: trace.map(|t| &t.counts),
-            warnings: assessment
-                .warnings
-                .iter()
-                .map(|w| Told { message: warning_in_words(w), warning: AnyWarning::Result(w) })
-                .collect(),
+            warnings: assessment.warnings.iter().map(Told::of_result).collect(),
             images,
             pairs: pairs.iter().map(PointPair::numbers).collect(),
             pair_distances: pairs

@@ -219,6 +219,9 @@ pub fn warning_in_words(warning: &Warning) -> String {
             "Only {textured} of {lines} lines through point pair {pair} have texture. \
              The others cannot be compared. Choose a point in a textured part of the images."
         ),
+        Warning::CalibrationContradicted => "The matches contradict the calibration, so the geometry was fitted \
+             without it. A pose from this calibration is wrong. Check the focal lengths and the size of the images."
+            .into(),
     }
 }
 
@@ -270,6 +273,7 @@ mod tests {
             Warning::SameEpipolarLine { distance: 0.5 },
             Warning::CloseClicks { distance: 48.0 },
             Warning::LittleTexture { pair: 1, textured: 33, lines: 171 },
+            Warning::CalibrationContradicted,
         ]
     }
 

@@ -14,12 +14,13 @@
 //! | A pair counts as misplaced from 1 % of the longer side along its line. | [`Study::places`] |
 //!
 //! Points of questions and answers are pixels of the views without distortion. Without cameras, the views are
-//! the pictures themselves. This module knows no files, no options of a command line and no widgets.
+//! the pictures themselves. A [`PointStudy`] fits a geometry to matches without pictures. This module knows no files, no options of a command line and no widgets.
 
 mod advice;
 mod cameras;
 mod error;
 mod judge;
+mod points;
 mod pose;
 mod solve;
 #[cfg(test)]
@@ -29,5 +30,6 @@ pub use advice::PlaceFound;
 pub use cameras::{assumed_camera, clicks_in, matches_in, plan_views, undistorted};
 pub use error::StudyError;
 pub use judge::ShownGeometry;
+pub use points::PointStudy;
 pub use pose::{PoseOutcome, stereo_pose};
 pub use solve::{Question, Study};

@@ -10,7 +10,7 @@ use crate::estimate::evidence::features::{MatchedFeatures, putative};
 use crate::estimate::evidence::lazy::Lazy;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::PatchLevels;
-use crate::estimate::fit::{Match, MatchFit, MatchFitError, Uncertainty, estimate_essential, fit_given};
+use crate::estimate::fit::{Match, MatchFitError, Uncertainty, estimate_essential, fit_given};
 use crate::estimate::{CancelFlag, EstimateError, Parameters, PencilParameters};
 use crate::features::FeatureViews;
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
@@ -54,6 +54,8 @@ pub(in crate::estimate) struct GivenFit {
     /// Distance below which 95 % of the right matches lie, px.
     pub reach: f64,
     pub uncertainty: Option<Uncertainty>,
+    /// Whether the geometry is an essential matrix.
+    pub is_posed: bool,
 }
 
 /// Least longer side of a pyramid level, px. Parameters that ask for smaller images get the
@@ -87,15 +89,17 @@ impl PreparedPair {
     /// result as it is.
     ///
     /// # Errors
-    /// The errors of [`estimate_fundamental`](crate::estimate::estimate_fundamental). The matches take no part then, and an estimate from them alone
-    /// fails.
+    /// The errors of [`estimate_fundamental`](crate::estimate::estimate_fundamental). The matches take no part then,
+    /// and an estimate from them alone fails.
     pub fn add_matches(&mut self, matches: &[Match], seed: u64) -> Result<(), MatchFitError> {
         let fit = fit_given(matches, self.frames(), self.calibrations, seed);
         let outcome = fit.as_ref().map(|_| ()).map_err(|error| *error);
-        let fit = fit.map(|MatchFit { fundamental, noise, inlier_probabilities, uncertainty }| {
-            let inliers = matches.iter().zip(&inlier_probabilities).filter(|(_, right)| **right > 0.5);
-            let inliers = inliers.map(|(found, _)| found.pair).collect();
-            GivenFit { fundamental, inliers, reach: noise.reach(), uncertainty }
+        let fit = fit.map(|fit| GivenFit {
+            fundamental: fit.fundamental,
+            inliers: fit.agreeing(matches),
+            reach: fit.noise.reach(),
+            uncertainty: fit.uncertainty,
+            is_posed: fit.is_posed,
         });
         self.given = Some(Arc::new(GivenMatches { all: matches.to_vec(), fit }));
         outcome
@@ -106,8 +110,8 @@ impl PreparedPair {
         self.given.as_ref()?.fit.as_ref().err().copied()
     }
 
-    /// Tells the calibration matrices of the cameras, before matches are added. The images are views without distortion. The result is then an
-    /// essential matrix, unless the matches show that the calibration is wrong.
+    /// Tells the calibration matrices of the cameras, before matches are added. The images are views without
+    /// distortion. The result is then an essential matrix, unless the matches show that the calibration is wrong.
     #[must_use]
     pub fn with_calibrations(self, calibrations: Option<[Matrix3<f64>; 2]>) -> Self {
         Self { calibrations, ..self }

@@ -1,8 +1,8 @@
 //! Consensus among matches at the scale of their own noise: sample, score, optimise, compare.
 //!
-//! Minimal samples propose geometries: of seven matches, or of five if the cameras are known. At each of several scales, the samples with
-//! the best truncated score are optimised locally (LO-RANSAC: Chum, Matas & Kittler 2003). Each scale
-//! has its own candidate, because a few precise matches may be right against many loose ones.
+//! Minimal samples propose geometries: of seven matches, or of five if the cameras are known. At each of several
+//! scales, the samples with the best truncated score are optimised locally (LO-RANSAC: Chum, Matas & Kittler
+//! 2003). Each scale has its own candidate, because a few precise matches may be right against many loose ones.
 
 use std::f64::consts::SQRT_2;
 
@@ -10,16 +10,16 @@ use nalgebra::Matrix3;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
+use super::model::{Model, Samples};
 use super::neighbours::confirmed;
 use super::noise::{LEAST_SCALE, Noise, residuals};
 use super::scoring::{BAND, Consensus, Units, Witness};
 use super::{Match, climbed};
 use crate::cancel::CancelFlag;
-use crate::estimate::sampling::{Draws, Purpose, best, different};
+use crate::estimate::sampling::{Draws, Purpose, best};
 use crate::geometry::{
-    Equation, Frame, FundamentalMatrix, GroupedObservation, Matrix9, Observation, PointPair, REGIONS,
-    deviation, fit_fundamental, fit_posed, grouped_covariance, point_equation, region, sampson_distance,
-    solve_five, solve_seven,
+    Frame, FundamentalMatrix, GroupedObservation, Matrix9, Observation, PointPair, REGIONS, deviation,
+    grouped_covariance, region, sampson_distance,
 };
 
 /// Number of minimal samples. Some 80 % of the less ambiguous matches are right, so one sample of five
@@ -52,8 +52,8 @@ pub(in crate::estimate) struct Evidence<'a> {
     pub clicks: &'a [Observation],
     /// Sizes of the images.
     pub frames: [Frame; 2],
-    /// Calibration matrices of known cameras. All geometries are then essential matrices.
-    pub calibrations: Option<[Matrix3<f64>; 2]>,
+    /// Kind of geometry.
+    pub model: Model,
     /// Width of the band around epipolar lines in which outliers lie, px.
     pub spread: f64,
     /// Smallest scale of the noise of `matches`, px.
@@ -92,28 +92,18 @@ impl Evidence<'_> {
     /// Fits a geometry and the noise to the matches in turns, from a start. `None` if the matches do not
     /// determine it.
     pub fn fitted(&self, start: &FundamentalMatrix) -> Option<Fitted> {
-        let refitted = |last: &Fitted| {
-            Some(self.explained(&self.refitted(&last.fundamental, &self.observations(last), 1.0)?))
-        };
+        let refitted =
+            |last: &Fitted| {
+                Some(self.explained(
+                    &self.model.fitted(&last.fundamental, &self.observations(last), 1.0)?.fundamental,
+                ))
+            };
         let mut first = self.explained(start);
-        if self.calibrations.is_some() {
+        if self.model.is_posed() {
             // A start that is no essential matrix may be likelier than any.
             first = refitted(&first)?;
         }
         climbed(first, LEAST_GAIN, |fitted| fitted.log_likelihood, refitted)
-    }
-
-    fn refitted(
-        &self,
-        start: &FundamentalMatrix,
-        observations: &[Observation],
-        scale: f64,
-    ) -> Option<FundamentalMatrix> {
-        let fit = match &self.calibrations {
-            Some(known) => fit_posed(start, known, observations, scale),
-            None => fit_fundamental(start, observations, scale),
-        };
-        fit.map(|fit| fit.fundamental)
     }
 
     /// Returns a geometry as it is, with the noise of the matches.
@@ -164,7 +154,7 @@ impl Evidence<'_> {
         let matches = matches.iter().zip(are_confirmed).filter(|(_, is_confirmed)| *is_confirmed);
         let grouped: Vec<GroupedObservation> =
             matches.map(|(o, _)| of_match(o)).chain(clicks.iter().enumerate().map(of_click)).collect();
-        grouped_covariance(&fitted.fundamental, &grouped, self.calibrations.as_ref())
+        grouped_covariance(&fitted.fundamental, &grouped, self.model.calibrations())
     }
 
     /// Finds geometries on which many matches agree, at most one for each scale (px), from minimal samples
@@ -223,7 +213,7 @@ impl Evidence<'_> {
                 .filter(near)
                 .map(|m| Observation { pair: m.pair, sigma: m.sigma * scale })
                 .collect();
-            current = self.refitted(&current, &observations, BAND)?;
+            current = self.model.fitted(&current, &observations, BAND)?.fundamental;
         }
         Some(current)
     }
@@ -239,31 +229,14 @@ impl Evidence<'_> {
         let mut order: Vec<&Match> = self.matches.iter().collect();
         order.sort_by(|a, b| b.prior.total_cmp(&a.prior));
         order.truncate((order.len() / 2).max(LEAST_DRAWN_FROM));
-        let inverses = self.calibrations.and_then(|[k1, k2]| Some([k1.try_inverse()?, k2.try_inverse()?]));
-        let place = |m: &Match| match &inverses {
-            Some([to1, to2]) => {
-                let [a, b] = [to1 * m.pair.point1.to_homogeneous(), to2 * m.pair.point2.to_homogeneous()];
-                [a.x / a.z, a.y / a.z, b.x / b.z, b.y / b.z]
-            }
-            None => units.pair(&m.pair),
-        };
-        let equations: Vec<Equation> = order.iter().map(|m| point_equation(place(m))).collect();
+        let samples = Samples::new(&self.model, units, order.iter().map(|m| &m.pair));
         let scored = |f: Matrix3<f64>| {
             let fundamental = FundamentalMatrix::nearest_rank_two(units.in_pixels(&f))?;
             let scores: Vec<f64> = scorers.iter().map(|(_, scorer)| scorer.score_conditioned(&f)).collect();
             Some((scores, fundamental))
         };
-        let solved = |random: &mut Pcg64Mcg| {
-            let solutions = match &inverses {
-                Some([to1, to2]) => {
-                    let drawn = different(equations.len(), random).map(|k| equations[k]);
-                    let in_pixels = |e: Matrix3<f64>| units.conditioned(&(to2.transpose() * e * to1));
-                    solve_five(&drawn).into_iter().map(in_pixels).collect()
-                }
-                None => solve_seven(&different(equations.len(), random).map(|k| equations[k])),
-            };
-            solutions.into_iter().filter_map(scored).collect::<Vec<_>>()
-        };
+        let solved =
+            |random: &mut Pcg64Mcg| samples.drawn(random).into_iter().filter_map(scored).collect::<Vec<_>>();
         let draws =
             Draws { seed, purpose: Purpose::MatchSamples, first: round << 32, count: SAMPLES, task: TASK };
         let drawn = draws.collect(solved);

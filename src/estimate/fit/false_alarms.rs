@@ -24,12 +24,14 @@ pub(in crate::estimate) const PRECISION: f64 = 0.15;
 /// Numbers of matches that determine a geometry, and of geometries that fit them.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::estimate) struct Sample {
-    matches: usize,
-    geometries: f64,
+    pub matches: usize,
+    pub geometries: f64,
 }
 
 /// Seven matches have up to three fundamental matrices.
 pub(in crate::estimate) const OF_LINES: Sample = Sample { matches: 7, geometries: 3.0 };
+/// Five matches have up to ten essential matrices.
+pub(in crate::estimate) const OF_A_POSE: Sample = Sample { matches: 5, geometries: 10.0 };
 /// Four matches have one homography.
 pub(in crate::estimate) const OF_A_PLANE: Sample = Sample { matches: 4, geometries: 1.0 };
 

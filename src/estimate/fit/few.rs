@@ -6,22 +6,19 @@
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
+use super::contradiction::{Contradiction, Explanation};
 use super::false_alarms::{Agreement, near_lines_by_chance};
-use super::matches::estimate_geometry;
-use super::noise::{LEAST_SCALE, Noise, residuals};
+use super::matches::{LEAST_MATCHES, estimate_geometry};
+use super::model::{Model, Samples};
+use super::noise::{LEAST_SCALE, Noise, Residual, residuals};
 use super::scoring::Units;
 use super::{Match, MatchFit, MatchFitError, Uncertainty};
-use crate::estimate::sampling::{Draws, Purpose, different};
-use crate::geometry::{
-    Equation, Frame, FundamentalMatrix, Matrix9, Observation, PointPair, fit_fundamental, point_equation,
-    sampson_distance, solve_seven,
-};
+use crate::estimate::sampling::{Draws, Purpose};
+use crate::geometry::{Frame, FundamentalMatrix, Matrix9, Observation, PointPair, sampson_distance};
 
 /// Largest number of matches of which a handful may be right. Among more, a consensus has 14.
-pub(in crate::estimate) const MOST_FEW: usize = 500;
-/// Fewest matches that a geometry is fitted to: seven fit up to three geometries, and the eighth tests them.
-pub(in crate::estimate) const FEWEST: usize = 8;
-/// Largest number of matches of which all samples of seven are tried: 1,716.
+const MOST_FEW: usize = 500;
+/// Largest number of matches of which all samples are tried: 1,716 of seven.
 const MOST_EXHAUSTIVE: usize = 13;
 /// Number of samples of more matches. Among 2,000, one is all right with 99.9 % where 61 % of the
 /// matches are right.
@@ -40,28 +37,86 @@ const MEDIAN: f64 = 0.6745;
 /// Half of the 95 % interval of a Gaussian variable, in standard deviations.
 const WITHIN: f64 = 1.96;
 
-/// Fits to matches, of which there may be few. A consensus estimates their noise together with the geometry. Where
-/// chance explains what it found, the geometry is taken that chance explains least, if that is no chance.
+/// Fits to matches as [`fit_matches`] does. Too few matches for an estimate of the noise have to agree beyond chance.
 ///
 /// # Errors
-/// The errors of [`estimate_geometry`].
+/// The errors of [`fit_matches`].
 pub(in crate::estimate) fn fit_given(
     matches: &[Match],
     frames: [Frame; 2],
     calibrations: Option<[Matrix3<f64>; 2]>,
     seed: u64,
 ) -> Result<MatchFit, MatchFitError> {
-    let many = estimate_geometry(matches, frames, calibrations, seed);
-    let is_clear =
-        many.as_ref().is_ok_and(|fit| agreement_of(&fit.fundamental, matches, frames).is_no_chance());
-    let is_valid = !matches!(many, Err(MatchFitError::Invalid(_)));
-    if is_clear || !is_valid || matches.len() > MOST_FEW || matches.len() < FEWEST {
+    let fit = fit_matches(matches, frames, calibrations, seed)?;
+    let is_enough = matches.len() >= LEAST_MATCHES || fit.agreement.is_no_chance();
+    if is_enough { Ok(fit) } else { Err(MatchFitError::TooFew(matches.len())) }
+}
+
+/// Fits to matches, of which there may be few. For known cameras, the result is an essential matrix unless the
+/// matches contradict the calibration ([`Contradiction`]).
+///
+/// # Errors
+/// The errors of [`estimate_geometry`].
+pub(in crate::estimate) fn fit_matches(
+    matches: &[Match],
+    frames: [Frame; 2],
+    calibrations: Option<[Matrix3<f64>; 2]>,
+    seed: u64,
+) -> Result<MatchFit, MatchFitError> {
+    let free = fit_model(matches, frames, Model::Free, seed);
+    let model = Model::of(calibrations);
+    let Some(calibrations) = model.calibrations() else { return free };
+    match (fit_model(matches, frames, model, seed), free) {
+        (Ok(posed), Ok(free)) if contradict(&posed, &free, matches, calibrations, seed) => Ok(free),
+        (Ok(posed), _) => Ok(posed),
+        (Err(_), free) => free,
+    }
+}
+
+/// Returns whether matches contradict the calibrations, or agree on a geometry but not on an essential matrix.
+fn contradict(
+    posed: &MatchFit,
+    free: &MatchFit,
+    matches: &[Match],
+    calibrations: &[Matrix3<f64>; 2],
+    seed: u64,
+) -> bool {
+    if !posed.agreement.is_no_chance() {
+        return free.agreement.is_no_chance();
+    }
+    let explanation = |fit: &MatchFit| Explanation {
+        fundamental: fit.fundamental,
+        log_likelihood: fit.log_likelihood,
+        right: fit.agreeing(matches),
+    };
+    let contradiction = Contradiction {
+        calibrations,
+        posed: explanation(posed),
+        free: explanation(free),
+        matches: matches.len(),
+        reach: free.noise.reach(),
+        seed,
+    };
+    contradiction.is_clear(|| free.uncertainty.as_ref().map(Uncertainty::covariance))
+}
+
+/// Fits a geometry of one kind. A consensus estimates the noise together with the geometry. Where chance explains
+/// the agreement, the geometry is taken that chance explains least.
+fn fit_model(
+    matches: &[Match],
+    frames: [Frame; 2],
+    model: Model,
+    seed: u64,
+) -> Result<MatchFit, MatchFitError> {
+    let many = estimate_geometry(matches, frames, model, seed);
+    let is_clear = many.as_ref().is_ok_and(|fit| fit.agreement.is_no_chance());
+    let is_invalid = matches!(many, Err(MatchFitError::Invalid(_)));
+    if is_clear || is_invalid || matches.len() > MOST_FEW || matches.len() <= model.unknowns() {
         return many;
     }
-    match fit_few(matches, frames, seed) {
-        Some((fit, agreement)) if agreement.is_no_chance() => Ok(fit),
-        _ => many,
-    }
+    let few = fit_few(matches, frames, model, seed);
+    let least = |a: &MatchFit, b: &MatchFit| a.agreement.by_false_alarms(&b.agreement);
+    many.iter().cloned().chain(few).min_by(least).map_or(many, Ok)
 }
 
 /// Returns the agreement of matches that need no picture, so that nothing limits their precision.
@@ -69,132 +124,133 @@ pub(in crate::estimate) fn agreement_of(
     f: &FundamentalMatrix,
     matches: &[Match],
     frames: [Frame; 2],
+    model: Model,
 ) -> Agreement {
-    Agreement::with_lines(f, matches.iter().map(|m| m.pair), frames, LEAST_SCALE)
+    Agreement::of(matches.iter().map(|m| chance(f, &m.pair, frames)), model.sample())
 }
 
 fn chance(f: &FundamentalMatrix, pair: &PointPair, frames: [Frame; 2]) -> f64 {
     near_lines_by_chance(f, pair, frames, LEAST_SCALE)
 }
 
-/// Fits a geometry to the matches that agree beyond chance. Returns the fit and the agreement. `None` if
-/// no sample gives a geometry.
-pub(in crate::estimate) fn fit_few(
-    matches: &[Match],
-    frames: [Frame; 2],
-    seed: u64,
-) -> Option<(MatchFit, Agreement)> {
-    let mut scored: Vec<(Agreement, FundamentalMatrix)> =
-        samples(matches, frames, seed).into_iter().map(|f| (agreement_of(&f, matches, frames), f)).collect();
-    let least =
-        |a: &(Agreement, FundamentalMatrix), b: &(Agreement, FundamentalMatrix)| a.0.by_false_alarms(&b.0);
-    scored.sort_by(least);
+/// Fits a geometry to the matches that agree beyond chance. `None` if no sample gives a geometry.
+fn fit_few(matches: &[Match], frames: [Frame; 2], model: Model, seed: u64) -> Option<MatchFit> {
+    let few = Few { matches, frames, model };
+    let scored = few.samples(seed).into_iter().map(|f| few.scored(f));
+    let mut scored: Vec<Scored> = scored.collect();
+    scored.sort_by(Scored::by_false_alarms);
     scored.truncate(OPTIMISED);
-    let optimised = scored.into_par_iter().map(|start| optimised(start, matches, frames));
-    let (agreement, f) = optimised.collect::<Vec<_>>().into_iter().min_by(least)?;
-    Some((of_agreeing(&f, &agreement, matches, frames)?, agreement))
+    let optimised: Vec<Scored> = scored.into_par_iter().map(|start| few.optimised(start)).collect();
+    few.of_agreeing(&optimised.into_iter().min_by(Scored::by_false_alarms)?)
 }
 
-/// Returns the geometries of all samples of seven matches, or of many.
-fn samples(matches: &[Match], frames: [Frame; 2], seed: u64) -> Vec<FundamentalMatrix> {
-    let units = Units::new(frames);
-    let equations: Vec<Equation> = matches.iter().map(|m| point_equation(units.pair(&m.pair))).collect();
-    let solved = |sample: [usize; 7]| {
-        let solutions = solve_seven(&sample.map(|k| equations[k]));
-        let in_pixels = |f| FundamentalMatrix::nearest_rank_two(units.in_pixels(&f));
-        solutions.into_iter().filter_map(in_pixels).collect::<Vec<_>>()
-    };
-    if matches.len() <= MOST_EXHAUSTIVE {
-        return sevens(matches.len()).into_par_iter().flat_map_iter(solved).collect();
+/// Few matches, and the kind of geometry that is fitted to them.
+#[derive(Clone, Copy)]
+struct Few<'a> {
+    matches: &'a [Match],
+    frames: [Frame; 2],
+    model: Model,
+}
+
+#[derive(Clone, Copy)]
+struct Scored {
+    fundamental: FundamentalMatrix,
+    agreement: Agreement,
+}
+
+impl Scored {
+    fn by_false_alarms(&self, other: &Self) -> std::cmp::Ordering {
+        self.agreement.by_false_alarms(&other.agreement)
     }
-    let draws =
-        Draws { seed, purpose: Purpose::MatchSamples, first: FIRST_STREAM, count: SAMPLES, task: TASK };
-    draws.collect(|random| solved(different(equations.len(), random)))
 }
 
-/// Returns all choices of seven of `n` in rising order.
-fn sevens(n: usize) -> Vec<[usize; 7]> {
-    let chosen = |bits: u32| {
-        let mut sample = [0; 7];
-        for (place, k) in sample.iter_mut().zip((0..n).filter(|k| bits & (1 << k) != 0)) {
-            *place = k;
-        }
-        sample
-    };
-    (0..1u32 << n).filter(|bits| bits.count_ones() == 7).map(chosen).collect()
-}
-
-/// Fits a geometry in rounds to the matches that agree with it, as long as chance explains it less.
-fn optimised(
-    start: (Agreement, FundamentalMatrix),
-    matches: &[Match],
-    frames: [Frame; 2],
-) -> (Agreement, FundamentalMatrix) {
-    let mut best = start;
-    for _ in 0..ROUNDS {
-        let observations = observations(&best.1, &best.0, matches, frames, 1.0);
-        let fitted = fit_fundamental(&best.1, &observations, ALL_ALIKE).map(|fit| fit.fundamental);
-        match fitted.map(|f| (agreement_of(&f, matches, frames), f)) {
-            Some(next) if next.0.by_false_alarms(&best.0).is_lt() => best = next,
-            _ => break,
-        }
+impl Few<'_> {
+    fn scored(&self, fundamental: FundamentalMatrix) -> Scored {
+        let agreement = agreement_of(&fundamental, self.matches, self.frames, self.model);
+        Scored { fundamental, agreement }
     }
-    best
+
+    /// Returns the geometries of all minimal samples, or of many.
+    fn samples(&self, seed: u64) -> Vec<FundamentalMatrix> {
+        let units = Units::new(self.frames);
+        let samples = Samples::new(&self.model, units, self.matches.iter().map(|m| &m.pair));
+        let in_pixels = |f: Matrix3<f64>| FundamentalMatrix::nearest_rank_two(units.in_pixels(&f));
+        let solved =
+            |solutions: Vec<Matrix3<f64>>| solutions.into_iter().filter_map(in_pixels).collect::<Vec<_>>();
+        let count = self.matches.len();
+        if count <= MOST_EXHAUSTIVE {
+            let all = choices(count, self.model.unknowns());
+            return all.into_par_iter().flat_map_iter(|sample| solved(samples.solved(&sample))).collect();
+        }
+        let draws =
+            Draws { seed, purpose: Purpose::MatchSamples, first: FIRST_STREAM, count: SAMPLES, task: TASK };
+        draws.collect(|random| solved(samples.drawn(random)))
+    }
+
+    /// Fits a geometry in rounds to the matches that agree with it, as long as chance explains it less.
+    fn optimised(&self, start: Scored) -> Scored {
+        let mut best = start;
+        for _ in 0..ROUNDS {
+            let fitted = self.model.fitted(&best.fundamental, &self.agreeing(&best), ALL_ALIKE);
+            match fitted.map(|fit| self.scored(fit.fundamental)) {
+                Some(next) if next.by_false_alarms(&best).is_lt() => best = next,
+                _ => break,
+            }
+        }
+        best
+    }
+
+    fn agrees(&self, with: &Scored, m: &Match) -> bool {
+        chance(&with.fundamental, &m.pair, self.frames) <= with.agreement.within
+    }
+
+    /// Returns the agreeing matches. An ordinary one has a standard deviation of 1 px.
+    fn agreeing(&self, with: &Scored) -> Vec<Observation> {
+        let agreeing = self.matches.iter().filter(|m| self.agrees(with, m));
+        agreeing.map(|m| Observation { pair: m.pair, sigma: m.sigma }).collect()
+    }
+
+    /// Returns the geometry fitted to its agreeing matches, with the noise by their degrees of freedom.
+    fn of_agreeing(&self, best: &Scored) -> Option<MatchFit> {
+        let Self { matches, frames, model } = *self;
+        let alike = self.agreeing(best);
+        let fit = model.fitted(&best.fundamental, &alike, ALL_ALIKE)?;
+        let fundamental = fit.fundamental;
+        let squares = alike.iter().map(|o| (sampson_distance(&fundamental, &o.pair) / o.sigma).powi(2));
+        let freedom = alike.len().saturating_sub(model.unknowns()).max(1);
+        let deviation = (squares.sum::<f64>() / freedom as f64).sqrt().max(LEAST_SCALE);
+        let spread = frames[0].longer_side().max(frames[1].longer_side());
+        let inliers = (best.agreement.agreeing as f64 / matches.len() as f64).clamp(0.01, 0.99);
+        let noise = Noise { scale: MEDIAN * deviation, inliers, spread };
+        let widened = fit.covariance.map(|covariance| covariance * widening(freedom).powi(2));
+        let residuals = residuals(&fundamental, matches);
+        let (reach, fitted) = (noise.reach(), Scored { fundamental, ..*best });
+        let probability = |(m, r): (&Match, &Residual)| {
+            let is_right = self.agrees(&fitted, m) || r.distance < reach * r.sigma;
+            if is_right { noise.inlier_probability(r) } else { 0.0 }
+        };
+        Some(MatchFit {
+            inlier_probabilities: matches.iter().zip(&residuals).map(probability).collect(),
+            uncertainty: widened.map(|c: Matrix9| Uncertainty::new(&fundamental, &c, [1.0; 2])),
+            log_likelihood: noise.log_likelihood(&residuals),
+            agreement: best.agreement,
+            is_posed: model.is_posed(),
+            noise,
+            fundamental,
+        })
+    }
 }
 
-/// Returns the agreeing matches, with a standard deviation of `sigma` px for an ordinary match.
-fn observations(
-    f: &FundamentalMatrix,
-    agreement: &Agreement,
-    matches: &[Match],
-    frames: [Frame; 2],
-    sigma: f64,
-) -> Vec<Observation> {
-    let agrees = |m: &&Match| chance(f, &m.pair, frames) <= agreement.within;
-    matches.iter().filter(agrees).map(|m| Observation { pair: m.pair, sigma: sigma * m.sigma }).collect()
-}
-
-/// Returns the geometry fitted to its agreeing matches, with the noise by their degrees of freedom.
-fn of_agreeing(
-    f: &FundamentalMatrix,
-    agreement: &Agreement,
-    matches: &[Match],
-    frames: [Frame; 2],
-) -> Option<MatchFit> {
-    let alike = observations(f, agreement, matches, frames, 1.0);
-    let fit = fit_fundamental(f, &alike, ALL_ALIKE)?;
-    let fundamental = fit.fundamental;
-    let squares = alike.iter().map(|o| (sampson_distance(&fundamental, &o.pair) / o.sigma).powi(2));
-    let freedom = alike.len().saturating_sub(7).max(1);
-    let deviation = (squares.sum::<f64>() / freedom as f64).sqrt().max(LEAST_SCALE);
-    let noise = Noise {
-        scale: MEDIAN * deviation,
-        inliers: (agreement.agreeing as f64 / matches.len() as f64).clamp(0.01, 0.99),
-        spread: frames[0].longer_side().max(frames[1].longer_side()),
-    };
-    let widened = fit.covariance.map(|covariance| covariance * widening(freedom).powi(2));
-    let reach = noise.reach();
-    let probability = |(m, r): (&Match, &super::noise::Residual)| {
-        let agrees =
-            chance(&fundamental, &m.pair, frames) <= agreement.within || r.distance < reach * r.sigma;
-        if agrees { noise.inlier_probability(r) } else { 0.0 }
-    };
-    Some(MatchFit {
-        inlier_probabilities: matches
-            .iter()
-            .zip(&residuals(&fundamental, matches))
-            .map(probability)
-            .collect(),
-        noise,
-        uncertainty: widened.map(|covariance: Matrix9| Uncertainty::new(&fundamental, &covariance, [1.0; 2])),
-        fundamental,
-    })
+/// Returns all choices of `some` of `n` in rising order.
+fn choices(n: usize, some: usize) -> Vec<Vec<usize>> {
+    let chosen = |bits: u32| (0..n).filter(|k| bits & (1 << k) != 0).collect();
+    (0..1u32 << n).filter(|bits| bits.count_ones() as usize == some).map(chosen).collect()
 }
 
 /// Returns how much wider a 95 % interval is if the noise follows from the matches themselves: the quantile
 /// of Student's distribution over the Gaussian one, for these degrees of freedom. Above 2, its expansion in
 /// `1 / freedom` is right to 4 % (Abramowitz & Stegun 26.7.5).
-pub(in crate::estimate) fn widening(freedom: usize) -> f64 {
+pub(super) fn widening(freedom: usize) -> f64 {
     let z = WITHIN;
     let quantile = match freedom {
         0 | 1 => 12.706,
@@ -226,7 +282,8 @@ mod tests {
             let mut all = noisy(&scene, 13, 0.1, seed);
             all[3].pair.point2.y += 60.0;
             all[8].pair.point2.y -= 45.0;
-            let (fit, agreement) = fit_few(&all, [FRAME; 2], 0).unwrap();
+            let fit = fit_few(&all, [FRAME; 2], Model::Free, 0).unwrap();
+            let agreement = fit.agreement;
             assert!(agreement.agreeing >= 9 && agreement.is_no_chance(), "{agreement:?}");
             let [wrong1, wrong2] = [3, 8].map(|k| fit.inlier_probabilities[k]);
             assert!(wrong1 < 0.1 && wrong2 < 0.1, "{:?}", fit.inlier_probabilities);
@@ -240,13 +297,13 @@ mod tests {
         for (count, sigma) in [(10, 0.3), (16, 1.0), (19, 1.5), (200, 0.3)] {
             for seed in 0..3 {
                 let given = noisy(&scene, count, sigma, 20 + seed);
-                let fit = fit_given(&given, [FRAME; 2], None, seed).unwrap();
+                let fit = fit_matches(&given, [FRAME; 2], None, seed).unwrap();
                 let error = scene.error(&fit.fundamental);
                 assert!(error < 12.0 * sigma, "{count} matches off by {sigma} px: {error} px");
             }
         }
         let one = noisy(&scene, 7, 0.3, 1);
-        assert_eq!(fit_given(&one, [FRAME; 2], None, 0).unwrap_err(), MatchFitError::TooFew(7));
+        assert_eq!(fit_matches(&one, [FRAME; 2], None, 0).unwrap_err(), MatchFitError::TooFew(7));
     }
 
     #[test]
@@ -259,10 +316,10 @@ mod tests {
             while let (Some(a), Some(b)) = (points.next(), points.next()) {
                 wrong.push(Match::from(PointPair { point1: a.point1, point2: b.point2 }));
             }
-            let (_, agreement) = fit_few(&wrong, [FRAME; 2], 0).unwrap();
+            let agreement = fit_few(&wrong, [FRAME; 2], Model::Free, 0).unwrap().agreement;
             assert!(!agreement.is_no_chance(), "{count}: {agreement:?}");
         }
-        let (_, agreement) = fit_few(&noisy(&scene, 11, 0.1, 1), [FRAME; 2], 0).unwrap();
+        let agreement = fit_few(&noisy(&scene, 11, 0.1, 1), [FRAME; 2], Model::Free, 0).unwrap().agreement;
         assert!(agreement.is_no_chance(), "{agreement:?}");
     }
 
@@ -274,7 +331,7 @@ mod tests {
             let (mut inside, mut all) = (0.0, 0.0);
             for seed in 0..60 {
                 let matches = noisy(&scene, count, 0.3, 50 + seed);
-                let Some((fit, _)) = fit_few(&matches, [FRAME; 2], seed) else { continue };
+                let Some(fit) = fit_few(&matches, [FRAME; 2], Model::Free, seed) else { continue };
                 let Some(uncertainty) = fit.uncertainty else { continue };
                 for pair in scene.pairs(count) {
                     let deviation = uncertainty.line2_deviation(pair.point1, pair.point2).unwrap();
@@ -294,7 +351,7 @@ mod tests {
         {
             assert!((widening(freedom) * WITHIN / quantile - 1.0).abs() < 0.04, "{freedom}");
         }
-        assert_eq!(sevens(8).len(), 8);
-        assert_eq!(sevens(13).len(), 1716);
+        assert_eq!(choices(8, 7).len(), 8);
+        assert_eq!(choices(13, 7).len(), 1716);
     }
 }

@@ -5,10 +5,13 @@ use thiserror::Error;
 
 use super::Match;
 use super::consensus::{Agreed, Evidence, Fitted};
-use super::noise::{LEAST_SCALE, Noise, residuals};
+use super::false_alarms::Agreement;
+use super::few::{agreement_of, widening};
+use super::model::Model;
+use super::noise::{LEAST_SCALE, Noise, Residual, residuals};
 use super::uncertainty::Uncertainty;
 use crate::cancel::CancelFlag;
-use crate::geometry::{Frame, FundamentalMatrix, sampson_distance};
+use crate::geometry::{Frame, FundamentalMatrix, PointPair, sampson_distance};
 
 /// A fundamental matrix fitted to matches.
 #[derive(Debug, Clone)]
@@ -23,6 +26,19 @@ pub struct MatchFit {
     /// image 1 are assumed to share their error, so it is too large if they are independent. `None` if
     /// the matches do not determine all seven degrees of freedom.
     pub uncertainty: Option<Uncertainty>,
+    /// Whether the matrix is an essential one: the fundamental matrix of a relative pose.
+    pub is_posed: bool,
+    /// Log-likelihood of all matches, less the value if all were outliers.
+    pub(super) log_likelihood: f64,
+    pub(in crate::estimate) agreement: Agreement,
+}
+
+impl MatchFit {
+    /// Returns the matches that are likelier right than wrong, in the order of `matches`.
+    pub(in crate::estimate) fn agreeing(&self, matches: &[Match]) -> Vec<PointPair> {
+        let is_likely = |(_, probability): &(&Match, &f64)| **probability > LIKELY;
+        matches.iter().zip(&self.inlier_probabilities).filter(is_likely).map(|(m, _)| m.pair).collect()
+    }
 }
 
 /// The reason why matches gave no fundamental matrix.
@@ -45,11 +61,9 @@ pub enum MatchFitError {
 }
 
 /// Fewest matches: twice the seven unknowns, so as many check the fit as determine it.
-const LEAST_MATCHES: usize = 14;
-/// Unknowns of a fundamental matrix.
-const UNKNOWNS: f64 = 7.0;
-/// Unknowns of an essential matrix.
-const OF_A_POSE: f64 = 5.0;
+pub(super) const LEAST_MATCHES: usize = 14;
+/// Least probability of an agreeing match: likelier right than wrong.
+pub(in crate::estimate) const LIKELY: f64 = 0.5;
 /// Number of matches from which the noise can be estimated together with the matrix: six for each unknown. The
 /// noise is then underestimated by 9 %, `1 − √(1 − 1/6)`.
 const FEW_MATCHES: usize = 42;
@@ -74,7 +88,7 @@ pub fn estimate_fundamental(
     frames: [Frame; 2],
     seed: u64,
 ) -> Result<MatchFit, MatchFitError> {
-    estimate_geometry(matches, frames, None, seed)
+    estimate_geometry(matches, frames, Model::Free, seed)
 }
 
 /// Fits the essential matrix of two known cameras as [`estimate_fundamental`] fits a fundamental one. Returns the
@@ -90,14 +104,14 @@ pub fn estimate_essential(
     calibrations: [Matrix3<f64>; 2],
     seed: u64,
 ) -> Result<MatchFit, MatchFitError> {
-    estimate_geometry(matches, frames, Some(calibrations), seed)
+    estimate_geometry(matches, frames, Model::of(Some(calibrations)), seed)
 }
 
-/// Fits a fundamental matrix, or an essential one if the calibrations are known.
+/// Fits a geometry of one kind to matches, and estimates their noise.
 pub(super) fn estimate_geometry(
     matches: &[Match],
     frames: [Frame; 2],
-    calibrations: Option<[Matrix3<f64>; 2]>,
+    model: Model,
     seed: u64,
 ) -> Result<MatchFit, MatchFitError> {
     if matches.len() < LEAST_MATCHES {
@@ -113,15 +127,14 @@ pub(super) fn estimate_geometry(
     let cancel = CancelFlag::default();
     let side = frames[0].longer_side().max(frames[1].longer_side());
     let (spread, least_scale) = (side, LEAST_SCALE);
-    let all = Evidence { matches, given: &[], clicks: &[], frames, calibrations, spread, least_scale };
+    let all = Evidence { matches, given: &[], clicks: &[], frames, model, spread, least_scale };
     let scales: Vec<f64> = std::iter::successors(Some(FINEST), |scale| Some(STEP * scale))
         .take_while(|scale| *scale <= (COARSEST * side).max(FINEST))
         .collect();
     let agreed = all.consensus(&[], &scales, seed, 0, &cancel);
-    // The smaller the scale relative to the picture, the more a match within it says. Seven matches fit a
-    // geometry at any scale, and say nothing.
-    let unknowns = if calibrations.is_some() { OF_A_POSE } else { UNKNOWNS };
-    let worth = |agreed: &Agreed| (agreed.score - unknowns) * (side / agreed.scale).ln();
+    // The smaller the scale relative to the picture, the more a match within it says. A minimal sample fits a
+    // geometry at any scale, and says nothing.
+    let worth = |agreed: &Agreed| (agreed.score - model.unknowns() as f64) * (side / agreed.scale).ln();
     let first = agreed.iter().max_by(|a, b| worth(a).total_cmp(&worth(b)));
     let Agreed { fundamental, scale, .. } = first.ok_or(MatchFitError::NoAgreement)?;
     let coarse = Noise { scale: *scale, inliers: 0.5, spread: side };
@@ -143,15 +156,23 @@ pub(super) fn estimate_geometry(
     }
     let near = near(matches, &best.fundamental, band);
     let covariance = Evidence { matches: &near, ..all }.covariance(&best);
-    let noise = best.noise;
+    let (fundamental, noise) = (best.fundamental, best.noise);
+    let reach = noise.reach();
+    let probability =
+        |r: &Residual| if r.distance < reach * r.sigma { noise.inlier_probability(r) } else { 0.0 };
+    let inlier_probabilities: Vec<f64> = residuals(&fundamental, matches).iter().map(probability).collect();
+    // The noise follows from the residuals of a fit of `u` unknowns to `k` matches: `k − u` degrees of freedom.
+    let agreeing = inlier_probabilities.iter().filter(|p| **p > LIKELY).count();
+    let freedom = agreeing.saturating_sub(model.unknowns()).max(1);
+    let wider = agreeing as f64 / freedom as f64 * widening(freedom).powi(2);
     Ok(MatchFit {
-        fundamental: best.fundamental,
-        inlier_probabilities: residuals(&best.fundamental, matches)
-            .iter()
-            .map(|r| if r.distance < noise.reach() * r.sigma { noise.inlier_probability(r) } else { 0.0 })
-            .collect(),
+        inlier_probabilities,
+        uncertainty: covariance.map(|c| Uncertainty::new(&fundamental, &(c * wider), [1.0; 2])),
+        log_likelihood: all.explained(&fundamental).log_likelihood,
+        agreement: agreement_of(&fundamental, matches, frames, model),
+        is_posed: model.is_posed(),
+        fundamental,
         noise,
-        uncertainty: covariance.map(|c| Uncertainty::new(&best.fundamental, &c, [1.0; 2])),
     })
 }
 
@@ -185,8 +206,8 @@ mod tests {
 
     use super::*;
     use crate::estimate::exact::{ExactScene, FRAME};
+    use crate::geometry::Vector;
     use crate::geometry::random_scene::RandomScene;
-    use crate::geometry::{PointPair, Vector};
 
     /// Returns matches of a scene with Cauchy noise of this scale, followed by wrong ones.
     fn matches(scene: &ExactScene, right: usize, wrong: usize, scale: f64, seed: u64) -> Vec<Match> {
@@ -212,9 +233,8 @@ mod tests {
             [(0.02, 1), (0.5, 2)].map(|(scale, seed)| matches(&scene, 200, 0, scale, seed));
         let error = |matches: &[Match], given: &[Match]| {
             let frames = [FRAME; 2];
-            let (calibrations, spread, least_scale) = (None, 8.0, LEAST_SCALE);
-            let evidence =
-                Evidence { matches, given, clicks: &[], frames, calibrations, spread, least_scale };
+            let (model, spread, least_scale) = (Model::Free, 8.0, LEAST_SCALE);
+            let evidence = Evidence { matches, given, clicks: &[], frames, model, spread, least_scale };
             scene.error(&evidence.fitted(&scene.disturbed(0.5)).unwrap().fundamental)
         };
         let [of_precise, of_loose] = [error(&precise, &[]), error(&loose, &[])];

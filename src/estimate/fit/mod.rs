@@ -1,15 +1,19 @@
 //! Fundamental matrix from matches alone: noise, consensus, covariance.
 //!
 //! [`estimate_fundamental`] is the stage by itself. The final fit at full size (`patches/guided_fit`)
-//! uses the same parts, and matches again along the lines of each geometry. `few` fits to as few as eight matches.
+//! uses the same parts, and matches again along the lines of each geometry. `few` fits to as few as eight matches,
+//! or six of known cameras.
 
 mod consensus;
+mod contradiction;
 mod division;
 pub(super) mod false_alarms;
 mod few;
 mod matches;
+mod model;
 mod neighbours;
 mod noise;
+mod plane;
 mod scoring;
 mod uncertainty;
 
@@ -21,9 +25,12 @@ pub use noise::Noise;
 pub use uncertainty::{EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Uncertainty};
 
 pub(super) use consensus::{Evidence, Fitted};
+pub(super) use contradiction::{Contradiction, Explanation};
 pub(super) use division::{fit_division, strong_lens_is_likelier};
-pub(super) use few::{FEWEST, MOST_FEW, agreement_of, fit_few, fit_given, widening};
+pub(super) use few::{agreement_of, fit_given, fit_matches};
+pub(super) use model::Model;
 pub(super) use noise::LEAST_SCALE;
+pub(super) use plane::largest_plane;
 pub(super) use scoring::{BAND, Consensus, Units, Witness, residual};
 
 /// Largest number of rounds of estimating the noise and fitting to it. They end earlier when the

@@ -48,6 +48,7 @@ fn unchanged(given: &GivenFit, hypotheses: Vec<Estimate>, viewed: &ViewedPair) -
     let matched = viewed.patches.matched(&given.fundamental);
     let refined = matched.map(|Refined { mut refinement, weight, weight_deviation, .. }| {
         refinement.uncertainty.clone_from(&given.uncertainty);
+        refinement.is_posed = given.is_posed;
         Refined { fundamental: given.fundamental, refinement, weight, weight_deviation }
     });
     Found {
@@ -74,7 +75,13 @@ impl Standing {
     fn is_better_than(&self, other: &Self) -> bool {
         let [own, its] = [self, other].map(|one| one.of_images.is_no_chance());
         let evidence = |one: &Self| one.of_images.evidence() + one.of_given.evidence();
-        if own == its { evidence(self) > evidence(other) } else { own }
+        // Where chance may explain both, the less likely agreement wins.
+        let alarms = |one: &Self| one.of_images.log_false_alarms + one.of_given.log_false_alarms;
+        match own == its {
+            true if evidence(self) == evidence(other) => alarms(self) < alarms(other),
+            true => evidence(self) > evidence(other),
+            false => own,
+        }
     }
 }
 

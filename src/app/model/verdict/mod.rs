@@ -80,13 +80,14 @@ pub fn tone(document: &Document, computation: &Computation) -> Tone {
     }
 }
 
-/// Returns the warnings that count. They say what clicks determine on their own, so they do not touch a
+/// Returns the warnings that count. Those about clicks say what clicks determine on their own, so they do not touch a
 /// result that its matches make reliable.
-fn warnings(estimate: &Estimate) -> &[Warning] {
+fn warnings(estimate: &Estimate) -> Vec<&Warning> {
     let assessment = &estimate.assessment;
     let is_reliable =
         assessment.trust.as_ref().is_some_and(|trust| trust.verdict == estimate::Verdict::Reliable);
-    if is_reliable { &[] } else { &assessment.warnings }
+    let is_of_clicks = |warning: &Warning| !matches!(warning, Warning::CalibrationContradicted);
+    assessment.warnings.iter().filter(|warning| !(is_reliable && is_of_clicks(warning))).collect()
 }
 
 /// Describes the state of the estimate.
@@ -166,7 +167,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     let warnings: Vec<_> = mostly_misplaced
         .into_iter()
         .chain(reasons)
-        .chain(warnings(estimate).iter().map(warning_in_words))
+        .chain(warnings(estimate).into_iter().map(warning_in_words))
         .map(|sentence| in_names(&sentence, document))
         .chain(checked)
         .filter(|_| finished)

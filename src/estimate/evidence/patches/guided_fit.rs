@@ -21,22 +21,16 @@ use rayon::prelude::*;
 use super::dense::densified;
 use super::matches::{LEAST_MATCHES, LevelMatch, MATCH_SIGMA, at_level};
 use super::near_lines::is_within;
-use super::plane::largest_plane;
 use super::refinement::{LevelMatcher, Refined};
 use crate::cancel::CancelFlag;
-use crate::estimate::fit::{Evidence, Fitted, LEAST_SCALE, Match, Noise};
-use crate::geometry::{
-    FundamentalMatrix, Observation, PointPair, calibration_chi_square, rescaling, sampson_distance,
-};
+use crate::estimate::fit::{Contradiction, Evidence, Explanation, Fitted, LEAST_SCALE, Match, Model, Noise};
+use crate::geometry::{FundamentalMatrix, Observation, rescaling, sampson_distance};
 use crate::image::GrayPlane;
 
 /// Widest band in which matches are sought, px of the level: the band of the first refinement.
 const WIDEST: f64 = 4.0;
 /// Largest number of rounds of consensus. Each begins with the best geometry of the round before.
 const ROUNDS: u64 = 3;
-/// 99.9 % quantile of χ² with the two degrees of freedom by which a fundamental matrix differs from an essential
-/// one.
-const SIGNIFICANT: f64 = 13.8;
 /// Least gain in log-likelihood for another round: a likelihood 2.7 times as large.
 const LEAST_GAIN: f64 = 1.0;
 
@@ -58,7 +52,7 @@ struct Fixed {
     clicks: Vec<Observation>,
     /// Matches from another program, near the lines of the start.
     given: Vec<Match>,
-    calibrations: Option<[Matrix3<f64>; 2]>,
+    model: Model,
 }
 
 /// A geometry fitted to the matches along its own lines.
@@ -68,10 +62,10 @@ struct Followed {
 }
 
 impl Followed {
-    /// Returns the matches within reach of the noise.
-    fn right(&self) -> Vec<PointPair> {
-        let Fitted { fundamental, noise, .. } = &self.fitted;
-        self.matches.iter().filter(|m| is_right(m, fundamental, *noise)).map(|m| m.found.pair).collect()
+    fn explanation(&self) -> Explanation {
+        let Fitted { fundamental, noise, log_likelihood, .. } = self.fitted;
+        let right = self.matches.iter().filter(|m| is_right(m, &fundamental, noise));
+        Explanation { fundamental, log_likelihood, right: right.map(|m| m.found.pair).collect() }
     }
 }
 
@@ -89,7 +83,7 @@ impl LevelMatcher<'_> {
         let given = settling.given.iter().map(|m| Match { pair: self.level.resized(&m.pair), ..*m });
         // Matches of another geometry lie anywhere, so few of them are near these lines.
         let given = given.filter(|m| is_within(&start, &m.pair, WIDEST)).collect();
-        let fixed = Fixed { clicks, given, calibrations: None };
+        let fixed = Fixed { clicks, given, model: Model::Free };
         // One band for all, as likelihoods are compared.
         let noise = self.fitted_along(&start, &fixed, WIDEST)?.fitted.noise;
         let band = noise.reach().min(WIDEST);
@@ -98,23 +92,18 @@ impl LevelMatcher<'_> {
         let Some(calibrations) = settling.calibrations.as_ref().map(scaled) else {
             return self.refined(free, &fixed, band);
         };
-        let known = Fixed { calibrations: Some(calibrations), ..fixed };
+        let model = Model::of(Some(calibrations));
+        let known = Fixed { model, ..fixed };
         let posed = self.likeliest(&free.fitted.fundamental, &known, band, settling, cancel);
-        let unknown = Fixed { calibrations: None, ..known };
+        let unknown = Fixed { model: Model::Free, ..known };
         let evidence = (&unknown, band, settling.seed);
         match posed.filter(|posed| !self.contradict(&calibrations, posed, &free, evidence)) {
-            Some(posed) => self.refined(posed, &Fixed { calibrations: Some(calibrations), ..unknown }, band),
+            Some(posed) => self.refined(posed, &Fixed { model, ..unknown }, band),
             None => self.refined(free, &unknown, band),
         }
     }
 
-    /// Returns whether the matches contradict the calibrations. Three tests have to speak against them:
-    ///
-    /// - The fundamental matrix is likelier than the essential one by more than its two further numbers are worth.
-    /// - Most of its matches are not on one plane. There its epipole rests on the others, which may be accidents.
-    ///   The essential matrix has to explain as many matches as the plane.
-    /// - The calibrations are outside its region of 99.9 %. The first test takes the matches as independent; here,
-    ///   those of one region share their error.
+    /// Returns whether the matches contradict the calibrations.
     fn contradict(
         &self,
         calibrations: &[Matrix3<f64>; 2],
@@ -123,20 +112,15 @@ impl LevelMatcher<'_> {
         (unknown, band, seed): (&Fixed, f64, u64),
     ) -> bool {
         let many = observed(&free.matches);
-        let worth = (many.len() as f64).ln();
-        if posed.fitted.log_likelihood >= free.fitted.log_likelihood - worth {
-            return false;
-        }
-        let (right, posed_right) = (free.right(), posed.right());
-        let plane = largest_plane(&right, free.fitted.noise.reach(), seed).map_or(0, |(_, most)| most);
-        if 2 * plane > right.len() && posed_right.len() >= plane {
-            return false;
-        }
-        let covariance = self.evidence(&many, unknown, band).covariance(&free.fitted);
-        let (f, posed) = (&free.fitted.fundamental, &posed.fitted.fundamental);
-        covariance.is_some_and(|covariance| {
-            calibration_chi_square(f, &covariance, posed, calibrations).is_none_or(|chi| chi > SIGNIFICANT)
-        })
+        let contradiction = Contradiction {
+            calibrations,
+            posed: posed.explanation(),
+            free: free.explanation(),
+            matches: many.len(),
+            reach: free.fitted.noise.reach(),
+            seed,
+        };
+        contradiction.is_clear(|| self.evidence(&many, unknown, band).covariance(&free.fitted))
     }
 
     /// Returns the likeliest geometry among a start and its rivals, with the matches along its lines.
@@ -204,7 +188,7 @@ impl LevelMatcher<'_> {
     pub(super) fn unchanged(&self, f: &FundamentalMatrix) -> Option<Refined> {
         let f = f.rescaled(self.level.scales)?;
         let mut matches = self.matches(&f, WIDEST);
-        let fixed = Fixed { clicks: Vec::new(), given: Vec::new(), calibrations: None };
+        let fixed = Fixed { clicks: Vec::new(), given: Vec::new(), model: Model::Free };
         let noise = self.evidence(&observed(&matches), &fixed, WIDEST).explained(&f).noise;
         keep_right(&mut matches, &f, noise);
         Refined::new(&self.level, &f, &matches, Some(noise.scale), None)
@@ -219,8 +203,8 @@ impl LevelMatcher<'_> {
     fn evidence<'e>(&self, matches: &'e [Match], fixed: &'e Fixed, band: f64) -> Evidence<'e> {
         let frames = self.level.planes.map(GrayPlane::frame);
         let (given, clicks) = (&fixed.given, &fixed.clicks);
-        let (spread, calibrations) = (2.0 * band, fixed.calibrations);
-        Evidence { matches, given, clicks, frames, calibrations, spread, least_scale: LEAST_SCALE }
+        let (spread, model) = (2.0 * band, fixed.model);
+        Evidence { matches, given, clicks, frames, model, spread, least_scale: LEAST_SCALE }
     }
 
     /// Fits a geometry to the matches along its lines, with bands that narrow to `band`.
@@ -252,7 +236,7 @@ impl LevelMatcher<'_> {
             return None;
         }
         let mut refined = Refined::new(&self.level, &f, &matches, Some(noise.scale), covariance.as_ref())?;
-        refined.refinement.is_posed = fixed.calibrations.is_some();
+        refined.refinement.is_posed = fixed.model.is_posed();
         Some(refined)
     }
 }

@@ -18,9 +18,9 @@ use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 use super::Proposal;
-use super::plane::largest_plane;
 use super::support::{BAND, DISTINCTIVE, PatchSupport, Support};
 use crate::cancel::CancelFlag;
+use crate::estimate::fit::largest_plane;
 use crate::estimate::sampling::{Draws, Purpose};
 use crate::estimate::{EstimateError, PatchParameters};
 use crate::geometry::{FundamentalMatrix, PointPair, eight_point, transfer_error};

@@ -15,7 +15,8 @@ use nalgebra::{Matrix3, Matrix4, Rotation3, SVector, Vector3};
 
 use super::warp::{Beside, counted, one_a_place};
 use crate::camera::RelativePose;
-use crate::estimate::evidence::patches::{LIKELY, UnguidedMatch, largest_plane};
+use crate::estimate::evidence::patches::{LIKELY, UnguidedMatch};
+use crate::estimate::fit::largest_plane;
 use crate::estimate::verdict::trust::{Baseline, OtherPose, Witnesses};
 use crate::geometry::{
     FundamentalMatrix, PointPair, Vector, finite_point, point_equation, sampson_distance, solve_five,

@@ -24,10 +24,10 @@ use nalgebra::Matrix3;
 
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::ComparedPencils;
-use crate::estimate::evidence::patches::{Refined, UnguidedMatch, largest_plane, resized};
+use crate::estimate::evidence::patches::{Refined, UnguidedMatch, resized};
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::fit::false_alarms::{Agreement, OF_A_PLANE, PRECISION, within};
-use crate::estimate::fit::strong_lens_is_likelier;
+use crate::estimate::fit::{largest_plane, strong_lens_is_likelier};
 use crate::estimate::verdict::selection::ClickedPairs;
 use crate::estimate::verdict::trust::{
     Baseline, Evidence, HALF_PLANE, Mirror, OffPlane, PlaneEvidence, RefinedOn, Relief, Together, USUAL_SIDE,
@@ -125,7 +125,12 @@ impl Judge<'_> {
         let refined_margin = open.map(|refined| self.refined_margin(f, refined.weight, supporting));
         let refinement = refined.map(|refined| refined.refinement);
         let (trust, plane) = self.trust(f, refined_margin.or(margin), refinement.as_ref());
-        let (trust, warnings) = (Some(trust), self.warnings(f));
+        let mut warnings = self.warnings(f);
+        let is_free = refinement.as_ref().is_some_and(|refinement| !refinement.is_posed);
+        if is_free && prepared.calibrations().is_some() {
+            warnings.push(Warning::CalibrationContradicted);
+        }
+        let trust = Some(trust);
         let distinctive =
             refinement.as_ref().map_or_else(Arc::default, |_| viewed.patches.distinctive().into());
         Assessment {

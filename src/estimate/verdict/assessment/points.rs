@@ -5,9 +5,11 @@
 
 use nalgebra::Matrix3;
 
+use super::baseline::Posed;
 use super::{PLANE_TOLERANCE, leaves_in_place, lens, pattern, plane_homography, warp};
-use crate::estimate::evidence::patches::{UnguidedMatch, largest_plane};
+use crate::estimate::evidence::patches::UnguidedMatch;
 use crate::estimate::fit::false_alarms::Agreement;
+use crate::estimate::fit::largest_plane;
 use crate::estimate::verdict::trust::{
     Evidence, GivenPoints, OffPlane, PlaneEvidence, RefinedOn, USUAL_SIDE,
 };
@@ -45,6 +47,8 @@ pub(in crate::estimate) struct PointEvidence<'a> {
     pub rival: Option<usize>,
     pub fundamental: &'a FundamentalMatrix,
     pub uncertainty: Option<&'a Uncertainty>,
+    /// Calibration matrices, if the geometry is an essential matrix.
+    pub calibrations: Option<[Matrix3<f64>; 2]>,
     /// Standard deviation of the distance of a right match from its line in image 2, px.
     pub sigma: f64,
     pub frames: [Frame; 2],
@@ -65,17 +69,27 @@ impl PointEvidence<'_> {
             matches: matches.len(),
             is_chance: !self.agreement.is_no_chance(),
         };
+        let found: Vec<UnguidedMatch> =
+            matches.iter().map(|m| UnguidedMatch { pair: m.pair, prior: m.prior as f32 }).collect();
+        let posed = |calibrations| Posed {
+            f,
+            calibrations,
+            matches: agreeing,
+            unguided: &found,
+            side,
+            tolerance,
+            seed: self.seed,
+        };
         let trust = Trust::judge(&Evidence {
             refined_on: RefinedOn::Points(points),
             margin,
             deviation,
             plane: plane.map(|(h, most)| self.plane_evidence(&h, most, tolerance)),
             relief: plane.and_then(|(h, _)| {
-                let found: Vec<UnguidedMatch> =
-                    matches.iter().map(|m| UnguidedMatch { pair: m.pair, prior: m.prior as f32 }).collect();
                 let relief = || warp::relief(&found, agreeing, &h, f, frames[0], tolerance, self.seed);
                 (agreeing.len() >= LEAST_FOR_WARP).then(relief).flatten()
             }),
+            baseline: self.calibrations.as_ref().and_then(|calibrations| posed(calibrations).baseline()),
             pattern: pattern::residual_pattern(agreeing, f, side),
             side,
             ..Evidence::default()

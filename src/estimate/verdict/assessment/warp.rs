@@ -16,7 +16,8 @@ use std::collections::HashSet;
 
 use nalgebra::{DMatrix, DVector, Matrix3};
 
-use crate::estimate::evidence::patches::{LIKELY, UnguidedMatch, largest_plane};
+use crate::estimate::evidence::patches::{LIKELY, UnguidedMatch};
+use crate::estimate::fit::largest_plane;
 use crate::estimate::verdict::trust::{ALONG, ANY_EPIPOLE, Relief, Witnesses};
 use crate::geometry::{
     Frame, FundamentalMatrix, Line, Point, PointPair, Vector, finite_point, transfer_error,
