@@ -70,7 +70,7 @@ mod tests {
             let support = PatchSupport { matches: 20, score: support };
             let assessment =
                 Assessment { lines: Some(lines), support: Some(support), ..Assessment::default() };
-            Estimate { fundamental, assessment, trace: None }
+            Estimate { fundamental, origin: None, assessment, trace: None }
         };
         let generated =
             vec![hypothesis(40.0, 0.2, 30.0), hypothesis(-5.0, 0.4, 20.0), hypothesis(90.0, 0.3, 10.0)];

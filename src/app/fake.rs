@@ -49,7 +49,7 @@ pub fn result(pairs: &[PointPair], parameters: &Parameters) -> Option<Estimate> 
         seconds: 0.02,
         ..SearchTrace::default()
     };
-    Some(Estimate { fundamental, assessment, trace: Some(Arc::new(trace)) })
+    Some(Estimate { fundamental, origin: None, assessment, trace: Some(Arc::new(trace)) })
 }
 
 /// Returns a request whose first point has the given x.

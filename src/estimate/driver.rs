@@ -11,7 +11,7 @@ use super::evidence::viewed::SearchInput;
 use super::searches::record::SearchRecord;
 use super::searches::{barcodes, features, given, lines, published, unclicked};
 use super::verdict::assessment::{check_images, check_points};
-use super::{Clicks, Estimate, EstimateError, Monitor, Parameters, PreparedPair, SearchPlan};
+use super::{Clicks, Estimate, EstimateError, EventKind, Monitor, Parameters, PreparedPair, SearchPlan};
 use crate::geometry::PointPair;
 use crate::image::GrayPlane;
 
@@ -77,8 +77,10 @@ pub(crate) fn estimate_since(
     };
     let best = found?;
     record.finish()?;
+    record.note(EventKind::Selected(best.proposed().into()));
     let trace = record.trace(&best.clicks, &best.pencils, &best.patches, best.hypotheses, parameters);
-    Ok(Estimate { fundamental: best.fundamental, assessment: best.assessment, trace: Some(Arc::new(trace)) })
+    let (fundamental, origin) = (best.fundamental, Some(best.origin));
+    Ok(Estimate { fundamental, origin, assessment: best.assessment, trace: Some(Arc::new(trace)) })
 }
 
 #[cfg(test)]
@@ -142,5 +144,37 @@ mod tests {
         let two = Parameters { method: Method::ThreePoint, ..Parameters::default() };
         let missing = estimate_prepared(&prepared, &pairs[..2], &two, &Monitor::silent());
         assert_eq!(missing.unwrap_err(), EstimateError::TooFewPairs { found: 2, needed: 3 });
+    }
+
+    #[test]
+    fn the_course_of_a_search_is_recorded_in_order_and_on_any_number_of_threads() {
+        let scene = ExactScene::aside();
+        let run = |pairs: &[PointPair], threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let prepared = scene.prepared();
+            let parameters = Parameters::default();
+            pool.install(|| estimate_prepared(&prepared, pairs, &parameters, &Monitor::silent())).unwrap()
+        };
+        for pairs in [&[][..], &scene.clicks()] {
+            let [one, two] = [1, 2].map(|threads| run(pairs, threads));
+            let kinds = |found: &Estimate| -> Vec<EventKind> {
+                found.trace.as_ref().unwrap().events.iter().map(|event| event.kind.clone()).collect()
+            };
+            assert_eq!(kinds(&one), kinds(&two));
+            let events = &one.trace.as_ref().unwrap().events;
+            assert!(events.is_sorted_by(|a, b| a.seconds <= b.seconds));
+            assert!(matches!(events[0].kind, EventKind::Began(_)));
+            let EventKind::Selected(selected) = events.last().unwrap().kind else { panic!("{events:?}") };
+            assert_eq!((Some(selected.origin), selected.fundamental), (one.origin, one.fundamental));
+            let origins = events.iter().filter_map(|event| match &event.kind {
+                EventKind::Proposed { hypotheses, .. } => {
+                    Some(hypotheses.iter().map(|one| one.origin.source))
+                }
+                _ => None,
+            });
+            assert!(origins.flatten().any(|source| source == selected.origin.source), "{events:?}");
+            let features = events.iter().any(|event| matches!(event.kind, EventKind::Matched { .. }));
+            assert_eq!(features, pairs.is_empty());
+        }
     }
 }

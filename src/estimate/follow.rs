@@ -44,7 +44,7 @@ pub fn follow<'a>(
         Search::Lines => (through_clicks(starts.into_iter().last()?, &clicks)?, None),
     };
     let assessment = Assessment { support, ..Assessment::default() };
-    Some(Estimate { fundamental, assessment, trace: None })
+    Some(Estimate { fundamental, origin: None, assessment, trace: None })
 }
 
 /// Returns the most supported start, refitted to its matches and the clicks.

@@ -19,6 +19,7 @@ mod fit;
 mod follow;
 mod lens;
 mod monitor;
+mod origin;
 mod parameters;
 mod points;
 mod sampling;
@@ -46,6 +47,8 @@ pub use fit::{
 pub use follow::follow;
 pub use lens::find_lens;
 pub use monitor::{Monitor, Progress};
+use origin::Proposed;
+pub use origin::{Origin, ProposedBy, Resampling};
 pub use parameters::{
     BarcodeParameters, FeatureParameters, LineRefinementParameters, LineScore, LinesAloneParameters, Method,
     Parameters, PatchParameters, PencilParameters, Preset, RefinementParameters, Search, SearchPlan,
@@ -56,6 +59,7 @@ pub use parameters::{PARAMETERS, ParameterEntry, ParameterValue};
 pub use points::{PointEstimate, PointsError, check_inside, estimate_points};
 pub use stage::Stage;
 pub use verdict::assessment::{SMALLEST_SIDE, examine};
+pub use verdict::events::{DistinctMatch, Event, EventKind, HypothesisNote};
 pub use verdict::result::{
     Apart, Assessment, Determined, Estimate, PlaneHomography, SearchCounts, SearchTrace, StageTiming,
 };

@@ -16,9 +16,7 @@ use thiserror::Error;
 
 use super::Warning;
 use super::evidence::patches::{RefinedMatch, Refinement};
-use super::fit::{
-    EpipoleBearing, Match, MatchFit, Model, Uncertainty, agreement_of, fit_matches, largest_plane,
-};
+use super::fit::{EpipoleBearing, Match, MatchFit, Model, Uncertainty, fit_matches, largest_plane};
 use super::verdict::assessment::PointEvidence;
 use super::verdict::result::{Assessment, Determined, Estimate};
 use crate::geometry::{Frame, FundamentalMatrix, Matrix9, Point, PointPair, Vector};
@@ -161,7 +159,7 @@ pub fn estimate_points(
         of_given: true,
         ..Assessment::default()
     };
-    let estimate = Estimate { fundamental: fit.fundamental, assessment, trace: None };
+    let estimate = Estimate { fundamental: fit.fundamental, origin: None, assessment, trace: None };
     Ok(PointEstimate {
         determined: estimate.determined(extent.frames).filter(|_| !is_chance),
         bearings: estimate.epipole_bearings(extent.frames).filter(|_| !is_chance),
@@ -212,7 +210,7 @@ fn rival(
     let is_other = |m: &&Match| !agreeing.contains(&m.pair.numbers().map(f64::to_bits));
     let others: Vec<Match> = matches.iter().filter(is_other).copied().collect();
     let rival = fit_matches(&others, frames, model.calibrations().copied(), seed).ok()?;
-    let of_all = || agreement_of(&rival.fundamental, matches, frames, model).agreeing;
+    let of_all = || model.agreement(&rival.fundamental, matches, frames).agreeing;
     rival.agreement.is_no_chance().then(of_all)
 }
 

@@ -8,16 +8,16 @@ use serde::Serialize;
 use super::geometry_file::{Format, ImageNote, PairLabel, TrustNote};
 use crate::camera::{Baseline, CameraDoubt, PicturesOf, PoseFit, UndistortedView, ViewPair};
 use crate::estimate::{
-    BarcodeFigures, Determined, EpipoleBearing, Estimate, Method, Parameters, PatchSupport, PlaneHomography,
-    Preset, Reason, SearchCounts, SearchTrace, StageTiming, Verdict, Warning,
+    BarcodeFigures, Determined, EpipoleBearing, Estimate, Method, Origin, Parameters, PatchSupport,
+    PlaneHomography, Preset, Reason, SearchCounts, SearchTrace, StageTiming, Verdict, Warning,
 };
 use crate::geometry::{
     Frame, FundamentalMatrix, HomogeneousPoint, PointPair, finite_point, sampson_distance,
     symmetric_epipolar_distance,
 };
 use crate::presentation::{
-    camera_doubts, epipole_in_words, interpretation_in_words, pictures_in_words, probability_in_words,
-    reason_in_words, warning_in_words,
+    camera_doubts, epipole_in_words, interpretation_in_words, origin_in_words, pictures_in_words,
+    probability_in_words, reason_in_words, story_in_words, warning_in_words,
 };
 
 /// Content of a result file. As JSON it is also a geometry file ([`Format::Json`]).
@@ -70,6 +70,9 @@ pub struct ResultFile<'a> {
     /// Fit of this homography.
     #[serde(skip_serializing_if = "Option::is_none")]
     plane: Option<PlaneHomography>,
+    /// Data from which the geometry was proposed, before its refinement.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    origin: Option<Origin>,
     refined: bool,
     matches: Vec<MatchFile>,
     method: Method,
@@ -232,6 +235,7 @@ impl<'a> ResultFile<'a> {
             noise: refinement.and_then(|r| r.noise),
             homography21: assessment.plane.map(|plane| nested(&plane.homography21)),
             plane: assessment.plane,
+            origin: found.origin,
             refined: found.is_refined(),
             matches: found
                 .matches()
@@ -432,6 +436,9 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2], pictures: &Pic
     if found.trace.as_ref().is_some_and(|trace| !trace.clicks.chosen().is_empty()) {
         text.push_str("Found without two clicks: two matches found by the program took their place\n");
     }
+    if let Some(origin) = &found.origin {
+        let _ = writeln!(text, "Proposed by {}", origin_in_words(origin));
+    }
     let matches = found.matches().len();
     if assessment.of_given {
         let _ = writeln!(text, "Fitted to the given matches alone; {matches} patches match along its lines");
@@ -512,6 +519,13 @@ fn trace_in_words(trace: &SearchTrace, images: &[ImageNote; 2]) -> String {
     let _ = writeln!(text, "Time: {:.3} s, first F after {:.3} s", trace.seconds, trace.first_seconds);
     if !stages.is_empty() {
         let _ = writeln!(text, "      {}", stages.join(", "));
+    }
+    let story = story_in_words(&trace.events);
+    if !story.is_empty() {
+        text.push_str("Course of the search:\n");
+    }
+    for line in story {
+        let _ = writeln!(text, "  {line}");
     }
     text
 }

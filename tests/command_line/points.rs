@@ -186,7 +186,7 @@ fn a_calibration_of_another_size_is_scaled_on_request() {
     };
     let [file, calibration] = ["matches.txt", "k.yml"].map(|name| pictures.text(name));
     let words = ["estimate", "--matches", &file, "--sizes", "768x576", "--calibration", &calibration];
-    of("image_width: 1536\nimage_height: 1152\n", 1600.0, 767.5, 575.5);
+    of("image_width: 1536\nimage_height: 1152\n", 1280.0, 767.5, 575.5);
     fails(&words, 2, "If the image was resized, use --scale-calibration");
     let pose = |rest: &[&str]| {
         let output = run(&[&words, rest, &["--json", "-"]].concat());
@@ -195,13 +195,13 @@ fn a_calibration_of_another_size_is_scaled_on_request() {
     };
     let scaled = pose(&["--scale-calibration"]);
     assert_eq!(scaled["warnings"], Value::Array(Vec::new()));
-    of("", 1600.0, 767.5, 575.5);
+    of("", 1280.0, 767.5, 575.5);
     let told = pose(&[]);
     assert_eq!(told["warnings"][0]["kind"], "principal-point");
     assert!((told["warnings"][0]["larger"].as_f64().unwrap() - 2.0).abs() < 1e-9);
     let again = pose(&["--scale-calibration=1536x1152"]);
     assert_eq!(again["calibrated"]["pose"]["rotation"], scaled["calibrated"]["pose"]["rotation"]);
     fails(&[&words[..], &["--scale-calibration"]].concat(), 2, "does not tell the size");
-    of("image_width: 1000\nimage_height: 1000\n", 1600.0, 500.0, 500.0);
+    of("image_width: 1000\nimage_height: 1000\n", 1280.0, 500.0, 500.0);
     fails(&[&words[..], &["--scale-calibration"]].concat(), 2, "differ in shape");
 }

@@ -48,7 +48,7 @@ pub fn fake_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
         seconds: 0.02,
         ..SearchTrace::default()
     };
-    Ok(Estimate { fundamental, assessment, trace: Some(Arc::new(trace)) })
+    Ok(Estimate { fundamental, origin: None, assessment, trace: Some(Arc::new(trace)) })
 }
 
 fn line_figures(
@@ -75,7 +75,7 @@ pub fn rich_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
             support: Some(PatchSupport { matches: 30, score: 100.0 - 10.0 * number as f64 }),
             ..Assessment::default()
         };
-        Ok(Estimate { fundamental, assessment, trace: None })
+        Ok(Estimate { fundamental, origin: None, assessment, trace: None })
     };
     let hypotheses = (0..3).map(hypothesis).collect::<Result<Vec<_>, EstimateError>>()?;
     let compared = |click| {

@@ -7,14 +7,14 @@ use nalgebra::Matrix3;
 use rayon::prelude::*;
 
 use super::contradiction::{Contradiction, Explanation};
-use super::false_alarms::{Agreement, near_lines_by_chance};
+use super::false_alarms::Agreement;
 use super::matches::{LEAST_MATCHES, estimate_geometry};
-use super::model::{Model, Samples};
-use super::noise::{LEAST_SCALE, Noise, Residual, residuals};
+use super::model::{Model, Samples, by_chance};
+use super::noise::{LEAST_SCALE, Noise, Residual, residuals, widening};
 use super::scoring::Units;
 use super::{Match, MatchFit, MatchFitError, Uncertainty};
 use crate::estimate::sampling::{Draws, Purpose};
-use crate::geometry::{Frame, FundamentalMatrix, Matrix9, Observation, PointPair, sampson_distance};
+use crate::geometry::{Frame, FundamentalMatrix, Matrix9, Observation, sampson_distance};
 
 /// Largest number of matches of which a handful may be right. Among more, a consensus has 14.
 const MOST_FEW: usize = 500;
@@ -34,8 +34,6 @@ const ROUNDS: usize = 4;
 const ALL_ALIKE: f64 = 1e4;
 /// Median of the absolute values of a Gaussian distribution, in standard deviations.
 const MEDIAN: f64 = 0.6745;
-/// Half of the 95 % interval of a Gaussian variable, in standard deviations.
-const WITHIN: f64 = 1.96;
 
 /// Fits to matches as [`fit_matches`] does. Too few matches for an estimate of the noise have to agree beyond chance.
 ///
@@ -119,20 +117,6 @@ fn fit_model(
     many.iter().cloned().chain(few).min_by(least).map_or(many, Ok)
 }
 
-/// Returns the agreement of matches that need no picture, so that nothing limits their precision.
-pub(in crate::estimate) fn agreement_of(
-    f: &FundamentalMatrix,
-    matches: &[Match],
-    frames: [Frame; 2],
-    model: Model,
-) -> Agreement {
-    Agreement::of(matches.iter().map(|m| chance(f, &m.pair, frames)), model.sample())
-}
-
-fn chance(f: &FundamentalMatrix, pair: &PointPair, frames: [Frame; 2]) -> f64 {
-    near_lines_by_chance(f, pair, frames, LEAST_SCALE)
-}
-
 /// Fits a geometry to the matches that agree beyond chance. `None` if no sample gives a geometry.
 fn fit_few(matches: &[Match], frames: [Frame; 2], model: Model, seed: u64) -> Option<MatchFit> {
     let few = Few { matches, frames, model };
@@ -166,7 +150,7 @@ impl Scored {
 
 impl Few<'_> {
     fn scored(&self, fundamental: FundamentalMatrix) -> Scored {
-        let agreement = agreement_of(&fundamental, self.matches, self.frames, self.model);
+        let agreement = self.model.agreement(&fundamental, self.matches, self.frames);
         Scored { fundamental, agreement }
     }
 
@@ -201,7 +185,7 @@ impl Few<'_> {
     }
 
     fn agrees(&self, with: &Scored, m: &Match) -> bool {
-        chance(&with.fundamental, &m.pair, self.frames) <= with.agreement.within
+        by_chance(&with.fundamental, &m.pair, self.frames) <= with.agreement.within
     }
 
     /// Returns the agreeing matches. An ordinary one has a standard deviation of 1 px.
@@ -247,27 +231,12 @@ fn choices(n: usize, some: usize) -> Vec<Vec<usize>> {
     (0..1u32 << n).filter(|bits| bits.count_ones() as usize == some).map(chosen).collect()
 }
 
-/// Returns how much wider a 95 % interval is if the noise follows from the matches themselves: the quantile
-/// of Student's distribution over the Gaussian one, for these degrees of freedom. Above 2, its expansion in
-/// `1 / freedom` is right to 4 % (Abramowitz & Stegun 26.7.5).
-pub(super) fn widening(freedom: usize) -> f64 {
-    let z = WITHIN;
-    let quantile = match freedom {
-        0 | 1 => 12.706,
-        2 => 4.303,
-        _ => {
-            let freedom = freedom as f64;
-            z + (z.powi(3) + z) / (4.0 * freedom)
-                + (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / (96.0 * freedom * freedom)
-        }
-    };
-    quantile / z
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::noise::WITHIN;
     use super::*;
     use crate::estimate::exact::{ExactScene, FRAME};
+    use crate::geometry::PointPair;
     use crate::geometry::random_scene::RandomScene;
 
     fn noisy(scene: &ExactScene, count: usize, sigma: f64, seed: u64) -> Vec<Match> {

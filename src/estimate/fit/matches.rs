@@ -6,9 +6,8 @@ use thiserror::Error;
 use super::Match;
 use super::consensus::{Agreed, Evidence, Fitted};
 use super::false_alarms::Agreement;
-use super::few::{agreement_of, widening};
 use super::model::Model;
-use super::noise::{LEAST_SCALE, Noise, Residual, residuals};
+use super::noise::{LEAST_SCALE, Noise, Residual, residuals, widening};
 use super::uncertainty::Uncertainty;
 use crate::cancel::CancelFlag;
 use crate::geometry::{Frame, FundamentalMatrix, PointPair, sampson_distance};
@@ -169,7 +168,7 @@ pub(super) fn estimate_geometry(
         inlier_probabilities,
         uncertainty: covariance.map(|c| Uncertainty::new(&fundamental, &(c * wider), [1.0; 2])),
         log_likelihood: all.explained(&fundamental).log_likelihood,
-        agreement: agreement_of(&fundamental, matches, frames, model),
+        agreement: model.agreement(&fundamental, matches, frames),
         is_posed: model.is_posed(),
         fundamental,
         noise,

@@ -27,8 +27,9 @@ pub use uncertainty::{EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Uncertai
 pub(super) use consensus::{Evidence, Fitted};
 pub(super) use contradiction::{Contradiction, Explanation};
 pub(super) use division::{fit_division, strong_lens_is_likelier};
-pub(super) use few::{agreement_of, fit_given, fit_matches};
+pub(super) use few::{fit_given, fit_matches};
 pub(super) use model::Model;
+pub(super) use neighbours::foreshortening;
 pub(super) use noise::LEAST_SCALE;
 pub(super) use plane::largest_plane;
 pub(super) use scoring::{BAND, Consensus, Units, Witness, residual};

@@ -3,11 +3,13 @@
 use nalgebra::Matrix3;
 use rand_pcg::Pcg64Mcg;
 
-use super::false_alarms::{OF_A_POSE, OF_LINES, Sample};
+use super::Match;
+use super::false_alarms::{Agreement, OF_A_POSE, OF_LINES, Sample, near_lines_by_chance};
+use super::noise::LEAST_SCALE;
 use super::scoring::Units;
 use crate::estimate::sampling::different;
 use crate::geometry::{
-    Equation, FundamentalFit, FundamentalMatrix, Observation, PointPair, fit_fundamental, fit_posed,
+    Equation, Frame, FundamentalFit, FundamentalMatrix, Observation, PointPair, fit_fundamental, fit_posed,
     point_equation, solve_five, solve_seven,
 };
 
@@ -54,6 +56,11 @@ impl Model {
         self.sample().matches
     }
 
+    /// Returns the agreement of matches that need no picture.
+    pub fn agreement(&self, f: &FundamentalMatrix, matches: &[Match], frames: [Frame; 2]) -> Agreement {
+        Agreement::of(matches.iter().map(|m| by_chance(f, &m.pair, frames)), self.sample())
+    }
+
     /// Fits a geometry of this kind, from a start ([`fit_fundamental`], [`fit_posed`]).
     pub fn fitted(
         &self,
@@ -66,6 +73,12 @@ impl Model {
             Self::Posed { calibrations } => fit_posed(start, calibrations, observations, scale),
         }
     }
+}
+
+/// Returns the probability that a match that lies anywhere is as near to its epipolar lines. Matches that need no
+/// picture are as precise as they are.
+pub(super) fn by_chance(f: &FundamentalMatrix, pair: &PointPair, frames: [Frame; 2]) -> f64 {
+    near_lines_by_chance(f, pair, frames, LEAST_SCALE)
 }
 
 fn inverses([k1, k2]: &[Matrix3<f64>; 2]) -> Option<[Matrix3<f64>; 2]> {

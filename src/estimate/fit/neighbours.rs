@@ -5,7 +5,7 @@
 //! would alone seem to determine the epipole. Their neighbours in image 1 tell them apart: the match of a
 //! right neighbour moves nearly alike (the statistics of Bian et al., CVPR 2017, by the measured shares).
 
-use nalgebra::Vector2;
+use nalgebra::{Matrix2, Vector2};
 
 use crate::geometry::{Frame, PointPair, median};
 
@@ -54,6 +54,26 @@ pub(super) fn confirmed(pairs: &[PointPair], frame2: Frame, right: f64) -> Vec<b
         if *agrees { (share / chance).ln() } else { ((1.0 - share) / (1.0 - chance)).ln() }
     };
     found.chunks(NEIGHBOURS).map(|of| prior + of.iter().map(odds).sum::<f64>() > 0.0).collect()
+}
+
+/// Returns how much surfaces are foreshortened from one image to the other: the ratio of the singular values of the
+/// affine map of a match and its neighbours, the median over the matches. `None` for too few matches.
+pub(in crate::estimate) fn foreshortening(pairs: &[PointPair]) -> Option<f64> {
+    if pairs.len() <= NEIGHBOURS {
+        return None;
+    }
+    let of = |(own, near): (&PointPair, [usize; NEIGHBOURS])| -> Option<f64> {
+        let (mut spread, mut moved) = (Matrix2::zeros(), Matrix2::zeros());
+        for j in near {
+            let step1 = pairs[j].point1 - own.point1;
+            spread += step1 * step1.transpose();
+            moved += (pairs[j].point2 - own.point2) * step1.transpose();
+        }
+        let values = (moved * spread.try_inverse()?).singular_values();
+        Some(values.max() / values.min()).filter(|ratio| ratio.is_finite())
+    };
+    let ratios: Vec<f64> = pairs.iter().zip(nearest(pairs)).filter_map(of).collect();
+    (!ratios.is_empty()).then(|| median(ratios))
 }
 
 /// Returns the nearest other matches of each match in image 1.
@@ -134,5 +154,17 @@ mod tests {
         }
         let found = confirmed(&all, FRAME, 0.9);
         assert!(found.iter().filter(|is| **is).count() > 290);
+    }
+
+    #[test]
+    fn a_surface_seen_from_the_side_is_foreshortened() {
+        let ratio = |width: f64| {
+            let place = |k: u32| (f64::from(k % 10) * 30.0, f64::from(k / 10) * 25.0);
+            let pairs: Vec<PointPair> =
+                (0..80).map(place).map(|(x, y)| PointPair::new(x, y, width * x - 0.3 * y, 1.2 * y)).collect();
+            foreshortening(&pairs).unwrap()
+        };
+        assert!(ratio(1.2) < 1.4 && ratio(0.5) > 2.0, "{} {}", ratio(1.2), ratio(0.5));
+        assert_eq!(foreshortening(&[PointPair::new(1.0, 2.0, 3.0, 4.0); 8]), None);
     }
 }

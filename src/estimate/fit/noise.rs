@@ -17,6 +17,8 @@ use std::f64::consts::PI;
 use super::Match;
 use crate::geometry::{FundamentalMatrix, median, sampson_distance};
 
+/// Half of the 95 % interval of a Gaussian variable, in standard deviations.
+pub(super) const WITHIN: f64 = 1.96;
 /// Smallest scale, px. Without a limit, a geometry that fits a few matches exactly would outweigh
 /// all others. Matches of usual pictures are several times less precise, but a fit to fewer than
 /// some 200 matches of a small picture can reach the floor.
@@ -111,6 +113,23 @@ impl Noise {
     pub(super) fn log_likelihood(&self, residuals: &[Residual]) -> f64 {
         residuals.iter().map(|r| self.ratio(r).ln()).sum()
     }
+}
+
+/// Returns how much wider a 95 % interval is if the noise follows from the matches themselves: the quantile
+/// of Student's distribution over the Gaussian one, for these degrees of freedom. Above 2, its expansion in
+/// `1 / freedom` is right to 4 % (Abramowitz & Stegun 26.7.5).
+pub(super) fn widening(freedom: usize) -> f64 {
+    let z = WITHIN;
+    let quantile = match freedom {
+        0 | 1 => 12.706,
+        2 => 4.303,
+        _ => {
+            let freedom = freedom as f64;
+            z + (z.powi(3) + z) / (4.0 * freedom)
+                + (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / (96.0 * freedom * freedom)
+        }
+    };
+    quantile / z
 }
 
 #[cfg(test)]

@@ -3,26 +3,32 @@
 
 use super::clicks_alone::of_clicks_alone;
 use super::judged::{Found, Judged, distinct_hypotheses};
+use super::more_features::with_more_features;
 use super::patches;
 use super::pencils::compare_pencils;
 use super::record::SearchRecord;
 use super::refinement::refine_ranked;
 use crate::estimate::evidence::features::{
-    FeatureEvidence, FeatureHypothesis, hypotheses_from_features, is_same_view, view_of, view_of_pairs,
+    FeatureEvidence, hypotheses_from_features, is_same_view, view_of, view_of_pairs,
 };
 use crate::estimate::evidence::patches::{Proposal, rank_fine};
-use crate::estimate::evidence::prepared::GivenFit;
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::assessment::RestsOn;
 use crate::estimate::verdict::selection::{ClickedPairs, select};
-use crate::estimate::{CancelFlag, Estimate, EstimateError, Stage};
+use crate::estimate::{CancelFlag, Estimate, EstimateError, HypothesisNote, Proposed, ProposedBy, Stage};
 use crate::features::FeatureViews;
-use crate::geometry::FundamentalMatrix;
+use crate::geometry::PointPair;
 use crate::image::RelativeView;
 
-/// Geometries proposed by covariant features, best first.
+/// Geometry with the matches that it explains.
+pub(in crate::estimate) struct FeatureProposal {
+    pub proposed: Proposed,
+    pub matches: Vec<PointPair>,
+}
+
+/// Geometries proposed by given matches and by covariant features, best first.
 pub(in crate::estimate) struct FeatureProposals {
-    pub hypotheses: Vec<FeatureHypothesis>,
+    pub proposals: Vec<FeatureProposal>,
     /// Kind of the features.
     pub of: FeatureViews,
     /// Relative views of the images, from the features that the hypotheses explain.
@@ -47,22 +53,21 @@ impl FeatureProposals {
             clicks: &observed,
             click_sigma: parameters.click_sigma,
         };
-        let mut hypotheses = hypotheses_from_features(&evidence, &parameters.features, parameters.seed);
+        let found = hypotheses_from_features(&evidence, &parameters.features, parameters.seed);
         record.cancel().check()?;
+        record.note_matches(&features.matches);
         let frames = prepared.frames();
-        if let Some((fundamental, matches)) = prepared.essential_of_features(of, parameters.seed) {
-            let score = hypotheses.first().map_or(0.0, |best| best.score);
-            hypotheses.insert(0, FeatureHypothesis { fundamental, score, matches });
-        }
-        let mut given_view = None;
-        if let Some(GivenFit { fundamental, inliers, .. }) = prepared.given_fit() {
-            let own = hypotheses.first().map_or(0.0, |best| best.score);
-            let matches = inliers.clone();
-            hypotheses.insert(0, FeatureHypothesis { fundamental: *fundamental, score: own, matches });
-            given_view = view_of_pairs(inliers, frames);
-        }
+        let proposal = |f, by, matches| FeatureProposal { proposed: Proposed::by(by, f), matches };
+        let given = prepared.given_fit();
+        let of_given =
+            given.map(|given| proposal(given.fundamental, ProposedBy::GivenMatches, given.inliers.clone()));
+        let known = prepared.essential_of_features(of, parameters.seed);
+        let known = known.map(|(f, matches)| proposal(f, ProposedBy::KnownCameras, matches));
+        let free = found.into_iter().map(|h| proposal(h.fundamental, ProposedBy::Features, h.matches));
+        let proposals: Vec<FeatureProposal> = of_given.into_iter().chain(known).chain(free).collect();
+        let given_view = given.and_then(|given| view_of_pairs(&given.inliers, frames));
         let mut views: Vec<RelativeView> = Vec::new();
-        let found = hypotheses.iter().filter_map(|h| view_of(&h.fundamental, features, frames));
+        let found = proposals.iter().filter_map(|p| view_of(&p.proposed.fundamental, features, frames));
         for view in given_view.into_iter().chain(found) {
             if views.len() < parameters.features.views
                 && !views.iter().any(|known| is_same_view(known, &view))
@@ -70,24 +75,25 @@ impl FeatureProposals {
                 views.push(view);
             }
         }
-        Ok(Self { hypotheses, of, views })
+        let noted: Vec<HypothesisNote> = proposals.iter().map(|proposal| proposal.proposed.into()).collect();
+        record.note_proposals(parameters.features.draws, &noted);
+        Ok(Self { proposals, of, views })
     }
 
     /// Returns the proposed geometries.
-    pub fn fundamentals(&self) -> Vec<FundamentalMatrix> {
-        self.hypotheses.iter().map(|h| h.fundamental).collect()
+    pub fn proposed(&self) -> Vec<Proposed> {
+        self.proposals.iter().map(|proposal| proposal.proposed).collect()
     }
 
-    /// Ranks, refines and judges the proposals under each of their views, and adds the results to
-    /// `all`. Ends with the first result that settles the search, and returns whether one does.
+    /// Ranks, refines and judges the proposals under each of their views. Returns the first result that another search
+    /// cannot change, and adds the others to `all`.
     pub fn judge_under_views(
         &self,
         input: SearchInput,
-        is_settled: impl Fn(&Judged) -> bool,
         record: &mut SearchRecord,
         all: &mut Vec<Judged>,
-    ) -> Result<bool, EstimateError> {
-        let proposed = self.fundamentals();
+    ) -> Result<Option<Judged>, EstimateError> {
+        let proposed = self.proposed();
         for view in &self.views {
             let viewed = ViewedPair::new(input, input.prepared.patches_with_features(*view, self.of));
             if all.is_empty() && !input.clicks.chosen().is_empty() {
@@ -100,18 +106,18 @@ impl FeatureProposals {
             record.enter(Stage::Validation)?;
             let rivals = all.first().map_or(&[][..], |first| &first.hypotheses);
             if let Some(found) = judge_proposed(&proposed, rivals, &viewed, record)? {
-                let settled = is_settled(&found);
-                all.push(found);
-                if settled {
-                    return Ok(true);
+                let found = with_more_features(found, input, record)?;
+                if !found.is_open() {
+                    return Ok(Some(found));
                 }
+                all.push(found);
             }
         }
-        Ok(false)
+        Ok(None)
     }
 }
 
-/// Searches through the clicks with patches and, if the result is not clear, with covariant
+/// Searches through the clicks with patches and, if another search could find a better geometry, with covariant
 /// features. The geometries that are not selected are rivals of the selected one.
 pub(in crate::estimate) fn search(
     input: SearchInput,
@@ -120,14 +126,20 @@ pub(in crate::estimate) fn search(
     let mut all: Vec<Judged> = Vec::new();
     let mut failure = EstimateError::NoGeometry;
     match patches::search(&ViewedPair::upright(input), record) {
-        Ok(found) if found.is_clear() => return Ok(found),
-        Ok(found) => all.push(found),
+        Ok(found) => {
+            let found = with_more_features(found, input, record)?;
+            if !found.is_open() {
+                return Ok(found);
+            }
+            all.push(found);
+        }
         Err(error @ (EstimateError::NoCandidates(_) | EstimateError::NoGeometry)) => failure = error,
         Err(error) => return Err(error),
     }
     for of in [FeatureViews::Frontal, FeatureViews::Slanted] {
         let proposals = FeatureProposals::new(input, of, record)?;
-        if proposals.judge_under_views(input, Judged::is_clear, record, &mut all)? {
+        if let Some(found) = proposals.judge_under_views(input, record, &mut all)? {
+            all.push(found);
             break;
         }
     }
@@ -138,15 +150,11 @@ pub(in crate::estimate) fn search(
     // rivals.
     let viewed = ViewedPair::new(SearchInput { clicks: &best.clicks, ..input }, best.patches);
     let support = viewed.patches.measure(&f);
-    let mut hypotheses = vec![Estimate::proposed(f, None, support)];
+    let proposed = Proposed::by(ProposedBy::Clicks, f);
+    let mut hypotheses = vec![Estimate::proposed(proposed, None, support)];
     hypotheses.extend(best.hypotheses);
-    let found = Found {
-        fundamental: f,
-        hypotheses,
-        supporting: observed,
-        refined: None,
-        rests_on: RestsOn::ClicksAlone,
-    };
+    let found =
+        Found { proposed, hypotheses, supporting: observed, refined: None, rests_on: RestsOn::ClicksAlone };
     Ok(Judged::of(found, &viewed, record))
 }
 
@@ -154,10 +162,10 @@ pub(in crate::estimate) fn search(
 /// `rivals` compete under the same support. Takes any number of clicks. `None` if no geometry
 /// passes through them.
 pub(super) fn judge_proposed(
-    proposed: &[FundamentalMatrix],
+    proposed: &[Proposed],
     rivals: &[Estimate],
     viewed: &ViewedPair,
-    record: &SearchRecord,
+    record: &mut SearchRecord,
 ) -> Result<Option<Judged>, EstimateError> {
     let cancel = record.cancel();
     let ranked = ranked(proposed, rivals, viewed, cancel)?;
@@ -165,13 +173,14 @@ pub(super) fn judge_proposed(
         return Ok(None);
     }
     let (hypotheses, _) = distinct_hypotheses(&ranked, viewed, cancel)?;
+    record.note_ranking(&hypotheses);
     let found = refine_ranked(&ranked, hypotheses, viewed, cancel)?;
     Ok(Some(Judged::of(found, viewed, record)))
 }
 
 /// Ranks proposed geometries by patches and features under a view, together with `rivals`.
 pub(super) fn ranked(
-    proposed: &[FundamentalMatrix],
+    proposed: &[Proposed],
     rivals: &[Estimate],
     viewed: &ViewedPair,
     cancel: &CancelFlag,
@@ -184,7 +193,7 @@ pub(super) fn ranked(
     let starts: Vec<Proposal> =
         proposed.iter().filter_map(|f| Proposal::of(f, anchors, turn, fine)).collect();
     // Geometries found under the upright view compete under the same support.
-    let rivals = rivals.iter().filter_map(|h| Proposal::of(h.fundamental(), anchors, h.turn(), fine));
+    let rivals = rivals.iter().filter_map(|h| Proposal::of(&h.as_proposed()?, anchors, h.turn(), fine));
     rank_fine(fine, starts, rivals.collect(), &clicks.observed(), parameters, cancel)
 }
 
@@ -201,16 +210,17 @@ mod tests {
         let scene = ExactScene::aside();
         let (prepared, parameters) = (scene.prepared(), Parameters::default());
         let patches = prepared.patches_with_features(RelativeView::UPRIGHT, FeatureViews::Frontal);
-        let proposed = [scene.disturbed(2.0), scene.disturbed(-3.0)];
+        let proposed = [2.0, -3.0].map(|by| Proposed::by(ProposedBy::Features, scene.disturbed(by)));
         for pairs in [&[][..], &scene.clicks()] {
             let clicks = Clicks::for_plan(pairs, SearchPlan::Patches { clicks: 2 });
             let input = SearchInput { prepared: &prepared, clicks: &clicks, parameters: &parameters };
             let viewed = ViewedPair::new(input, std::sync::Arc::clone(&patches));
             let monitor = Monitor::silent();
-            let record = SearchRecord::new(Instant::now(), &monitor);
-            let found = judge_proposed(&proposed, &[], &viewed, &record).unwrap().unwrap();
+            let mut record = SearchRecord::new(Instant::now(), &monitor);
+            let found = judge_proposed(&proposed, &[], &viewed, &mut record).unwrap().unwrap();
             let error = scene.error(&found.fundamental);
             assert!(error < 0.3, "{error} px with {} clicks", pairs.len());
+            assert_eq!(found.origin.source, ProposedBy::Features);
             let best = &found.hypotheses[0].assessment;
             assert_eq!(best.lines.is_some(), pairs.len() == 2);
             assert!(best.support.is_some_and(|support| support.matches > 50));

@@ -19,7 +19,7 @@ use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::fit::false_alarms::{Agreement, PRECISION};
 use crate::estimate::verdict::assessment::{RestsOn, given_figures, unguided_agreement};
 use crate::estimate::verdict::selection::ClickedPairs;
-use crate::estimate::{Estimate, EstimateError, Stage};
+use crate::estimate::{Estimate, EstimateError, Proposed, ProposedBy, Stage};
 use crate::features::FeatureViews;
 use crate::geometry::{Frame, FundamentalMatrix};
 use crate::image::RelativeView;
@@ -35,7 +35,7 @@ pub(in crate::estimate) fn search(
     let view = proposals.views.first().copied().unwrap_or(RelativeView::UPRIGHT);
     let viewed = ViewedPair::new(input, input.prepared.patches_with_features(view, of));
     record.enter(Stage::Validation)?;
-    let rivals = ranked(&proposals.fundamentals(), &[], &viewed, record.cancel())?;
+    let rivals = ranked(&proposals.proposed(), &[], &viewed, record.cancel())?;
     let rivals = distinct_hypotheses(&rivals, &viewed, record.cancel());
     record.enter(Stage::Refinement)?;
     // The images alone may show nothing.
@@ -52,7 +52,7 @@ fn unchanged(given: &GivenFit, hypotheses: Vec<Estimate>, viewed: &ViewedPair) -
         Refined { fundamental: given.fundamental, refinement, weight, weight_deviation }
     });
     Found {
-        fundamental: given.fundamental,
+        proposed: Proposed::by(ProposedBy::GivenMatches, given.fundamental),
         hypotheses,
         supporting: given.inliers.clone(),
         refined,
@@ -77,11 +77,8 @@ impl Standing {
         let evidence = |one: &Self| one.of_images.evidence() + one.of_given.evidence();
         // Where chance may explain both, the less likely agreement wins.
         let alarms = |one: &Self| one.of_images.log_false_alarms + one.of_given.log_false_alarms;
-        match own == its {
-            true if evidence(self) == evidence(other) => alarms(self) < alarms(other),
-            true => evidence(self) > evidence(other),
-            false => own,
-        }
+        let by_alarms = || alarms(other).total_cmp(&alarms(self));
+        if own == its { evidence(self).total_cmp(&evidence(other)).then_with(by_alarms).is_gt() } else { own }
     }
 }
 
@@ -120,13 +117,14 @@ pub(in crate::estimate) fn compared(
     let view = view_of_pairs(&fit.inliers, frames).unwrap_or(found_under);
     let viewed = ViewedPair::new(input, prepared.patches_with_features(view, of));
     let standing = Standing::new(&fit.fundamental, &viewed.patches, given, frames);
-    let proposed = |f: FundamentalMatrix| Estimate::proposed(f, None, viewed.patches.measure(&f));
-    let mut hypotheses = vec![proposed(fit.fundamental)];
+    let of_given = Proposed::by(ProposedBy::GivenMatches, fit.fundamental);
+    let measured = |one: Proposed| Estimate::proposed(one, None, viewed.patches.measure(&one.fundamental));
+    let mut hypotheses = vec![measured(of_given)];
     if let Some((own, its_standing)) = own {
         if !standing.is_better_than(&its_standing) {
             return Ok(own);
         }
-        hypotheses.push(proposed(own.fundamental));
+        hypotheses.push(measured(own.proposed()));
         hypotheses.extend(own.hypotheses);
     }
     let settling = Settling {
@@ -146,7 +144,7 @@ pub(in crate::estimate) fn compared(
     record.cancel().check()?;
     let found = match refined {
         Some(refined) => Found {
-            fundamental: fit.fundamental,
+            proposed: of_given,
             hypotheses,
             supporting: fit.inliers.clone(),
             refined: Some(refined),

@@ -10,14 +10,14 @@ use crate::estimate::evidence::viewed::ViewedPair;
 use crate::estimate::verdict::assessment::{Judge, RestsOn};
 use crate::estimate::verdict::result::{Assessment, REPORTED};
 use crate::estimate::verdict::selection::Weighed;
-use crate::estimate::verdict::trust::{Reason, Verdict};
-use crate::estimate::{Clicks, Estimate, EstimateError, PatchSupport};
+use crate::estimate::verdict::trust::Trust;
+use crate::estimate::{Clicks, Estimate, EstimateError, EventKind, Origin, PatchSupport, Proposed};
 use crate::geometry::{FundamentalMatrix, PointPair};
 
 /// Result of a search before its assessment.
 pub(in crate::estimate) struct Found {
-    /// The best geometry before refinement.
-    pub fundamental: FundamentalMatrix,
+    /// The best geometry before refinement. After refinement, the origin is that of the refined start.
+    pub proposed: Proposed,
     /// Hypotheses before refinement, best first.
     pub hypotheses: Vec<Estimate>,
     /// Matches on which rivals are compared with the result.
@@ -32,6 +32,7 @@ pub(in crate::estimate) struct Judged {
     /// Clicks of the search, stand-ins included.
     pub clicks: Clicks,
     pub fundamental: FundamentalMatrix,
+    pub origin: Origin,
     pub hypotheses: Vec<Estimate>,
     pub assessment: Assessment,
     /// Weight of the refined matches, and its standard deviation.
@@ -51,62 +52,63 @@ impl From<&Judged> for Weighed {
 
 impl Judged {
     /// Judges a geometry found under a view with these clicks.
-    pub fn of(found: Found, viewed: &ViewedPair, record: &SearchRecord) -> Self {
-        let Found { fundamental, hypotheses, supporting, refined, rests_on } = found;
+    pub fn of(found: Found, viewed: &ViewedPair, record: &mut SearchRecord) -> Self {
+        let Found { proposed, hypotheses, supporting, refined, rests_on } = found;
         let (weight, weight_deviation) =
             refined.as_ref().map_or((0.0, 0.0), |refined| (refined.weight, refined.weight_deviation));
-        let fundamental = refined.as_ref().map_or(fundamental, |refined| refined.fundamental);
+        let fundamental = refined.as_ref().map_or(proposed.fundamental, |refined| refined.fundamental);
+        let selected = Proposed { fundamental, ..proposed };
+        if let Some(refined) = &refined {
+            let matches = refined.refinement.matches.len();
+            record.note(EventKind::Refined { selected: selected.into(), matches });
+        }
         let judge = Judge { rests_on, ..judge(viewed, &hypotheses, record) };
         let assessment = judge.result(&fundamental, &supporting, refined);
-        Self {
+        let judged = Self {
             clicks: viewed.input.clicks.clone(),
             fundamental,
+            origin: proposed.origin,
             hypotheses,
             assessment,
             weight,
             weight_deviation,
             patches: Arc::clone(&viewed.patches),
             pencils: record.present_pencils().to_vec(),
-        }
-    }
-
-    /// Returns whether another search could change the result: too few matches, or a close rival.
-    /// Doubts about the scene remain after any search.
-    pub fn is_open(&self) -> bool {
-        let thin = |reason: &Reason| {
-            !matches!(
-                reason,
-                Reason::OnePlane { .. }
-                    | Reason::NoRelief { .. }
-                    | Reason::OnlyTurned { .. }
-                    | Reason::BehindCameras { .. }
-                    | Reason::Mirrored { .. }
-                    | Reason::Bent { .. }
-                    | Reason::Contradicted { .. }
-            )
         };
-        self.assessment.refined_margin.is_some()
-            || self.assessment.trust.as_ref().is_none_or(|trust| trust.reasons.iter().any(thin))
+        let verdict = judged.assessment.trust.as_ref().map(|trust| trust.verdict);
+        record.note(EventKind::Judged { verdict, is_open: judged.is_open() });
+        judged
     }
 
-    /// Returns whether the verdict is reliable and was reached without refining rivals.
-    pub fn is_clear(&self) -> bool {
-        let assessment = &self.assessment;
-        assessment.refined_margin.is_none()
-            && assessment.trust.as_ref().is_some_and(|trust| trust.verdict == Verdict::Reliable)
+    /// Returns whether another search could find a better geometry.
+    pub fn is_open(&self) -> bool {
+        self.assessment.trust.as_ref().is_none_or(Trust::leaves_another_search)
+    }
+
+    /// Returns the geometry with its origin.
+    pub fn proposed(&self) -> Proposed {
+        Proposed { fundamental: self.fundamental, origin: self.origin }
+    }
+
+    /// Returns whether the verdict is doubtful for lack of matches alone.
+    pub fn lacks_matches(&self) -> bool {
+        let trust = self.assessment.trust.as_ref();
+        trust.is_some_and(|trust| !trust.reasons.is_empty() && trust.may_pass_with_more_matches())
     }
 }
 
 /// Reports a geometry good enough to draw.
 pub(super) fn report_preliminary(
-    f: FundamentalMatrix,
+    proposed: Proposed,
     hypotheses: &[Estimate],
     support: Option<PatchSupport>,
     viewed: &ViewedPair,
     record: &mut SearchRecord,
 ) {
-    let assessment = judge(viewed, hypotheses, record).preliminary(&f, support);
-    record.preliminary(Estimate { fundamental: f, assessment, trace: None }, hypotheses, viewed);
+    let Proposed { fundamental, origin } = proposed;
+    let assessment = judge(viewed, hypotheses, record).preliminary(&fundamental, support);
+    let found = Estimate { fundamental, origin: Some(origin), assessment, trace: None };
+    record.preliminary(found, hypotheses, viewed);
 }
 
 fn judge<'a>(viewed: &'a ViewedPair, hypotheses: &'a [Estimate], record: &'a SearchRecord) -> Judge<'a> {

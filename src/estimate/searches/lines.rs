@@ -9,8 +9,10 @@ use crate::estimate::evidence::lines::{LineCandidate, LineConsensus, compare_lin
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::assessment::RestsOn;
 use crate::estimate::verdict::result::REPORTED;
-use crate::estimate::{Estimate, EstimateError, Parameters, Search, Stage};
-use crate::geometry::{FundamentalMatrix, PointPair};
+use crate::estimate::{
+    Estimate, EstimateError, HypothesisNote, Parameters, Proposed, ProposedBy, Search, Stage,
+};
+use crate::geometry::PointPair;
 use crate::similarity::{ScaledSimilarity, SimilarityParameters, SimilaritySource};
 
 /// Smallest reach of disparities without a click to fix their zero, as a share of the longer side:
@@ -32,9 +34,10 @@ pub(in crate::estimate) fn search(
     let source = input.prepared.similarity_source(viewed.patches.view(), &unanchored);
     let mut geometries = from_all_lines(&*source, parameters, record, |_, pairs| Ok(pairs))?;
     geometries.truncate(REPORTED);
-    let hypotheses: Vec<Estimate> = geometries.iter().map(|f| Estimate::from(*f)).collect();
-    let fundamental = *geometries.first().ok_or(EstimateError::NothingWithoutClicks)?;
-    report_preliminary(fundamental, &hypotheses, None, &viewed, record);
+    let hypotheses: Vec<Estimate> =
+        geometries.iter().map(|proposed| Estimate::proposed(*proposed, None, None)).collect();
+    let proposed = *geometries.first().ok_or(EstimateError::NothingWithoutClicks)?;
+    report_preliminary(proposed, &hypotheses, None, &viewed, record);
 
     if ranked_by == Search::Patches
         && let Some(found) = by_their_patches(&geometries, &viewed, record)?
@@ -42,10 +45,10 @@ pub(in crate::estimate) fn search(
         return Ok(found);
     }
     record.enter(Stage::Refinement)?;
-    let refined = refine_best(geometries.into_iter(), &viewed, record.cancel())?;
+    let refined = refine_best(geometries.into_iter(), &viewed, record.cancel())?.map(|(refined, _)| refined);
     let matches = refined.iter().flat_map(|refined| &refined.refinement.matches);
     let supporting = matches.map(|m| m.pair).collect();
-    let found = Found { fundamental, hypotheses, supporting, refined, rests_on: RestsOn::Images };
+    let found = Found { proposed, hypotheses, supporting, refined, rests_on: RestsOn::Images };
     Ok(Judged::of(found, &viewed, record))
 }
 
@@ -56,7 +59,7 @@ pub(super) fn from_all_lines(
     parameters: &Parameters,
     record: &mut SearchRecord,
     sharpened: impl FnOnce(&ScaledSimilarity, Vec<LineCandidate>) -> Result<Vec<LineCandidate>, EstimateError>,
-) -> Result<Vec<FundamentalMatrix>, EstimateError> {
+) -> Result<Vec<Proposed>, EstimateError> {
     record.enter(Stage::Pencils)?;
     let cancel = record.cancel();
     let alone = &parameters.lines_alone;
@@ -70,12 +73,16 @@ pub(super) fn from_all_lines(
     let found = geometries_from_lines(&pairs, level.frames, &how, cancel)?;
     record.counts.hypotheses += alone.draws;
     let full_size = level.scales.map(f64::recip);
-    Ok(found.iter().filter_map(|one| one.fundamental.rescaled(full_size)).collect())
+    let full_size = found.iter().filter_map(|one| one.fundamental.rescaled(full_size));
+    let proposed: Vec<Proposed> = full_size.map(|f| Proposed::by(ProposedBy::AllLines, f)).collect();
+    let noted: Vec<HypothesisNote> = proposed.iter().map(|one| (*one).into()).collect();
+    record.note_proposals(alone.draws, &noted);
+    Ok(proposed)
 }
 
 /// Ranks, refines and judges the proposals by patches. `None` if too few patches match.
 fn by_their_patches(
-    geometries: &[FundamentalMatrix],
+    geometries: &[Proposed],
     viewed: &ViewedPair,
     record: &mut SearchRecord,
 ) -> Result<Option<Judged>, EstimateError> {
@@ -85,7 +92,9 @@ fn by_their_patches(
     let full_size = fine.scales.map(f64::recip);
     let putative: Vec<PointPair> =
         fine.support.distinctive().into_iter().map(|m| m.rescaled(full_size)).collect();
-    let chosen = geometries.iter().find_map(|f| farthest_apart(prepared, f, &[], &putative));
+    let chosen = geometries
+        .iter()
+        .find_map(|proposed| farthest_apart(prepared, &proposed.fundamental, &[], &putative));
     let Some(chosen) = chosen else { return Ok(None) };
     judge_proposed(geometries, &[], &viewed.with_clicks(&clicks.with_chosen(chosen)), record)
 }

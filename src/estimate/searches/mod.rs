@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `published` | lines through two or three clicks (paper, section 5.1) | lines |
 //! | `patches` | lines through two clicks | patches |
-//! | `features` | `patches`, then covariant features if doubts remain | patches and features |
+//! | `features` | `patches`, then covariant features if another search may help | patches and features |
 //! | `unclicked` | covariant features, then lines through two of their matches | patches and features |
 //! | `given` | matches of another program, alone | nothing: their geometry stays as it is |
 //! | `lines` | all lines of both images (paper, section 4) | agreement of lines, or patches |
@@ -16,6 +16,7 @@ pub(super) mod features;
 pub(super) mod given;
 mod judged;
 pub(super) mod lines;
+mod more_features;
 mod patches;
 mod pencils;
 pub(super) mod published;

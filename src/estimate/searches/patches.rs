@@ -9,7 +9,7 @@ use crate::estimate::evidence::lines::draw_pairs;
 use crate::estimate::evidence::patches;
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::result::REPORTED;
-use crate::estimate::{Estimate, EstimateError, Stage};
+use crate::estimate::{Estimate, EstimateError, HypothesisNote, Proposed, Stage};
 
 /// Searches through two clicks, or two matches in their place, under one view.
 pub(super) fn search(viewed: &ViewedPair, record: &mut SearchRecord) -> Result<Judged, EstimateError> {
@@ -21,16 +21,22 @@ pub(super) fn search(viewed: &ViewedPair, record: &mut SearchRecord) -> Result<J
     record.enter(Stage::Hypotheses)?;
     let candidates = pencils.each_ref().map(|compared| compared.candidates.as_slice());
     let drawn = draw_pairs(candidates, parameters.hypotheses, parameters.seed);
-    let proposals = patches::propose(coarse, voting, &drawn, &anchors, parameters.patches.supported, cancel)?;
+    let supported = parameters.patches.supported;
+    let proposals = patches::propose(coarse, voting, candidates, &drawn, &anchors, supported, cancel)?;
     if let Some(first) = proposals.first()
-        && let Some(fundamental) = first.full_size(coarse.scales)
+        && let Some(proposed) = first.proposed(coarse.scales)
     {
         let to_draw = proposals.iter().take(REPORTED);
         let hypotheses: Vec<Estimate> =
             to_draw.filter_map(|p| Some(p.unvalidated(coarse.scales, anchors)?.into())).collect();
         let support = Some(first.support);
-        report_preliminary(fundamental, &hypotheses, support, viewed, record);
+        report_preliminary(proposed, &hypotheses, support, viewed, record);
     }
+    let noted = proposals.iter().filter_map(|proposal| {
+        let support = Some(proposal.support.score);
+        Some(HypothesisNote { support, ..proposal.proposed(coarse.scales)?.into() })
+    });
+    record.note_proposals(drawn.len(), &noted.collect::<Vec<_>>());
     record.counts.hypotheses = drawn.len();
     record.counts.validated = proposals.len();
 
@@ -38,8 +44,9 @@ pub(super) fn search(viewed: &ViewedPair, record: &mut SearchRecord) -> Result<J
     let fine = viewed.patches.fine();
     let ranked = patches::rank(coarse, fine, &proposals, &clicks.observed(), parameters, cancel)?;
     let (hypotheses, leader) = distinct_hypotheses(&ranked, viewed, cancel)?;
-    let (best, support) = (*hypotheses[0].fundamental(), Some(leader.support));
-    report_preliminary(best, &hypotheses, support, viewed, record);
+    record.note_ranking(&hypotheses);
+    let best = Proposed { fundamental: *hypotheses[0].fundamental(), origin: leader.origin };
+    report_preliminary(best, &hypotheses, Some(leader.support), viewed, record);
 
     record.enter(Stage::Refinement)?;
     let found = refine_ranked(&ranked, hypotheses, viewed, cancel)?;

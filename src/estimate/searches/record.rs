@@ -8,10 +8,12 @@ use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::PatchLevels;
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
+use crate::estimate::verdict::events::EventLog;
 use crate::estimate::{
-    Clicks, Estimate, EstimateError, Monitor, Parameters, Progress, SearchCounts, SearchTrace, Stage,
-    StageTiming,
+    Clicks, DistinctMatch, Estimate, EstimateError, EventKind, HypothesisNote, Monitor, Parameters, Progress,
+    SearchCounts, SearchTrace, Stage, StageTiming,
 };
+use crate::features::FeatureMatch;
 
 /// Record of one search.
 pub(in crate::estimate) struct SearchRecord<'a> {
@@ -27,6 +29,7 @@ pub(in crate::estimate) struct SearchRecord<'a> {
     pub lines_alone: Option<([usize; 2], usize)>,
     /// Numbers of examined lines and hypotheses so far.
     pub counts: SearchCounts,
+    events: EventLog,
 }
 
 impl<'a> SearchRecord<'a> {
@@ -42,7 +45,33 @@ impl<'a> SearchRecord<'a> {
             pencils: Vec::new(),
             lines_alone: None,
             counts: SearchCounts::default(),
+            events: EventLog::default(),
         }
+    }
+
+    fn seconds(&self) -> f64 {
+        self.begun.elapsed().as_secs_f64()
+    }
+
+    /// Writes an event.
+    pub fn note(&mut self, kind: EventKind) {
+        self.events.push(self.seconds(), kind);
+    }
+
+    /// Writes that features were matched.
+    pub fn note_matches(&mut self, matches: &[FeatureMatch]) {
+        let found = matches.iter().map(|m| DistinctMatch { pair: m.pair, ratio: m.ratio });
+        self.events.matched(self.seconds(), found);
+    }
+
+    /// Writes proposals, best first, and the number of combinations or samples that were examined.
+    pub fn note_proposals(&mut self, examined: usize, proposals: &[HypothesisNote]) {
+        self.events.proposed(self.seconds(), examined, proposals);
+    }
+
+    /// Writes the best different hypotheses, best first.
+    pub fn note_ranking(&mut self, hypotheses: &[Estimate]) {
+        self.events.ranked(self.seconds(), hypotheses.iter().filter_map(Estimate::noted));
     }
 
     /// Returns the flag that stops the search.
@@ -54,6 +83,7 @@ impl<'a> SearchRecord<'a> {
     pub fn enter(&mut self, stage: Stage) -> Result<(), EstimateError> {
         self.end_stage();
         self.stage = stage;
+        self.note(EventKind::Began(stage));
         self.monitor.report(Progress::Started(stage));
         Ok(self.monitor.cancel().check()?)
     }
@@ -76,6 +106,8 @@ impl<'a> SearchRecord<'a> {
         clicks: &Clicks,
         pencils: Vec<Arc<ComparedPencils>>,
     ) -> Result<(), EstimateError> {
+        let candidates = pencils.iter().map(|compared| compared.candidates.len()).collect();
+        self.note(EventKind::Pencils { anchors: clicks.anchors(), candidates });
         let without = pencils.iter().position(|compared| compared.candidates.is_empty());
         self.pencils = pencils;
         if let Some(anchor) = without {
@@ -116,7 +148,7 @@ impl<'a> SearchRecord<'a> {
         hypotheses: Vec<Estimate>,
         parameters: &Parameters,
     ) -> SearchTrace {
-        let seconds = self.begun.elapsed().as_secs_f64();
+        let seconds = self.seconds();
         let mut counts = self.counts.clone();
         let through_clicks = pencils.iter().map(|one| (one.lines_compared(), one.candidates.len()));
         for ([lines1, lines2], candidates) in through_clicks.chain(self.lines_alone) {
@@ -132,6 +164,7 @@ impl<'a> SearchRecord<'a> {
             seed: parameters.seed,
             pencils: pencils.to_vec(),
             hypotheses,
+            events: self.events.events().to_vec(),
             counts,
             timings: self.timings.clone(),
             first_seconds: self.first_seconds.unwrap_or(seconds),

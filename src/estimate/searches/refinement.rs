@@ -9,8 +9,7 @@ use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::assessment::RestsOn;
 use crate::estimate::verdict::selection::{ClickedPairs, select};
 use crate::estimate::verdict::trust::FAR_TOO_FEW;
-use crate::estimate::{Estimate, EstimateError};
-use crate::geometry::FundamentalMatrix;
+use crate::estimate::{Estimate, EstimateError, Origin, Proposed};
 
 /// Refines the ranked proposals. The result reports `hypotheses`.
 pub(super) fn refine_ranked(
@@ -26,32 +25,35 @@ pub(super) fn refine_ranked(
     // Without refinement, the result is the best hypothesis that most of the clicks do not refuse.
     let clicked = ClickedPairs::of(viewed.input);
     let first = hypotheses.iter().find(|h| !clicked.refuse(h.fundamental())).or(hypotheses.first());
-    let fundamental = *first.ok_or(EstimateError::NoGeometry)?.fundamental();
+    let first = first.and_then(Estimate::as_proposed).ok_or(EstimateError::NoGeometry)?;
     // Near-copies of the leader are refined, too. One of them may become better.
-    let starts = ranked.iter().filter_map(|proposal| proposal.full_size(fine.scales));
-    let refined = refine_best(starts, viewed, cancel)?;
-    Ok(Found { fundamental, hypotheses, supporting, refined, rests_on: RestsOn::Images })
+    let starts = ranked.iter().filter_map(|proposal| proposal.proposed(fine.scales));
+    let (refined, origin) = refine_best(starts, viewed, cancel)?.unzip();
+    let proposed = Proposed { origin: origin.unwrap_or(first.origin), ..first };
+    Ok(Found { proposed, hypotheses, supporting, refined, rests_on: RestsOn::Images })
 }
 
-/// Refines the first starts at full resolution and returns the best. `None` if none has enough
-/// matches, or if refinement is off.
+/// Refines the first starts at full resolution and returns the best, with the origin of its start. `None` if none
+/// has enough matches, or if refinement is off.
 pub(super) fn refine_best(
-    starts: impl Iterator<Item = FundamentalMatrix>,
+    starts: impl Iterator<Item = Proposed>,
     viewed: &ViewedPair,
     cancel: &CancelFlag,
-) -> Result<Option<Refined>, EstimateError> {
+) -> Result<Option<(Refined, Origin)>, EstimateError> {
     let SearchInput { prepared, parameters, .. } = viewed.input;
     let (patches, refinement) = (&viewed.patches, &parameters.refinement);
     let clicked = ClickedPairs::of(viewed.input);
-    let refine = |f: &FundamentalMatrix| {
-        if cancel.is_cancelled() { None } else { patches.refine(f, &clicked.0, cancel) }
+    let refine = |start: &Proposed| {
+        let refine = || patches.refine(&start.fundamental, &clicked.0, cancel);
+        let refined = if cancel.is_cancelled() { None } else { refine() };
+        refined.map(|refined| (refined, start.origin))
     };
     // Few matches do not overrule the clicks.
-    let is_of_this_scene = |refined: &Refined| {
+    let is_of_this_scene = |(refined, _): &(Refined, Origin)| {
         refined.refinement.matches.len() >= FAR_TOO_FEW || !clicked.refuse(&refined.fundamental)
     };
     let count = if refinement.refine { refinement.refined } else { 0 };
-    let starts: Vec<FundamentalMatrix> = if count == 0 { Vec::new() } else { starts.collect() };
+    let starts: Vec<Proposed> = if count == 0 { Vec::new() } else { starts.collect() };
     let (leaders, rest) = starts.split_at(count.min(starts.len()));
     let Some((first, others)) = leaders.split_first() else { return Ok(None) };
     // Most starts need the comparisons and alignments of the first one. In parallel, they would be
@@ -62,20 +64,21 @@ pub(super) fn refine_best(
     // them inside the parallel loop could take up another start while it waits, and that start
     // would wait for the same corners for ever.
     patches.prepare_refinement();
-    let others: Vec<Option<Refined>> = others.par_iter().map(refine).collect();
+    let others: Vec<Option<(Refined, Origin)>> = others.par_iter().map(refine).collect();
     cancel.check()?;
-    let mut all: Vec<Refined> =
+    let mut all: Vec<(Refined, Origin)> =
         std::iter::once(first).chain(others).flatten().filter(is_of_this_scene).collect();
-    let best = select(&all, &clicked).map(|k| all[k].fundamental);
+    let selected = |all: &[(Refined, Origin)]| select(all.iter().map(|(refined, _)| refined), &clicked);
+    let best = selected(&all).map(|k| all[k].0.fundamental);
     // If clicks speak against the best geometry, starts that the clicks prefer are refined, too.
     if !clicked.0.is_empty() && best.is_none_or(|best| clicked.speak_against(&best)) {
         let mut preferred = clicked.preferred(rest, best.as_ref());
         preferred.truncate(count);
-        let more: Vec<Option<Refined>> = preferred.par_iter().map(refine).collect();
+        let more: Vec<Option<(Refined, Origin)>> = preferred.par_iter().map(refine).collect();
         cancel.check()?;
         all.extend(more.into_iter().flatten().filter(is_of_this_scene));
     }
-    let Some(best) = select(&all, &clicked).map(|k| all.swap_remove(k)) else { return Ok(None) };
+    let Some((best, origin)) = selected(&all).map(|k| all.swap_remove(k)) else { return Ok(None) };
     let settling = Settling {
         clicks: &clicked.0,
         given: prepared.given().filter(|given| given.fit.is_ok()).map_or(&[][..], |given| &given.all),
@@ -85,16 +88,16 @@ pub(super) fn refine_best(
     };
     let settled = patches.settle(&best.fundamental, &settling, cancel);
     cancel.check()?;
-    Ok(Some(settled.unwrap_or(best)))
+    Ok(Some((settled.unwrap_or(best), origin)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::estimate::exact::ExactScene;
-    use crate::estimate::{Clicks, Parameters, PreparedPair, SearchPlan};
+    use crate::estimate::{Clicks, Parameters, PreparedPair, ProposedBy, SearchPlan};
     use crate::features::FeatureViews;
-    use crate::geometry::PointPair;
+    use crate::geometry::{FundamentalMatrix, PointPair};
     use crate::image::RelativeView;
 
     /// Returns the best of the starts after refinement.
@@ -109,11 +112,11 @@ mod tests {
         let clicks = Clicks::for_plan(pairs, SearchPlan::Patches { clicks: 2 });
         let input = SearchInput { prepared, clicks: &clicks, parameters: &parameters };
         let viewed = ViewedPair::new(input, patches);
-        let starts = starts.iter().copied();
+        let starts = starts.iter().map(|f| Proposed::by(ProposedBy::Features, *f));
         let cancel = CancelFlag::default();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let found = pool.install(|| refine_best(starts, &viewed, &cancel)).unwrap();
-        found.map(|refined| refined.fundamental)
+        found.map(|(refined, _)| refined.fundamental)
     }
 
     #[test]

@@ -29,8 +29,8 @@ pub(in crate::estimate) fn search(
         let proposals = FeatureProposals::new(input, of, record)?;
         let held = with_stand_ins(prepared, clicks, &proposals);
         let held = SearchInput { clicks: &held, ..input };
-        if proposals.judge_under_views(held, |found| !found.is_open(), record, &mut all)? {
-            return all.pop().ok_or(EstimateError::NothingWithoutClicks);
+        if let Some(found) = proposals.judge_under_views(held, record, &mut all)? {
+            return Ok(found);
         }
     }
     let features = prepared.features(FeatureViews::Slanted);
@@ -60,9 +60,10 @@ fn with_stand_ins(prepared: &PreparedPair, clicks: &Clicks, proposals: &FeatureP
     let view = proposals.views.first().copied().unwrap_or(RelativeView::UPRIGHT);
     let patches = prepared.patches_with_features(view, proposals.of);
     let putative = putative_matches(prepared, prepared.features(proposals.of), &patches);
-    let leader = proposals.hypotheses.first();
-    let pair =
-        leader.and_then(|leader| farthest_apart(prepared, &leader.fundamental, &leader.matches, &putative));
+    let leader = proposals.proposals.first();
+    let pair = leader.and_then(|leader| {
+        farthest_apart(prepared, &leader.proposed.fundamental, &leader.matches, &putative)
+    });
     pair.map_or_else(|| clicks.clone(), |pair| clicks.with_chosen(pair))
 }
 

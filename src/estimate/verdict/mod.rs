@@ -2,6 +2,7 @@
 //! reliability.
 
 pub(super) mod assessment;
+pub(super) mod events;
 mod poisson;
 mod probability;
 pub(super) mod result;

@@ -10,9 +10,9 @@ use serde::Serialize;
 
 use crate::estimate::evidence::patches::{Hypothesis, PatchLevels};
 use crate::estimate::{
-    BarcodeFigures, Clicks, ComparedPencils, ENOUGH_MATCHES, EpipoleBearing, EpipoleCertainty, LineFigures,
-    PatchSupport, PreparedPair, Preset, RefinedMatch, Refinement, Stage, Trust, Uncertainty, Verdict,
-    Warning,
+    BarcodeFigures, Clicks, ComparedPencils, ENOUGH_MATCHES, EpipoleBearing, EpipoleCertainty, Event,
+    HypothesisNote, LineFigures, Origin, PatchSupport, PreparedPair, Preset, Proposed, RefinedMatch,
+    Refinement, Stage, Trust, Uncertainty, Verdict, Warning,
 };
 use crate::features::FeatureViews;
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
@@ -27,6 +27,9 @@ pub(in crate::estimate) const REPORTED: usize = 60;
 pub struct Estimate {
     /// Fundamental matrix, `x2ᵀ F x1 = 0`.
     pub fundamental: FundamentalMatrix,
+    /// Data from which the geometry was proposed. `None` for geometries that follow moved clicks, for given points and
+    /// for imported geometries.
+    pub origin: Option<Origin>,
     /// Figures, warnings and verdict.
     pub assessment: Assessment,
     /// The search that found the geometry. `None` for hypotheses, for geometries that follow moved
@@ -139,6 +142,8 @@ pub struct SearchTrace {
     pub pencils: Vec<Arc<ComparedPencils>>,
     /// Best hypotheses that differ from each other, before refinement, best first.
     pub hypotheses: Vec<Estimate>,
+    /// What happened, in order.
+    pub events: Vec<Event>,
     /// Numbers of examined lines and hypotheses.
     pub counts: SearchCounts,
     /// Time per stage, in the order of the stages.
@@ -180,12 +185,23 @@ pub struct StageTiming {
 impl Estimate {
     /// Returns a proposed geometry with its figures of lines and patches.
     pub(in crate::estimate) fn proposed(
-        f: FundamentalMatrix,
+        proposed: Proposed,
         lines: Option<LineFigures>,
         support: Option<PatchSupport>,
     ) -> Self {
         let assessment = Assessment { lines, support, ..Assessment::default() };
-        Self { fundamental: f, assessment, trace: None }
+        let Proposed { fundamental, origin } = proposed;
+        Self { fundamental, origin: Some(origin), assessment, trace: None }
+    }
+
+    /// Returns a geometry of a search with its origin.
+    pub(in crate::estimate) fn as_proposed(&self) -> Option<Proposed> {
+        Some(Proposed { fundamental: self.fundamental, origin: self.origin? })
+    }
+
+    /// Returns a geometry of a search for its record.
+    pub(in crate::estimate) fn noted(&self) -> Option<HypothesisNote> {
+        Some(HypothesisNote { support: self.support_score(), ..self.as_proposed()?.into() })
     }
 
     /// Returns the fundamental matrix, `x2ᵀ F x1 = 0`.
@@ -287,14 +303,14 @@ impl PreparedPair {
 }
 
 impl From<Hypothesis> for Estimate {
-    fn from(Hypothesis { fundamental, lines, support }: Hypothesis) -> Self {
-        Self::proposed(fundamental, lines, Some(support))
+    fn from(Hypothesis { origin, fundamental, lines, support }: Hypothesis) -> Self {
+        Self::proposed(Proposed { fundamental, origin }, lines, Some(support))
     }
 }
 
 /// Returns the geometry without an assessment, such as one from a file.
 impl From<FundamentalMatrix> for Estimate {
     fn from(fundamental: FundamentalMatrix) -> Self {
-        Self { fundamental, assessment: Assessment::default(), trace: None }
+        Self { fundamental, origin: None, assessment: Assessment::default(), trace: None }
     }
 }

@@ -7,6 +7,7 @@
 //! geometry that is far from most of the clicks does not belong to the scene, even if matches
 //! support it by chance.
 
+use crate::estimate::Proposed;
 use crate::estimate::evidence::patches::Refined;
 use crate::estimate::evidence::viewed::SearchInput;
 use crate::estimate::verdict::trust::{
@@ -59,19 +60,15 @@ impl ClickedPairs {
     /// Returns the unrefined geometries that the pairs prefer to a refined one: at least two pairs
     /// fewer are far from their lines. Without a refined geometry, returns all geometries that the
     /// pairs do not refuse. Geometries with the fewest far pairs come first; ties keep their order.
-    pub fn preferred(
-        &self,
-        all: &[FundamentalMatrix],
-        refined: Option<&FundamentalMatrix>,
-    ) -> Vec<FundamentalMatrix> {
+    pub fn preferred(&self, all: &[Proposed], refined: Option<&FundamentalMatrix>) -> Vec<Proposed> {
         let against = refined.map(|f| self.contradicting(f, CLICK_DEVIATIONS));
         let far = |f: &FundamentalMatrix| self.contradicting(f, CLICK_DEVIATIONS_WRONG);
-        let is_preferred = |f: &&FundamentalMatrix| match against {
-            Some(against) => far(f) + SPEAK <= against,
-            None => !self.refuse(f),
+        let is_preferred = |start: &&Proposed| match against {
+            Some(against) => far(&start.fundamental) + SPEAK <= against,
+            None => !self.refuse(&start.fundamental),
         };
-        let mut preferred: Vec<FundamentalMatrix> = all.iter().filter(is_preferred).copied().collect();
-        preferred.sort_by_cached_key(far);
+        let mut preferred: Vec<Proposed> = all.iter().filter(is_preferred).copied().collect();
+        preferred.sort_by_cached_key(|start| far(&start.fundamental));
         preferred
     }
 
@@ -109,6 +106,7 @@ pub(in crate::estimate) fn select(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::ProposedBy;
     use crate::estimate::exact::rows;
 
     /// Returns the selected shift among `(weight, shift of the rows)`. All weights have this
@@ -152,6 +150,16 @@ mod tests {
         }
     }
 
+    fn preferred(
+        clicks: &ClickedPairs,
+        all: &[FundamentalMatrix],
+        refined: Option<&FundamentalMatrix>,
+    ) -> Vec<FundamentalMatrix> {
+        let start = |f: &FundamentalMatrix| Proposed::by(ProposedBy::Features, *f);
+        let starts: Vec<Proposed> = all.iter().map(start).collect();
+        clicks.preferred(&starts, refined).iter().map(|start| start.fundamental).collect()
+    }
+
     #[test]
     fn geometries_preferred_by_clicks_are_found_at_any_rank() {
         let pairs = [10.0, 60.0, 90.0, 200.0].map(|y| PointPair::new(20.0, y, 30.0, y));
@@ -162,13 +170,13 @@ mod tests {
         assert!(!doubtful.speak_against(&rows(0.0)), "one may be a mistake");
         // Before refinement a geometry may be off by more than after it.
         let ranked = [40.0, 10.0, 30.0, 0.0].map(rows);
-        assert_eq!(clicks.preferred(&ranked, Some(&rows(9.0))), [rows(10.0), rows(0.0)]);
-        assert_eq!(clicks.preferred(&ranked, Some(&rows(1.0))), []);
-        assert_eq!(clicks.preferred(&ranked, None), [rows(10.0), rows(0.0)]);
+        assert_eq!(preferred(&clicks, &ranked, Some(&rows(9.0))), [rows(10.0), rows(0.0)]);
+        assert_eq!(preferred(&clicks, &ranked, Some(&rows(1.0))), []);
+        assert_eq!(preferred(&clicks, &ranked, None), [rows(10.0), rows(0.0)]);
         // Geometries with the fewest far clicks come first.
         let mixed = [0.0, 0.0, 0.0, 30.0].map(|off| PointPair::new(20.0, 50.0, 30.0, 50.0 + off));
         let mixed = ClickedPairs::new(&mixed, 1.0);
-        assert_eq!(mixed.preferred(&[rows(30.0), rows(0.0)], Some(&rows(60.0))), [rows(0.0)]);
+        assert_eq!(preferred(&mixed, &[rows(30.0), rows(0.0)], Some(&rows(60.0))), [rows(0.0)]);
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::estimate::{
 use crate::geometry::{
     Frame, FundamentalMatrix, HomogeneousPoint, Point, Vector, finite_point, symmetric_epipolar_distance,
 };
-use crate::presentation::{Scale, epipole_in_words, interval_in_words};
+use crate::presentation::{Scale, epipole_in_words, interval_in_words, origin_in_words};
 
 /// A figure with its name.
 #[derive(Debug, Clone, PartialEq)]
@@ -109,6 +109,7 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
         return epipoles(document, estimate.fundamental(), None);
     }
     let mut facts = epipoles(document, estimate.fundamental(), Some(estimate));
+    facts.extend(origin_fact(estimate));
     // Near-copies of the result are told from other geometries only at the end.
     facts.extend((freshness == Freshness::Final).then(|| margin(estimate)));
     facts.extend(barcodes(estimate));
@@ -230,7 +231,19 @@ pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate, of: Option<&
         let gauge = gauge(HypothesisFigure::Support);
         facts.push(Fact::new("Support", format!("{support:.1}"), SUPPORT).on(gauge));
     }
+    facts.extend(origin_fact(hypothesis));
     facts
+}
+
+/// Returns from what a geometry was proposed.
+fn origin_fact(estimate: &Estimate) -> Option<Fact> {
+    let origin = estimate.origin.as_ref()?;
+    Some(Fact::new(
+        "Proposed by",
+        origin_in_words(origin),
+        "Data from which the geometry was proposed. Fits to more matches followed. Line pairs are numbered as in the \
+         step Candidates, the best first.",
+    ))
 }
 
 /// Returns the positions of the epipoles of a geometry, and their 95 % intervals if it is that of

@@ -2,8 +2,9 @@
 
 use rand::RngExt;
 
-use super::Candidate;
+use super::{Candidate, PencilAngles};
 use crate::estimate::sampling::{Purpose, stream};
+use crate::estimate::{Origin, ProposedBy};
 
 /// Draws `count` different pairs of candidates, cheap ones more often. Returns all pairs when there
 /// are fewer.
@@ -22,6 +23,16 @@ pub(in crate::estimate) fn draw_pairs(
     let mut keys = smallest_keys(count, &[weights(p), weights(q)], seed);
     keys.sort_by_key(|(_, k)| *k);
     keys.into_iter().map(|(_, k)| (p[k / q.len()], q[k % q.len()])).collect()
+}
+
+/// Returns the origin of a geometry from a candidate of each anchor.
+pub(in crate::estimate) fn of_line_pairs(angles: &PencilAngles, candidates: [&[Candidate]; 2]) -> Origin {
+    let rank = |candidates: &[Candidate], angles: [f64; 2]| {
+        let is_same = |one: &Candidate| one.angles.map(f64::to_bits) == angles.map(f64::to_bits);
+        1 + candidates.iter().position(is_same).unwrap_or(candidates.len())
+    };
+    let ranks = [rank(candidates[0], angles.p), rank(candidates[1], angles.q)];
+    ProposedBy::LinePairs { ranks }.into()
 }
 
 /// Returns the smallest `count` keys, with the indices of their pairs.

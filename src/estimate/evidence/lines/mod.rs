@@ -18,7 +18,7 @@ pub use figures::LineFigures;
 pub use pencils::{Candidate, ComparedPencils, lines_at};
 
 pub(in crate::estimate) use bisectors::{bisector_kappas, round_trip_area};
-pub(in crate::estimate) use draws::draw_pairs;
+pub(in crate::estimate) use draws::{draw_pairs, of_line_pairs};
 pub(in crate::estimate) use figures::{LineExaminer, unvalidated_figures};
 pub(in crate::estimate) use pencil_pair::{PencilAngles, PencilPair};
 pub(in crate::estimate) use score::line_scores;

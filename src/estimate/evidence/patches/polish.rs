@@ -89,6 +89,7 @@ fn climb(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::ProposedBy;
     use crate::estimate::evidence::patches::support::Support;
     use crate::estimate::exact::{ExactScene, rows};
 
@@ -101,7 +102,12 @@ mod tests {
     }
 
     fn start(scene: &ExactScene, level: &SupportLevel, fundamental: FundamentalMatrix) -> Proposal {
-        Proposal { angles: Some(scene.angles()), support: level.support.measure(&fundamental), fundamental }
+        Proposal {
+            origin: ProposedBy::Features.into(),
+            angles: Some(scene.angles()),
+            support: level.support.measure(&fundamental),
+            fundamental,
+        }
     }
 
     fn polished(

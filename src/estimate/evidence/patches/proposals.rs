@@ -15,14 +15,17 @@ use super::voting::{CandidateVotes, KappaVoting, VotedKappa};
 use crate::cancel::CancelFlag;
 use crate::estimate::EstimateError;
 use crate::estimate::evidence::lines::{
-    Candidate, LineFigures, PencilAngles, PencilPair, unvalidated_figures,
+    Candidate, LineFigures, PencilAngles, PencilPair, of_line_pairs, unvalidated_figures,
 };
+use crate::estimate::{Origin, Proposed};
 use crate::geometry::{FundamentalMatrix, PointPair};
 
 /// Hypothesis at one level.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct Proposal {
-    /// Line pairs through two clicks and κ of the proposal. `None` if no lines proposed it.
+    pub origin: Origin,
+    /// Lines through two clicks, and κ: those of `origin`, or lines from which the search for lines of the matrix
+    /// starts. `None` without two clicks.
     pub angles: Option<PencilAngles>,
     /// The matrix, in pixels of the level.
     pub fundamental: FundamentalMatrix,
@@ -33,6 +36,7 @@ pub(in crate::estimate) struct Proposal {
 /// A proposal in full-size pixels.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct Hypothesis {
+    pub origin: Origin,
     pub fundamental: FundamentalMatrix,
     /// Figures of the lines through two clicks, if there are two.
     pub lines: Option<LineFigures>,
@@ -50,15 +54,16 @@ impl Proposal {
     /// rotation of image 2 against image 1, radians. Returns `None` if there are clicks and the
     /// lines at the clicks degenerate.
     pub fn of(
-        f: &FundamentalMatrix,
+        proposed: &Proposed,
         clicks: Option<&[PointPair; 2]>,
         turn: f64,
         level: &SupportLevel,
     ) -> Option<Self> {
+        let Proposed { fundamental: f, origin } = proposed;
         let fundamental = f.rescaled(level.scales)?;
         let support = level.support.measure(&fundamental);
         let angles = clicks.map_or(Some(None), |clicks| PencilAngles::of(f, clicks, turn).map(Some))?;
-        Some(Self { angles, fundamental, support })
+        Some(Self { origin: *origin, angles, fundamental, support })
     }
 
     /// Returns the hypothesis before its lines are compared. `clicks` are in full-size pixels;
@@ -66,11 +71,17 @@ impl Proposal {
     pub fn unvalidated(&self, scales: [f64; 2], clicks: [PointPair; 2]) -> Option<Hypothesis> {
         let lines =
             self.angles.map_or(Some(None), |angles| unvalidated_figures(&angles, clicks).map(Some))?;
-        Some(Hypothesis { fundamental: self.full_size(scales)?, lines, support: self.support })
+        let (origin, support) = (self.origin, self.support);
+        Some(Hypothesis { origin, fundamental: self.full_size(scales)?, lines, support })
     }
 
     pub fn full_size(&self, scales: [f64; 2]) -> Option<FundamentalMatrix> {
         self.fundamental.rescaled(scales.map(f64::recip))
+    }
+
+    /// Returns the matrix in full-size pixels, with its origin. `scales` are the scales of the level.
+    pub fn proposed(&self, scales: [f64; 2]) -> Option<Proposed> {
+        Some(Proposed { fundamental: self.full_size(scales)?, origin: self.origin })
     }
 }
 
@@ -82,11 +93,12 @@ const THINNING: usize = 12;
 /// the click.
 const COPY: f64 = 0.03;
 
-/// Scores combinations by votes and exact support. Returns the best `supported`, best first. All
+/// Scores combinations of `candidates` by votes and exact support. Returns the best `supported`, best first. All
 /// clicks are in full-size pixels.
 pub(in crate::estimate) fn propose(
     coarse: &SupportLevel,
     voting: &KappaVoting,
+    candidates: [&[Candidate]; 2],
     drawn: &[(Candidate, Candidate)],
     clicks: &[PointPair; 2],
     supported: usize,
@@ -121,6 +133,7 @@ pub(in crate::estimate) fn propose(
         .filter_map(|voted| {
             let fundamental = PencilPair::new(&voted.angles, clicks)?.fundamental()?;
             Some(Proposal {
+                origin: of_line_pairs(&voted.angles, candidates),
                 angles: Some(voted.angles),
                 fundamental,
                 support: coarse.support.measure(&fundamental),
@@ -165,6 +178,7 @@ fn thinned(voted: &[VotedKappa], count: usize) -> Vec<VotedKappa> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::ProposedBy;
     use crate::estimate::evidence::patches::support::Support;
     use crate::estimate::exact::ExactScene;
 
@@ -209,9 +223,10 @@ mod tests {
         let truth = scene.angles();
         let turns = [-0.4, -0.2, 0.2, 0.0, 0.4];
         let of = |angles: [f64; 2], turn: f64| Candidate { angles: [angles[0], angles[1] + turn], cost: 1.0 };
+        let [p, q] = [truth.p, truth.q].map(|angles| turns.map(|turn| of(angles, turn)));
         let drawn: Vec<(Candidate, Candidate)> =
-            turns.iter().flat_map(|a| turns.iter().map(|b| (of(truth.p, *a), of(truth.q, *b)))).collect();
-        propose(&coarse, &voting, &drawn, &scene.clicks(), 240, cancel)
+            p.iter().flat_map(|a| q.iter().map(move |b| (*a, *b))).collect();
+        propose(&coarse, &voting, [&p, &q], &drawn, &scene.clicks(), 240, cancel)
     }
 
     #[test]
@@ -221,6 +236,7 @@ mod tests {
             assert!(found.len() > 5 && found.is_sorted_by(|a, b| a.support.score >= b.support.score));
             let (best, truth) = (&found[0], scene.angles());
             assert_eq!(best.angles.map(|angles| (angles.p, angles.q)), Some((truth.p, truth.q)));
+            assert_eq!(best.origin, Origin::from(ProposedBy::LinePairs { ranks: [4, 4] }));
             assert!(best.support.matches > 55 && best.support.score > 1.5 * found[1].support.score);
             // κ is exact to a bin of the votes, 1.6 %: about a pixel for lines some hundred pixels
             // apart.

@@ -31,7 +31,7 @@ pub(in crate::estimate) fn rank(
     let at_fine = |proposal: &Proposal| {
         let fundamental = proposal.fundamental.rescaled(ratios)?;
         let support = fine.support.measure(&fundamental);
-        Some(Proposal { fundamental, support, angles: proposal.angles })
+        Some(Proposal { fundamental, support, ..proposal.clone() })
     };
     let starts: Vec<Proposal> = polished.par_iter().filter_map(at_fine).collect();
     let proposed: Vec<Proposal> = proposals.par_iter().filter_map(at_fine).collect();
@@ -117,7 +117,7 @@ pub(in crate::estimate) fn hypotheses(
 ) -> Vec<Hypothesis> {
     let full_size = |proposal: &Proposal, lines: Option<LineFigures>| {
         let fundamental = proposal.full_size(fine.scales)?;
-        Some(Hypothesis { fundamental, lines, support: proposal.support })
+        Some(Hypothesis { origin: proposal.origin, fundamental, lines, support: proposal.support })
     };
     let Some(examiner) = examiner else {
         return proposals.iter().filter_map(|proposal| full_size(proposal, None)).collect();
@@ -144,11 +144,17 @@ mod tests {
     use super::*;
     use crate::estimate::Preset;
     use crate::estimate::exact::{ExactScene, ExactSource, rows};
+    use crate::estimate::{Proposed, ProposedBy};
     use crate::geometry::FundamentalMatrix;
     use nalgebra::Matrix3;
 
     fn proposal(support: &Support, fundamental: FundamentalMatrix) -> Proposal {
-        Proposal { angles: None, support: support.measure(&fundamental), fundamental }
+        Proposal {
+            origin: ProposedBy::Features.into(),
+            angles: None,
+            support: support.measure(&fundamental),
+            fundamental,
+        }
     }
 
     /// Returns matches on rows at these heights.
@@ -237,7 +243,9 @@ mod tests {
             found.iter().filter_map(|hypothesis| hypothesis.lines.as_ref()?.score).collect();
         assert!(scores[1] < 1e-2 && scores[0] > 10.0 * scores[1], "{scores:?}");
         // Without two clicks there are only patches.
-        let unclicked = [wrong, truth].map(|f| Proposal::of(&f.rescaled([2.0; 2])?, None, 0.0, fine));
+        let proposed = |f| Proposed::by(ProposedBy::Features, f);
+        let unclicked =
+            [wrong, truth].map(|f| Proposal::of(&proposed(f.rescaled([2.0; 2])?), None, 0.0, fine));
         let unclicked = unclicked.map(|proposal| proposal.filter(|p| p.angles.is_none()).unwrap());
         let without_lines = super::hypotheses(None, &unclicked, fine);
         assert!(without_lines.iter().all(|hypothesis| hypothesis.lines.is_none()));

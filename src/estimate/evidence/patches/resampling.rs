@@ -22,7 +22,7 @@ use super::support::{BAND, DISTINCTIVE, PatchSupport, Support};
 use crate::cancel::CancelFlag;
 use crate::estimate::fit::largest_plane;
 use crate::estimate::sampling::{Draws, Purpose};
-use crate::estimate::{EstimateError, PatchParameters};
+use crate::estimate::{EstimateError, Origin, PatchParameters, Resampling};
 use crate::geometry::{FundamentalMatrix, PointPair, eight_point, transfer_error};
 
 /// Width of the band of the pool, px: four times the band of support, to include matches slightly
@@ -64,29 +64,34 @@ pub(in crate::estimate) fn resample(
     let Drawing { clicks, parameters, seed } = *drawing;
     let least = PROMISING * leader.support.score;
     // Most samples are wrong, which an upper bound on their support shows.
-    let promising = |fundamental: FundamentalMatrix| {
+    let promising = |fundamental: FundamentalMatrix, origin: Origin| {
         let most = support.most(&fundamental);
-        (most > least).then_some(Sampled { fundamental, most })
+        (most > least).then_some(Sampled { fundamental, origin, most })
     };
-    let draw = |kind: u64, make: &(dyn Fn(&mut Pcg64Mcg) -> Option<FundamentalMatrix> + Sync)| {
-        let count = parameters.samples;
-        let first = kind * count as u64;
-        let draws = Draws { seed, purpose: Purpose::PatchSamples, first, count, task: 1 };
-        draws.collect(|rng| if cancel.is_cancelled() { None } else { promising(make(rng)?) })
-    };
+    let draw =
+        |kind: u64, origin: Origin, make: &(dyn Fn(&mut Pcg64Mcg) -> Option<FundamentalMatrix> + Sync)| {
+            let count = parameters.samples;
+            let first = kind * count as u64;
+            let draws = Draws { seed, purpose: Purpose::PatchSamples, first, count, task: 1 };
+            draws.collect(|rng| if cancel.is_cancelled() { None } else { promising(make(rng)?, origin) })
+        };
     let mut found = Vec::new();
     let pool = pooled(support, &best[..best.len().min(parameters.pooled)]);
     // Clicks on corners may be in the pool, too. A sample takes each pair once.
     let others = pool.iter().filter(|pair| !clicks.contains(pair)).count();
     if pool.len() >= 2 * DRAWN && others >= DRAWN {
-        found.extend(draw(0, &|rng| sample(&pool, clicks, rng)));
+        found.extend(draw(0, leader.origin.then(Resampling::SupportingMatches), &|rng| {
+            sample(&pool, clicks, rng)
+        }));
     }
     for (k, hypothesis) in best.iter().take(if parameters.parallax { PLANES } else { 0 }).enumerate() {
         let matches: Vec<PointPair> =
             support.matches(&hypothesis.fundamental, BAND).iter().map(|m| m.pair).collect();
         if let Some((h, _)) = largest_plane(&matches, ON_PLANE, seed) {
             let parallax = Parallax::new(support, h, clicks);
-            found.extend(draw(1 + k as u64, &|rng| parallax.sample(rng)));
+            found.extend(draw(1 + k as u64, hypothesis.origin.then(Resampling::Parallax), &|rng| {
+                parallax.sample(rng)
+            }));
         }
     }
     cancel.check()?;
@@ -96,6 +101,7 @@ pub(in crate::estimate) fn resample(
 /// A geometry from a sample, and a bound on the score of its support.
 struct Sampled {
     fundamental: FundamentalMatrix,
+    origin: Origin,
     most: f64,
 }
 
@@ -130,6 +136,7 @@ fn best_of(samples: &[Sampled], support: &Support, leader: &Proposal, count: usi
         best.truncate(count);
     }
     let proposal = |(k, support): (usize, PatchSupport)| Proposal {
+        origin: samples[k].origin,
         fundamental: samples[k].fundamental,
         support,
         angles: leader.angles,
@@ -212,6 +219,7 @@ mod tests {
     use rand::SeedableRng;
 
     use super::*;
+    use crate::estimate::ProposedBy;
     use crate::estimate::exact::ExactScene;
     use crate::geometry::random_scene::example_seen;
     use crate::geometry::{homography, symmetric_epipolar_distance};
@@ -268,7 +276,12 @@ mod tests {
         let h = homography(&wall).unwrap();
         let f = Vector3::new(100.0, -700.0, 1.0).cross_matrix() * h;
         let fundamental = FundamentalMatrix::from_rank_two(f).unwrap();
-        let leader = Proposal { angles: None, support: support.measure(&fundamental), fundamental };
+        let leader = Proposal {
+            origin: ProposedBy::Features.into(),
+            angles: None,
+            support: support.measure(&fundamental),
+            fundamental,
+        };
         assert!((60..68).contains(&leader.support.matches), "{}", leader.support.matches);
         (scene, support, leader)
     }
@@ -302,8 +315,12 @@ mod tests {
         let matches: Vec<_> = scene.pairs(40).into_iter().map(|pair| (pair, 0.9)).collect();
         let support = Support::of_matches(&matches);
         let fundamental = scene.disturbed(1.5);
-        let leader =
-            Proposal { angles: Some(scene.angles()), support: support.measure(&fundamental), fundamental };
+        let leader = Proposal {
+            origin: ProposedBy::Features.into(),
+            angles: Some(scene.angles()),
+            support: support.measure(&fundamental),
+            fundamental,
+        };
         let clicks = scene.clicks();
         let found = drawn(&support, &leader, &Drawing { clicks: &clicks, parameters: ON_MATCHES, seed: 2 });
         // Exact matches: every sample that determines a matrix gives the true one.
@@ -319,7 +336,12 @@ mod tests {
         let matches: Vec<_> = pairs.iter().map(|pair| (*pair, 0.9)).collect();
         let support = Support::of_matches(&matches);
         let fundamental = scene.fundamental();
-        let leader = Proposal { angles: None, support: support.measure(&fundamental), fundamental };
+        let leader = Proposal {
+            origin: ProposedBy::Features.into(),
+            angles: None,
+            support: support.measure(&fundamental),
+            fundamental,
+        };
         // One match fewer than a sample takes is left.
         for (clicks, is_empty) in [(&pairs[DRAWN - 1..], true), (&pairs[DRAWN..], false)] {
             let drawing = Drawing { clicks, parameters: ON_MATCHES, seed: 2 };

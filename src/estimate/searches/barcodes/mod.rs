@@ -23,7 +23,8 @@ use crate::estimate::verdict::assessment::little_texture;
 use crate::estimate::verdict::result::REPORTED;
 use crate::estimate::verdict::trust::Evidence;
 use crate::estimate::{
-    Assessment, BarcodeFigures, Estimate, EstimateError, Parameters, Preset, Search, Stage, Trust,
+    Assessment, BarcodeFigures, Estimate, EstimateError, EventKind, Origin, Parameters, Preset, Proposed,
+    Search, Stage, Trust,
 };
 use crate::geometry::{FundamentalMatrix, PointPair, epipolar_difference, line_spacing, sampson_distance};
 use crate::motion::Silhouettes;
@@ -71,16 +72,15 @@ pub(in crate::estimate) fn search(
     let input = SearchInput { parameters, ..input };
     let (viewed, clicks) = (&ViewedPair::upright(input), input.clicks);
     let cancel = record.cancel();
-    let mut proposed: Vec<FundamentalMatrix> = Vec::new();
+    let mut proposed: Vec<Proposed> = Vec::new();
     let mut hypotheses: Vec<Estimate> = Vec::new();
     if clicks.anchors().len() >= 2 {
         let few = as_published(parameters);
         match published::find(&ViewedPair::upright(SearchInput { parameters: &few, ..input }), record) {
             Ok(found) => {
-                proposed.push(found.fundamental);
-                proposed.extend(
-                    found.hypotheses.iter().take(parameters.barcodes.refined).map(Estimate::fundamental),
-                );
+                let others = found.hypotheses.iter().filter_map(Estimate::as_proposed);
+                proposed.push(found.proposed);
+                proposed.extend(others.take(parameters.barcodes.refined));
                 hypotheses = found.hypotheses;
                 // This is drawn while all lines are compared.
                 report_preliminary(proposed[0], &hypotheses, None, viewed, record);
@@ -96,26 +96,30 @@ pub(in crate::estimate) fn search(
     };
     let alone = from_all_lines(&*viewed.source, parameters, record, sharpened)?;
     proposed.extend(alone.iter().take(parameters.barcodes.refined));
-    hypotheses.extend(alone.into_iter().map(Estimate::from));
+    hypotheses.extend(alone.into_iter().map(|one| Estimate::proposed(one, None, None)));
     hypotheses.truncate(REPORTED);
     if let Some(first) = proposed.first() {
         report_preliminary(*first, &hypotheses, None, viewed, record);
     }
 
     record.enter(Stage::Refinement)?;
-    let events =
-        proposed.first().and_then(|f| Pencils::new(silhouettes, f)).map_or(1.0, |pencils| pencils.events());
+    let events = proposed
+        .first()
+        .and_then(|one| Pencils::new(silhouettes, &one.fundamental))
+        .map_or(1.0, |pencils| pencils.events());
     let observed = clicks.observed();
     let objective = Objective { silhouettes, clicks: &observed, click_sigma: parameters.click_sigma, events };
-    let mut refined: Vec<RefinedByBarcodes> = Vec::new();
+    let mut refined: Vec<(RefinedByBarcodes, Origin)> = Vec::new();
     // Half the size suffices to rank proposals and for the jackknife over frames.
     let half = silhouettes.map(Silhouettes::halved);
     let coarse = Objective { silhouettes: half.each_ref(), ..objective };
     for start in &proposed {
-        refined.extend(refine(&coarse, start, refinement::FROM_AFAR, parameters.seed, 0, cancel)?);
+        let Proposed { fundamental, origin } = start;
+        let found = refine(&coarse, fundamental, refinement::FROM_AFAR, parameters.seed, 0, cancel)?;
+        refined.extend(found.map(|found| (found, *origin)));
     }
-    refined.sort_by(|a, b| a.value.total_cmp(&b.value));
-    let best = refined.first().ok_or(EstimateError::NothingFromBarcodes)?;
+    refined.sort_by(|(a, _), (b, _)| a.value.total_cmp(&b.value));
+    let (best, origin) = refined.first().ok_or(EstimateError::NothingFromBarcodes)?;
     let best = refine(&objective, &best.fundamental, refinement::NEARBY, parameters.seed, 0, cancel)?
         .unwrap_or_else(|| best.clone());
 
@@ -123,6 +127,7 @@ pub(in crate::estimate) fn search(
     let pencils = Pencils::new(silhouettes, &best.fundamental).ok_or(EstimateError::NothingFromBarcodes)?;
     let margin = refined
         .iter()
+        .map(|(rival, _)| rival)
         .filter(|rival| apart(&best.fundamental, &rival.fundamental, silhouettes) > SAME)
         .filter_map(|rival| {
             Some(1.0 - pencils.cost() / Pencils::new(silhouettes, &rival.fundamental)?.cost())
@@ -136,9 +141,12 @@ pub(in crate::estimate) fn search(
         frames: silhouettes[0].len(),
     };
     let assessment = assessed(&best.fundamental, figures, margin, input, record);
+    let verdict = assessment.trust.as_ref().map(|trust| trust.verdict);
+    record.note(EventKind::Judged { verdict, is_open: false });
     Ok(Judged {
         clicks: clicks.clone(),
         fundamental: best.fundamental,
+        origin: *origin,
         hypotheses,
         assessment,
         weight: 0.0,

@@ -8,9 +8,9 @@ use super::refinement::refine_on_lines;
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::{
     ComparedPencils, Construction, LineFigures, PencilAngles, PencilPair, bisector_kappas, draw_pairs,
-    line_scores, round_trip_area,
+    line_scores, of_line_pairs, round_trip_area,
 };
-use crate::estimate::{EstimateError, Parameters};
+use crate::estimate::{EstimateError, Origin, Parameters, Proposed};
 use crate::geometry::{Frame, FundamentalMatrix, LinePair, PointPair};
 use crate::similarity::{ScaledSimilarity, SimilaritySource};
 
@@ -25,6 +25,7 @@ const LEAST_VALIDATED: usize = 10;
 /// Hypothesis at the coarse level.
 #[derive(Debug, Clone)]
 pub(in crate::estimate) struct Draft {
+    origin: Origin,
     /// Geometry, with κ of the forward map H.
     angles: PencilAngles,
     /// κ of the backward map G.
@@ -71,7 +72,8 @@ pub(in crate::estimate) fn propose(
             let pencils = pencils.with_kappa(forward);
             let round_trip = round_trip_area(&pencils, forward / backward, frames[0]);
             let angles = PencilAngles { kappa: forward, ..angles };
-            Some(Draft { angles, kappa_backward: backward, round_trip })
+            let origin = of_line_pairs(&angles, candidates);
+            Some(Draft { origin, angles, kappa_backward: backward, round_trip })
         })
         .collect();
     drafts.sort_by(|a, b| a.round_trip.total_cmp(&b.round_trip));
@@ -97,7 +99,7 @@ fn is_spread(pencils: &PencilPair, clicks: &[PointPair; 2], frames: [Frame; 2]) 
 /// Result of full validation.
 pub(in crate::estimate) struct Validated {
     /// Best hypotheses with their figures, best first, full-size pixels.
-    pub hypotheses: Vec<(FundamentalMatrix, LineFigures)>,
+    pub hypotheses: Vec<(Proposed, LineFigures)>,
     /// Five numbers of the best hypothesis.
     best: PencilAngles,
 }
@@ -129,7 +131,7 @@ pub(in crate::estimate) fn rank(
             round_trip_area: Some(draft.round_trip / similarity.scales[0]),
             construction,
         };
-        Some((fundamental, lines))
+        Some((Proposed { fundamental, origin: draft.origin }, lines))
     };
     let hypotheses: Vec<_> = scored.iter().take(count).filter_map(hypothesis).collect();
     if hypotheses.is_empty() {
@@ -149,12 +151,13 @@ pub(in crate::estimate) fn refine(
 ) -> Result<FundamentalMatrix, EstimateError> {
     let angles = refine_on_lines(source, &ranked.best, &clicks, parameters, cancel)?;
     let refined = PencilPair::new(&angles, clicks).and_then(|pencils| pencils.fundamental());
-    Ok(refined.unwrap_or(ranked.hypotheses[0].0))
+    Ok(refined.unwrap_or(ranked.hypotheses[0].0.fundamental))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::ProposedBy;
     use crate::estimate::evidence::lines::Candidate;
     use crate::estimate::exact::{ExactScene, ExactSource};
     use crate::estimate::{LineScore, PencilParameters, Preset, ValidationParameters};
@@ -188,7 +191,7 @@ mod tests {
         let ranked = rank(&similarity, drafts, scene.clicks(), 60, &parameters, &cancel).unwrap();
         let scores: Vec<f64> = ranked.hypotheses.iter().filter_map(|(_, lines)| lines.score).collect();
         assert!(scores.len() == ranked.hypotheses.len() && scores.is_sorted());
-        let error = scene.error(&ranked.hypotheses[0].0);
+        let error = scene.error(&ranked.hypotheses[0].0.fundamental);
         // Lines of a pencil are 2 px apart at the far corner at side 192, or 3.3 px at side 320. The
         // best pair is half a step off at most.
         assert!(error < 1.7, "{error} px");
@@ -229,7 +232,12 @@ mod tests {
     #[test]
     fn a_share_of_the_hypotheses_is_validated_and_ten_at_least() {
         let scene = ExactScene::aside();
-        let draft = Draft { angles: scene.angles(), kappa_backward: 1.0, round_trip: 0.0 };
+        let draft = Draft {
+            origin: ProposedBy::LinePairs { ranks: [1, 1] }.into(),
+            angles: scene.angles(),
+            kappa_backward: 1.0,
+            round_trip: 0.0,
+        };
         let share = |count: usize, validated: f64| {
             let validation = ValidationParameters { validated, lines: 24, line_score: LineScore::Cost };
             super::validated(&vec![draft.clone(); count], false, &Parameters { validation, ..parameters() })

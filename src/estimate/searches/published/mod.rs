@@ -12,8 +12,7 @@ use crate::estimate::evidence::lines::LineFigures;
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::assessment::RestsOn;
 use crate::estimate::verdict::result::REPORTED;
-use crate::estimate::{Estimate, EstimateError, Stage};
-use crate::geometry::FundamentalMatrix;
+use crate::estimate::{Estimate, EstimateError, HypothesisNote, Proposed, Stage};
 
 /// Searches through two or three clicks by lines.
 pub(in crate::estimate) fn search(
@@ -41,17 +40,24 @@ pub(super) fn find(viewed: &ViewedPair, record: &mut SearchRecord) -> Result<Fou
 
     record.enter(Stage::Validation)?;
     let ranked = hypotheses::rank(&similarity, drafts, anchors, REPORTED, parameters, cancel)?;
-    let proposed =
-        |(f, lines): &(FundamentalMatrix, LineFigures)| Estimate::proposed(*f, Some(lines.clone()), None);
+    let proposed = |(proposed, lines): &(Proposed, LineFigures)| {
+        Estimate::proposed(*proposed, Some(lines.clone()), None)
+    };
     let hypotheses: Vec<Estimate> = ranked.hypotheses.iter().map(proposed).collect();
+    let noted: Vec<HypothesisNote> =
+        ranked.hypotheses.iter().map(|(proposed, _)| (*proposed).into()).collect();
+    record.note_proposals(record.counts.hypotheses, &noted);
+    record.note_ranking(&hypotheses);
     let best = ranked.hypotheses[0].0;
     report_preliminary(best, &hypotheses, None, viewed, record);
 
     record.enter(Stage::Refinement)?;
     let fundamental = hypotheses::refine(source, &ranked, anchors, parameters, cancel)?;
-    let starts = std::iter::once(fundamental).chain(ranked.hypotheses.iter().map(|(f, _)| *f));
-    let refined = refine_best(starts, viewed, cancel)?;
+    let first = Proposed { fundamental, ..best };
+    let starts = std::iter::once(first).chain(ranked.hypotheses.iter().map(|(proposed, _)| *proposed));
+    let (refined, origin) = refine_best(starts, viewed, cancel)?.unzip();
+    let proposed = Proposed { origin: origin.unwrap_or(first.origin), ..first };
     let matches = refined.iter().flat_map(|refined| &refined.refinement.matches);
     let supporting = matches.map(|m| m.pair).collect();
-    Ok(Found { fundamental, hypotheses, supporting, refined, rests_on: RestsOn::Images })
+    Ok(Found { proposed, hypotheses, supporting, refined, rests_on: RestsOn::Images })
 }

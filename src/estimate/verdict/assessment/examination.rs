@@ -57,7 +57,7 @@ pub fn examine(
         support: patch_support(&viewed, f),
         ..Assessment::default()
     };
-    Some(Estimate { fundamental: *f, assessment, trace: None })
+    Some(Estimate { fundamental: *f, origin: None, assessment, trace: None })
 }
 
 #[cfg(test)]

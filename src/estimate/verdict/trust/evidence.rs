@@ -245,6 +245,11 @@ impl OtherPose {
     }
 }
 
+/// Returns whether most displacements are along their lines, whatever their number.
+pub(super) fn are_mostly(along: usize, of: usize) -> bool {
+    along as f64 >= MOSTLY_ALONG * of as f64 && along > 0
+}
+
 /// Returns the lower bound of a share of which `some` of `all` were seen (Wilson's interval,
 /// one-sided, 95 %).
 fn at_least(some: usize, all: usize) -> f64 {

@@ -12,6 +12,7 @@ pub(in crate::estimate) use evidence::{
     OtherPose, PlaneEvidence, RefinedOn, Relief, ResidualPattern, Together, USUAL_SIDE, WRONG_TOGETHER,
     Witnesses,
 };
+use evidence::{LEAST_ALONG, are_mostly};
 pub(in crate::estimate) use rules::CHANCE_DEVIATIONS;
 pub use rules::{
     CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW, GUESS_MARGIN,
@@ -127,6 +128,42 @@ impl Trust {
         !self.reasons.is_empty() && self.reasons.iter().all(of_a_click)
     }
 
+    /// Returns whether another search could find a better geometry: too few matches, matches of chance, or a close
+    /// rival. Doubts about the scene, the lens and the cameras remain after any search.
+    pub(in crate::estimate) fn leaves_another_search(&self) -> bool {
+        let remains = |reason: &Reason| {
+            matches!(
+                reason,
+                Reason::OnePlane { .. }
+                    | Reason::NoRelief { .. }
+                    | Reason::OnlyTurned { .. }
+                    | Reason::BehindCameras { .. }
+                    | Reason::Mirrored { .. }
+                    | Reason::Bent { .. }
+                    | Reason::Pattern { .. }
+                    | Reason::Fisheye
+                    | Reason::Contradicted { .. }
+            )
+        };
+        !self.reasons.iter().all(remains)
+    }
+
+    /// Returns whether all failed tests would pass with more matches in the same proportions.
+    pub(in crate::estimate) fn may_pass_with_more_matches(&self) -> bool {
+        self.reasons.iter().all(|reason| match *reason {
+            Reason::OnePlane { groups, agreeing, is_still, .. } => !is_still && 2 * agreeing > groups,
+            Reason::NoRelief { along, across, on_warp } => {
+                let beside = Witnesses { on_warp, along, across, off: across };
+                beside.share_along() >= LEAST_ALONG && are_mostly(along, along + across)
+            }
+            Reason::OnlyTurned { along, across, turned } => {
+                let beside = Witnesses { on_warp: turned, along, across, off: across };
+                beside.share_along() >= LEAST_ALONG && along > across
+            }
+            _ => false,
+        })
+    }
+
     /// Returns whether only one plane or a rotation of the camera is certain.
     pub fn says_one_plane(&self) -> bool {
         self.reasons.iter().any(|reason| {
@@ -138,5 +175,33 @@ impl Trust {
                     | Reason::BehindCameras { .. }
             )
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_matches_help_only_if_those_found_agree() {
+        let helps = |reasons: &[Reason]| {
+            Trust { verdict: Verdict::Doubtful, reasons: reasons.to_vec() }.may_pass_with_more_matches()
+        };
+        let relief = |along, across, on_warp| Reason::NoRelief { along, across, on_warp };
+        assert!(helps(&[relief(6, 1, 40)]));
+        assert!(!helps(&[relief(6, 4, 40)]), "they disagree");
+        assert!(!helps(&[relief(6, 1, 400)]), "nearly all are on the warp");
+        assert!(!helps(&[relief(0, 0, 40)]));
+        let plane = |agreeing, is_still| Reason::OnePlane { percent: 97, groups: 6, agreeing, is_still };
+        assert!(helps(&[plane(5, false)]) && !helps(&[plane(3, false)]) && !helps(&[plane(5, true)]));
+        assert!(!helps(&[relief(6, 1, 40), Reason::Fisheye]));
+    }
+
+    #[test]
+    fn doubts_about_the_scene_remain_after_any_search() {
+        let leaves =
+            |reason| Trust { verdict: Verdict::Doubtful, reasons: vec![reason] }.leaves_another_search();
+        assert!(!leaves(Reason::Fisheye) && !leaves(Reason::Mirrored { matches: 90 }));
+        assert!(leaves(Reason::FewMatches { matches: 20 }) && leaves(Reason::Ambiguous { margin: 0.01 }));
     }
 }

@@ -1,6 +1,6 @@
 //! The last step: how far the matches lie from the lines of the result.
 
-use egui::{RichText, Ui, vec2};
+use egui::{CollapsingHeader, Label, RichText, ScrollArea, Ui, vec2};
 use egui_plot::{AxisHints, Bar, BarChart, HPlacement, VLine};
 
 use super::super::{empty, profiles::chart};
@@ -9,6 +9,7 @@ use crate::app::view::theme;
 use crate::comparison::median;
 use crate::estimate::SearchPlan;
 use crate::geometry::symmetric_epipolar_distance;
+use crate::presentation::story_in_words;
 
 /// Number of bars.
 const BARS: usize = 24;
@@ -30,6 +31,10 @@ pub fn show(ui: &mut Ui, model: &Model) {
             "The distances of the matches from their lines appear here. There are no matches yet."
         };
         empty(ui, text);
+        return;
+    }
+    // The dock has room for one of both.
+    if story(ui, model) {
         return;
     }
     let median = median(&distances);
@@ -57,6 +62,23 @@ pub fn show(ui: &mut Ui, model: &Model) {
             plot.bar_chart(BarChart::new("distances", counts.iter().enumerate().map(bar).collect()));
             plot.vline(VLine::new("median", median).color(text).width(1.5));
         });
+}
+
+/// Shows what happened in the search, folded at first. Returns whether it is unfolded.
+fn story(ui: &mut Ui, model: &Model) -> bool {
+    let trace = model.open.computation.searched().and_then(|searched| searched.trace.as_deref());
+    let lines = trace.map_or_else(Vec::new, |trace| story_in_words(&trace.events));
+    if lines.is_empty() {
+        return false;
+    }
+    let unfolded = CollapsingHeader::new("Course of the search").show(ui, |ui| {
+        ScrollArea::vertical().show(ui, |ui| {
+            for line in lines {
+                ui.add(Label::new(RichText::new(line).size(theme::CAPTION)).wrap());
+            }
+        });
+    });
+    unfolded.body_returned.is_some()
 }
 
 /// Returns the number of distances in each bar, and the width of the bars, px.

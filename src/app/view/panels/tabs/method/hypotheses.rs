@@ -10,6 +10,7 @@ use crate::app::model::verdict::{
 use crate::app::model::{Command, MethodStep, Model, Side, Target};
 use crate::estimate::Estimate;
 use crate::geometry::{Point, finite_point};
+use crate::presentation::origin_in_words;
 
 /// Width below which the epipoles are rounded and the right one is left out, screen points. The tooltips of the
 /// rows have both.
@@ -89,7 +90,10 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
                 }),
                 None => Some(RESULT.to_owned()),
             };
-            let lines = standing.into_iter().chain(tells_epipoles(row).then(|| both_epipoles(listed, row)));
+            let origin = listed.hypothesis(row).origin;
+            let origin = origin.map(|origin| format!("Proposed by {}", origin_in_words(&origin)));
+            let epipoles = tells_epipoles(row).then(|| both_epipoles(listed, row));
+            let lines = standing.into_iter().chain(origin).chain(epipoles);
             lines.reduce(|above, below| format!("{above}\n{below}"))
         },
         look: &|row| RowLook {

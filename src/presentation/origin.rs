@@ -1,0 +1,35 @@
+//! Words for the origin of a geometry.
+
+use crate::estimate::{Origin, ProposedBy, Resampling};
+
+/// Describes from what a geometry was proposed, after "proposed by".
+pub fn origin_in_words(origin: &Origin) -> String {
+    let first = match origin.source {
+        ProposedBy::LinePairs { ranks: [p, q] } => format!("line pairs {p} and {q}"),
+        ProposedBy::Features => "matches of features".into(),
+        ProposedBy::KnownCameras => "matches of features, with the known cameras".into(),
+        ProposedBy::GivenMatches => "the given matches".into(),
+        ProposedBy::AllLines => "lines of the whole images".into(),
+        ProposedBy::Clicks => "the clicks alone".into(),
+    };
+    match origin.then {
+        None => first,
+        Some(Resampling::SupportingMatches) => {
+            format!("{first}, then by samples of its matches")
+        }
+        Some(Resampling::Parallax) => format!("{first}, then by parallax beside its plane"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_origin_is_told_from_its_beginning() {
+        let origin = Origin::from(ProposedBy::LinePairs { ranks: [6, 8] });
+        assert_eq!(origin_in_words(&origin), "line pairs 6 and 8");
+        let then = Origin { then: Some(Resampling::Parallax), ..ProposedBy::Features.into() };
+        assert_eq!(origin_in_words(&then), "matches of features, then by parallax beside its plane");
+    }
+}
