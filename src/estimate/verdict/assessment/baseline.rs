@@ -3,17 +3,15 @@
 //! A plane leaves the epipoles of a fundamental matrix open, but an essential matrix only two solutions (Hartley &
 //! Zisserman, §13.5; Faugeras & Lustman 1988). Three things leave its baseline open:
 //!
-//! - **A camera that only turned.** Null hypothesis: `x2 = K2 Z R K1⁻¹ x1` with a rotation `R`, and a calibration that may
-//!   be wrong: both focal lengths by one factor, the second one by another, and a radial distortion. With a wrong focal
-//!   length, a turn looks like a plane before a moving camera. The homography of a plane has eight numbers, and a turn
-//!   has six with a wrong calibration, so a plane seldom looks like a turn. Matches beside the turn show the baseline if they
-//!   lie along their epipolar lines, as in the test of [`relief`](super::warp).
+//! - **A camera that only turned.** Null hypothesis: `x2 = K2 Z R K1⁻¹ x1` with a rotation `R`, and a zoom
+//!   `Z = diag(s, s, 1)` for a focal length that differs from the calibration. Matches beside it show the baseline if
+//!   they lie along their epipolar lines, as in the test of [`relief`](super::warp).
 //! - **A wrong calibration.** It moves the points of a turned camera along some lines, but half of their scene points
 //!   then lie behind the cameras.
 //! - **The other solution of a plane.** It is a rival if its scene points lie in front of both cameras, too. The
 //!   matches off the plane decide.
 
-use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, Matrix4, Rotation3, SVector, Vector3};
 
 use super::warp::{Beside, counted, one_a_place};
 use crate::camera::RelativePose;
@@ -21,27 +19,16 @@ use crate::estimate::evidence::patches::{LIKELY, UnguidedMatch};
 use crate::estimate::fit::largest_plane;
 use crate::estimate::verdict::trust::{Baseline, OtherPose, Witnesses};
 use crate::geometry::{
-    FundamentalMatrix, Point, PointPair, Vector, finite_point, point_equation, sampson_distance, solve_five,
+    FundamentalMatrix, PointPair, Vector, finite_point, point_equation, sampson_distance, solve_five,
     transfer_error,
 };
 
-/// First width of the robust cost, as a share of the longer side, and the ratio of successive widths. A wrong focal
-/// length moves points by some tenths of the side.
-const WIDEST: f64 = 0.1;
+/// First width of the robust cost, as a share of the longer side, and the ratio of successive widths: as for the
+/// smooth warp.
+const WIDEST: f64 = 0.01;
 const NARROWING: f64 = 0.8;
 /// Change for numerical derivatives, radians or shares.
 const DIFFERENCE: f64 = 1e-6;
-/// Natural logarithms of the factors of the focal lengths from which a turn is fitted: one half to twice.
-const FOCAL_STARTS: [f64; 5] = [-0.69, -0.35, 0.0, 0.35, 0.69];
-/// Largest number of matches that a turn is fitted to, evenly chosen.
-const FITTED_TO: usize = 400;
-/// Share of the curvature that is added to all parameters.
-const RIDGE: f64 = 1e-9;
-/// Largest change of a parameter in one step, radians or shares.
-const LARGEST_STEP: f64 = 0.2;
-/// Number of steps in the inversion of a distortion, and the least factor of a radius.
-const UNBENDING: usize = 6;
-const LEAST_STRETCH: f64 = 0.2;
 /// Number of samples of five matches on the plane. Each has both solutions, up to noise.
 const SAMPLES: usize = 24;
 /// Least share of the matches on the plane that its other solution explains.
@@ -69,11 +56,11 @@ impl Posed<'_> {
     /// Returns the evidence for the direction of the baseline. `None` if no turn can be fitted.
     pub fn baseline(&self) -> Option<Baseline> {
         let pose = RelativePose::from_fundamental(self.f, self.calibrations, self.matches)?;
-        let turns = FOCAL_STARTS.iter().filter_map(|focal| Turn::of(self.calibrations, self.matches, *focal));
-        let on = |turn: &Turn| {
-            self.matches.iter().filter(|m| turn.distance(m).is_some_and(|off| off < self.tolerance)).count()
-        };
-        let turned = turns.filter_map(|start| self.fitted(&start)).max_by_key(on)?;
+        let turns = [Some(pose.rotation), mean_turn(self.calibrations, self.matches)];
+        let fitted = turns.into_iter().flatten().filter_map(|start| self.fitted_turn(start));
+        let on =
+            |h: &Matrix3<f64>| self.matches.iter().filter(|m| transfer_error(h, m) < self.tolerance).count();
+        let turned = fitted.max_by_key(on)?;
         let points = pose.scene_points(self.calibrations, self.matches);
         Some(Baseline {
             beside: self.beside(&turned),
@@ -83,47 +70,55 @@ impl Posed<'_> {
         })
     }
 
-    /// Fits a turn to most of the matches.
-    fn fitted(&self, start: &Turn) -> Option<Turn> {
-        let step_by = self.matches.len().div_ceil(FITTED_TO).max(1);
-        let mut turn = *start;
+    /// Fits a turn with a zoom to most of the matches. Returns its homography.
+    fn fitted_turn(&self, start: Rotation3<f64>) -> Option<Matrix3<f64>> {
+        let [k1, k2] = self.calibrations;
+        let inverse = k1.try_inverse()?;
+        let homography = |turn: &Rotation3<f64>, zoom: f64| {
+            k2 * Matrix3::from_diagonal(&Vector3::new(zoom, zoom, 1.0)) * turn.matrix() * inverse
+        };
+        let off = |h: &Matrix3<f64>, m: &PointPair| -> Option<Vector> {
+            Some(m.point2 - finite_point(&(h * m.point1.to_homogeneous()))?)
+        };
+        let (mut turn, mut zoom) = (start, 1.0);
+        let moved = |turn: &Rotation3<f64>, zoom: f64, step: &SVector<f64, 4>| {
+            (Rotation3::new(Vector3::new(step[0], step[1], step[2])) * turn, zoom * step[3].exp())
+        };
         let mut width = WIDEST * self.side;
         while width > 0.5 * self.tolerance {
-            let steps: [Turn; PARAMETERS] = std::array::from_fn(|k| {
-                let mut step = Step::zeros();
+            let h = homography(&turn, zoom);
+            let steps: [Matrix3<f64>; 4] = std::array::from_fn(|k| {
+                let mut step = SVector::zeros();
                 step[k] = DIFFERENCE;
-                turn.moved(&step)
+                let (turn, zoom) = moved(&turn, zoom, &step);
+                homography(&turn, zoom)
             });
-            let (mut normal, mut right) = (SMatrix::<f64, PARAMETERS, PARAMETERS>::zeros(), Step::zeros());
-            for m in self.matches.iter().step_by(step_by) {
-                let Some(residual) = turn.off(m) else { continue };
-                let by =
-                    steps.each_ref().map(|turn| turn.off(m).map(|other| (other - residual) / DIFFERENCE));
-                if by.iter().any(Option::is_none) {
-                    continue;
-                }
+            let (mut normal, mut right) = (Matrix4::zeros(), SVector::<f64, 4>::zeros());
+            for m in self.matches {
+                let Some(residual) = off(&h, m) else { continue };
+                let by = steps.each_ref().map(|h| off(h, m).map(|other| (other - residual) / DIFFERENCE));
+                let [Some(a), Some(b), Some(c), Some(d)] = by else { continue };
                 let weight = 1.0 / (1.0 + residual.norm_squared() / (width * width));
                 for axis in 0..2 {
-                    let row = Step::from_iterator(by.iter().flatten().map(|by| by[axis]));
+                    let row = SVector::from([a[axis], b[axis], c[axis], d[axis]]);
                     normal += row * row.transpose() * weight;
                     right -= row * residual[axis] * weight;
                 }
             }
-            // In a narrow field of view, focal length and distortion are hardly determined.
-            normal += SMatrix::identity() * (RIDGE * normal.trace());
             let step = normal.cholesky()?.solve(&right);
-            turn = turn.moved(&(step * (LARGEST_STEP / step.amax()).min(1.0)));
+            (turn, zoom) = moved(&turn, zoom, &step);
             width *= NARROWING;
         }
-        Some(turn)
+        Some(homography(&turn, zoom))
     }
 
     /// Counts the matches found without the geometry that lie beside a turn.
-    fn beside(&self, turned: &Turn) -> Witnesses {
+    fn beside(&self, turned: &Matrix3<f64>) -> Witnesses {
         let mut on = 0;
         let mut beside = Vec::new();
         for pair in one_a_place(self.unguided, LIKELY) {
-            let Some(off) = turned.off(&pair) else { continue };
+            let Some(place) = finite_point(&(turned * pair.point1.to_homogeneous())) else { continue };
+            let off = pair.point2 - place;
             if off.norm() <= self.tolerance {
                 on += 1;
             } else if let Some(line) = self.f.line2_from_point1(pair.point1) {
@@ -184,71 +179,6 @@ impl Posed<'_> {
             }
         }
         Some(OtherPose { this_only, other_only })
-    }
-}
-
-/// Number of parameters of a turn.
-const PARAMETERS: usize = 6;
-
-type Step = SVector<f64, PARAMETERS>;
-
-/// A camera that only turned, and whose calibration may be wrong.
-#[derive(Debug, Clone, Copy)]
-struct Turn {
-    calibrations: [Matrix3<f64>; 2],
-    inverse: Matrix3<f64>,
-    rotation: Rotation3<f64>,
-    /// Natural logarithm of the true focal lengths over those of the calibrations.
-    focal: f64,
-    /// Natural logarithm of a further factor of the second focal length.
-    zoom: f64,
-    /// Radial distortion in units of the true focal length: `u = n (1 + bend |n|²)`.
-    bend: f64,
-}
-
-impl Turn {
-    /// Returns the turn between the rays of the matches, for focal lengths with this natural logarithm of a factor.
-    fn of(calibrations: &[Matrix3<f64>; 2], matches: &[PointPair], focal: f64) -> Option<Self> {
-        let longer = Matrix3::from_diagonal(&Vector3::new(focal.exp(), focal.exp(), 1.0));
-        let rotation = mean_turn(&calibrations.map(|k| k * longer), matches)?;
-        let inverse = calibrations[0].try_inverse()?;
-        Some(Self { calibrations: *calibrations, inverse, rotation, focal, zoom: 0.0, bend: 0.0 })
-    }
-
-    fn moved(&self, step: &Step) -> Self {
-        let turn = Rotation3::new(Vector3::new(step[0], step[1], step[2]));
-        Self {
-            rotation: turn * self.rotation,
-            focal: self.focal + step[3],
-            zoom: self.zoom + step[4],
-            bend: self.bend + step[5],
-            ..*self
-        }
-    }
-
-    /// Returns the place of a point of image 1 in image 2. `None` for a point behind the turned camera, or beyond the
-    /// range of the distortion.
-    fn place(&self, point1: Point) -> Option<Point> {
-        let ray = finite_point(&(self.inverse * point1.to_homogeneous()))?.coords / self.focal.exp();
-        let bent = ray * (1.0 + self.bend * ray.norm_squared());
-        let turned = self.rotation * Vector3::new(bent.x, bent.y, 1.0);
-        let straight = (turned.z > 0.0).then(|| turned.xy() / turned.z)?;
-        let mut seen = straight;
-        for _ in 0..UNBENDING {
-            let stretch = 1.0 + self.bend * seen.norm_squared();
-            seen = (stretch > LEAST_STRETCH).then(|| straight / stretch)?;
-        }
-        let seen = seen * (self.focal + self.zoom).exp();
-        finite_point(&(self.calibrations[1] * Vector3::new(seen.x, seen.y, 1.0)))
-    }
-
-    /// Returns how far the second point of a match is from its place.
-    fn off(&self, m: &PointPair) -> Option<Vector> {
-        Some(m.point2 - self.place(m.point1)?)
-    }
-
-    fn distance(&self, m: &PointPair) -> Option<f64> {
-        self.off(m).map(|off| off.norm())
     }
 }
 
