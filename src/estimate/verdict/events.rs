@@ -24,7 +24,7 @@ const KEPT_MATCHES: usize = 1500;
 pub struct Event {
     /// Seconds since the search began.
     pub seconds: f64,
-    /// What happened.
+    /// Kind of the event, with its figures.
     pub kind: EventKind,
 }
 

@@ -121,6 +121,16 @@ pub struct Trust {
     pub reasons: Vec<Reason>,
 }
 
+fn leaves_the_epipole_open(reason: &Reason) -> bool {
+    matches!(
+        reason,
+        Reason::OnePlane { .. }
+            | Reason::NoRelief { .. }
+            | Reason::OnlyTurned { .. }
+            | Reason::BehindCameras { .. }
+    )
+}
+
 impl Trust {
     /// Returns whether the only doubts are about clicked pairs.
     pub fn doubts_clicks_alone(&self) -> bool {
@@ -132,18 +142,15 @@ impl Trust {
     /// rival. Doubts about the scene, the lens and the cameras remain after any search.
     pub(in crate::estimate) fn leaves_another_search(&self) -> bool {
         let remains = |reason: &Reason| {
-            matches!(
+            let of_the_scene = matches!(
                 reason,
-                Reason::OnePlane { .. }
-                    | Reason::NoRelief { .. }
-                    | Reason::OnlyTurned { .. }
-                    | Reason::BehindCameras { .. }
-                    | Reason::Mirrored { .. }
+                Reason::Mirrored { .. }
                     | Reason::Bent { .. }
                     | Reason::Pattern { .. }
                     | Reason::Fisheye
                     | Reason::Contradicted { .. }
-            )
+            );
+            of_the_scene || leaves_the_epipole_open(reason)
         };
         !self.reasons.iter().all(remains)
     }
@@ -166,15 +173,7 @@ impl Trust {
 
     /// Returns whether only one plane or a rotation of the camera is certain.
     pub fn says_one_plane(&self) -> bool {
-        self.reasons.iter().any(|reason| {
-            matches!(
-                reason,
-                Reason::OnePlane { .. }
-                    | Reason::NoRelief { .. }
-                    | Reason::OnlyTurned { .. }
-                    | Reason::BehindCameras { .. }
-            )
-        })
+        self.reasons.iter().any(leaves_the_epipole_open)
     }
 }
 
