@@ -3,15 +3,17 @@
 //! A plane leaves the epipoles of a fundamental matrix open, but an essential matrix only two solutions (Hartley &
 //! Zisserman, §13.5; Faugeras & Lustman 1988). Three things leave its baseline open:
 //!
-//! - **A camera that only turned.** Null hypothesis: `x2 = K2 Z R K1⁻¹ x1` with a rotation `R`, and a zoom
-//!   `Z = diag(s, s, 1)` for a focal length that differs from the calibration. Matches beside it show the baseline if
-//!   they lie along their epipolar lines, as in the test of [`relief`](super::warp).
+//! - **A camera that only turned.** Null hypothesis: `x2 = K2 R K1⁻¹ x1` with a rotation `R`, and a calibration that may
+//!   be wrong: a factor of both focal lengths, a further one of the second, and a radial distortion. With a wrong focal
+//!   length, a turn looks like a plane before a moving camera. Such a turn has six numbers, and the homography of a plane
+//!   has eight, so a plane seldom looks like a turn. Matches beside the turn show the baseline if they lie on their
+//!   epipolar lines, as in the test of [`relief`](super::warp).
 //! - **A wrong calibration.** It moves the points of a turned camera along some lines, but half of their scene points
 //!   then lie behind the cameras.
 //! - **The other solution of a plane.** It is a rival if its scene points lie in front of both cameras, too. The
 //!   matches off the plane decide.
 
-use nalgebra::{Matrix3, Matrix4, Rotation3, SVector, Vector3};
+use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
 
 use super::warp::{Beside, counted, one_a_place};
 use crate::camera::RelativePose;
@@ -19,16 +21,23 @@ use crate::estimate::evidence::patches::{LIKELY, UnguidedMatch};
 use crate::estimate::fit::largest_plane;
 use crate::estimate::verdict::trust::{Baseline, OtherPose, Witnesses};
 use crate::geometry::{
-    FundamentalMatrix, PointPair, Vector, finite_point, point_equation, sampson_distance, solve_five,
+    FundamentalMatrix, Point, PointPair, Vector, finite_point, point_equation, sampson_distance, solve_five,
     transfer_error,
 };
 
-/// First width of the robust cost, as a share of the longer side, and the ratio of successive widths: as for the
-/// smooth warp.
-const WIDEST: f64 = 0.01;
-const NARROWING: f64 = 0.8;
+/// First width of the robust cost, as a share of the longer side, and the ratio of successive widths. A wrong focal
+/// length moves points by some tenths of the side. Matches that are farther from the turn do not count: wrong ones lie
+/// anywhere in the picture, and on buildings along rows rather than across.
+const WIDEST: f64 = 0.1;
+const NARROWING: f64 = 0.7;
 /// Change for numerical derivatives, radians or shares.
 const DIFFERENCE: f64 = 1e-6;
+/// Largest number of matches that a turn is fitted to, evenly chosen.
+const FITTED_TO: usize = 400;
+/// Share of the curvature that is added to all parameters.
+const RIDGE: f64 = 1e-9;
+/// Largest change of a parameter in one step, radians or shares.
+const LARGEST_STEP: f64 = 0.2;
 /// Number of samples of five matches on the plane. Each has both solutions, up to noise.
 const SAMPLES: usize = 24;
 /// Least share of the matches on the plane that its other solution explains.
@@ -56,11 +65,7 @@ impl Posed<'_> {
     /// Returns the evidence for the direction of the baseline. `None` if no turn can be fitted.
     pub fn baseline(&self) -> Option<Baseline> {
         let pose = RelativePose::from_fundamental(self.f, self.calibrations, self.matches)?;
-        let turns = [Some(pose.rotation), mean_turn(self.calibrations, self.matches)];
-        let fitted = turns.into_iter().flatten().filter_map(|start| self.fitted_turn(start));
-        let on =
-            |h: &Matrix3<f64>| self.matches.iter().filter(|m| transfer_error(h, m) < self.tolerance).count();
-        let turned = fitted.max_by_key(on)?;
+        let turned = self.fitted_turn()?;
         let points = pose.scene_points(self.calibrations, self.matches);
         Some(Baseline {
             beside: self.beside(&turned),
@@ -70,59 +75,55 @@ impl Posed<'_> {
         })
     }
 
-    /// Fits a turn with a zoom to most of the matches. Returns its homography.
-    fn fitted_turn(&self, start: Rotation3<f64>) -> Option<Matrix3<f64>> {
-        let [k1, k2] = self.calibrations;
-        let inverse = k1.try_inverse()?;
-        let homography = |turn: &Rotation3<f64>, zoom: f64| {
-            k2 * Matrix3::from_diagonal(&Vector3::new(zoom, zoom, 1.0)) * turn.matrix() * inverse
-        };
-        let off = |h: &Matrix3<f64>, m: &PointPair| -> Option<Vector> {
-            Some(m.point2 - finite_point(&(h * m.point1.to_homogeneous()))?)
-        };
-        let (mut turn, mut zoom) = (start, 1.0);
-        let moved = |turn: &Rotation3<f64>, zoom: f64, step: &SVector<f64, 4>| {
-            (Rotation3::new(Vector3::new(step[0], step[1], step[2])) * turn, zoom * step[3].exp())
-        };
+    /// Fits a turn to most of the matches.
+    fn fitted_turn(&self) -> Option<Turn> {
+        let step_by = self.matches.len().div_ceil(FITTED_TO).max(1);
+        let mut turn = Turn::of(self.calibrations, self.matches)?;
         let mut width = WIDEST * self.side;
         while width > 0.5 * self.tolerance {
-            let h = homography(&turn, zoom);
-            let steps: [Matrix3<f64>; 4] = std::array::from_fn(|k| {
-                let mut step = SVector::zeros();
+            let steps: [Turn; PARAMETERS] = std::array::from_fn(|k| {
+                let mut step = Step::zeros();
                 step[k] = DIFFERENCE;
-                let (turn, zoom) = moved(&turn, zoom, &step);
-                homography(&turn, zoom)
+                turn.moved(&step)
             });
-            let (mut normal, mut right) = (Matrix4::zeros(), SVector::<f64, 4>::zeros());
-            for m in self.matches {
-                let Some(residual) = off(&h, m) else { continue };
-                let by = steps.each_ref().map(|h| off(h, m).map(|other| (other - residual) / DIFFERENCE));
-                let [Some(a), Some(b), Some(c), Some(d)] = by else { continue };
+            let (mut normal, mut right) = (SMatrix::<f64, PARAMETERS, PARAMETERS>::zeros(), Step::zeros());
+            for m in self.matches.iter().step_by(step_by) {
+                let Some(residual) = turn.off(m) else { continue };
+                let by =
+                    steps.each_ref().map(|turn| turn.off(m).map(|other| (other - residual) / DIFFERENCE));
+                if by.iter().any(Option::is_none) {
+                    continue;
+                }
                 let weight = 1.0 / (1.0 + residual.norm_squared() / (width * width));
                 for axis in 0..2 {
-                    let row = SVector::from([a[axis], b[axis], c[axis], d[axis]]);
+                    let row = Step::from_iterator(by.iter().flatten().map(|by| by[axis]));
                     normal += row * row.transpose() * weight;
                     right -= row * residual[axis] * weight;
                 }
             }
+            // In a narrow field of view, focal length and distortion are hardly determined.
+            normal += SMatrix::identity() * (RIDGE * normal.trace());
             let step = normal.cholesky()?.solve(&right);
-            (turn, zoom) = moved(&turn, zoom, &step);
+            turn = turn.moved(&(step * (LARGEST_STEP / step.amax()).min(1.0)));
             width *= NARROWING;
         }
-        Some(homography(&turn, zoom))
+        Some(turn)
     }
 
-    /// Counts the matches found without the geometry that lie beside a turn.
-    fn beside(&self, turned: &Matrix3<f64>) -> Witnesses {
+    /// Counts the matches found without the geometry that lie beside a turn. The place of a point after the turn need
+    /// not lie on its line, as the turn may follow a plane.
+    fn beside(&self, turned: &Turn) -> Witnesses {
         let mut on = 0;
         let mut beside = Vec::new();
         for pair in one_a_place(self.unguided, LIKELY) {
-            let Some(place) = finite_point(&(turned * pair.point1.to_homogeneous())) else { continue };
-            let off = pair.point2 - place;
-            if off.norm() <= self.tolerance {
+            let Some(off) = turned.off(&pair) else { continue };
+            let distance = off.norm();
+            if distance <= self.tolerance {
                 on += 1;
-            } else if let Some(line) = self.f.line2_from_point1(pair.point1) {
-                beside.push(Beside::new(pair, off, &line));
+            } else if distance < WIDEST * self.side
+                && let Some(line) = self.f.line2_from_point1(pair.point1)
+            {
+                beside.push(Beside::at(pair, off, line.distance(pair.point2)));
             }
         }
         counted(&beside, on, self.tolerance)
@@ -182,6 +183,66 @@ impl Posed<'_> {
     }
 }
 
+/// Number of parameters of a turn.
+const PARAMETERS: usize = 6;
+
+type Step = SVector<f64, PARAMETERS>;
+
+/// A camera that only turned, and whose calibration may be wrong.
+#[derive(Debug, Clone, Copy)]
+struct Turn {
+    calibrations: [Matrix3<f64>; 2],
+    inverse: Matrix3<f64>,
+    rotation: Rotation3<f64>,
+    /// Natural logarithm of the true focal lengths over those of the calibrations.
+    focal: f64,
+    /// Natural logarithm of a further factor of the second focal length.
+    zoom: f64,
+    /// Coefficient of the division model in units of the true focal length: `n = u / (1 + bend |u|²)`.
+    bend: f64,
+}
+
+impl Turn {
+    /// Returns the turn between the rays of the matches.
+    fn of(calibrations: &[Matrix3<f64>; 2], matches: &[PointPair]) -> Option<Self> {
+        let rotation = mean_turn(calibrations, matches)?;
+        let inverse = calibrations[0].try_inverse()?;
+        Some(Self { calibrations: *calibrations, inverse, rotation, focal: 0.0, zoom: 0.0, bend: 0.0 })
+    }
+
+    fn moved(&self, step: &Step) -> Self {
+        let turn = Rotation3::new(Vector3::new(step[0], step[1], step[2]));
+        Self {
+            rotation: turn * self.rotation,
+            focal: self.focal + step[3],
+            zoom: self.zoom + step[4],
+            bend: self.bend + step[5],
+            ..*self
+        }
+    }
+
+    /// Returns the place of a point of image 1 in image 2. `None` for a point behind the turned camera, or beyond the
+    /// range of the distortion.
+    fn place(&self, point1: Point) -> Option<Point> {
+        let seen1 = finite_point(&(self.inverse * point1.to_homogeneous()))?.coords / self.focal.exp();
+        let stretch = 1.0 + self.bend * seen1.norm_squared();
+        let ray2 = self.rotation * Vector3::new(seen1.x, seen1.y, stretch);
+        if stretch <= 0.0 || ray2.z <= 0.0 {
+            return None;
+        }
+        let straight = ray2.xy() / ray2.z;
+        let root = 1.0 - 4.0 * self.bend * straight.norm_squared();
+        let seen2 = (root >= 0.0).then(|| straight * 2.0 / (1.0 + root.sqrt()))?;
+        let seen2 = seen2 * (self.focal + self.zoom).exp();
+        finite_point(&(self.calibrations[1] * Vector3::new(seen2.x, seen2.y, 1.0)))
+    }
+
+    /// Returns how far the second point of a match is from its place.
+    fn off(&self, m: &PointPair) -> Option<Vector> {
+        Some(m.point2 - self.place(m.point1)?)
+    }
+}
+
 /// Returns the rotation between the rays of the matches, in the least-squares sense.
 fn mean_turn(calibrations: &[Matrix3<f64>; 2], matches: &[PointPair]) -> Option<Rotation3<f64>> {
     let [to1, to2] = [calibrations[0].try_inverse()?, calibrations[1].try_inverse()?];
@@ -223,12 +284,24 @@ mod tests {
         RandomScene::new(3).disturbed(&(0..22 * 18).map(matched).collect::<Vec<_>>(), 0.1)
     }
 
+    fn longer(calibration: &Matrix3<f64>, factor: f64) -> Matrix3<f64> {
+        calibration * Matrix3::from_diagonal(&Vector3::new(factor, factor, 1.0))
+    }
+
     fn of(matches: &[PointPair], turn: [f64; 3], step: [f64; 3]) -> Baseline {
+        judged(matches, calibrations(), turn, step)
+    }
+
+    fn judged(
+        matches: &[PointPair],
+        calibrations: [Matrix3<f64>; 2],
+        turn: [f64; 3],
+        step: [f64; 3],
+    ) -> Baseline {
         let pose = RelativePose {
             rotation: Rotation3::new(Vector3::from(turn)),
             translation: Vector3::from(step).normalize(),
         };
-        let calibrations = calibrations();
         let f = pose.fundamental(&calibrations).unwrap();
         let unguided: Vec<UnguidedMatch> =
             matches.iter().map(|pair| UnguidedMatch { pair: *pair, prior: 0.9 }).collect();
@@ -243,10 +316,24 @@ mod tests {
         let (turn, step) = ([0.02, -0.1, 0.01], [-1.0, 0.1, 0.2]);
         let wall = |x: f64, y: f64| 6.0 / (1.0 + 0.5 * x - 0.1 * y);
         let moved = of(&matches(turn, step, 1.0, wall), turn, step);
-        assert!(moved.beside.show_the_baseline(), "{moved:?}");
+        assert!(moved.beside.show_the_epipole(), "{moved:?}");
         for zoom in [1.0, 1.03] {
             let turned = of(&matches(turn, [0.0; 3], zoom, wall), turn, step);
-            assert!(!turned.beside.show_the_baseline(), "{turned:?}");
+            assert!(!turned.beside.show_the_epipole(), "{turned:?}");
+        }
+        // A wrong focal length, and a lens: the pose is that of a plane.
+        let bent = |m: &PointPair| {
+            let middle = Point::new(320.0, 240.0);
+            let at = |p: Point| {
+                let n = (p - middle) / FOCAL;
+                middle + n * FOCAL * (1.0 - 0.1 * n.norm_squared())
+            };
+            PointPair { point1: at(m.point1), point2: at(m.point2) }
+        };
+        let turned: Vec<PointPair> = matches(turn, [0.0; 3], 1.0, wall).iter().map(bent).collect();
+        for wrong in [0.7, 1.4] {
+            let turned = judged(&turned, calibrations().map(|k| longer(&k, wrong)), turn, step);
+            assert!(!turned.beside.show_the_epipole(), "{turned:?}");
         }
         // Half of the points are behind the cameras, as where a wrong calibration moves them.
         let half = |x: f64, y: f64| if (40.0 * x) as i32 % 2 == 0 { wall(x, y) } else { -wall(x, y) };

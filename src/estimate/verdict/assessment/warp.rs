@@ -158,6 +158,11 @@ impl Beside {
     pub(super) fn new(pair: PointPair, off: Vector, line2: &Line) -> Self {
         // The part across the line, from the distances of both ends.
         let across = (line2.signed_distance(pair.point2) - line2.signed_distance(pair.point2 - off)).abs();
+        Self::at(pair, off, across)
+    }
+
+    /// Takes apart the displacement of a match whose part across its line is known.
+    pub(super) fn at(pair: PointPair, off: Vector, across: f64) -> Self {
         let along = (off.norm_squared() - across * across).max(0.0).sqrt();
         Self { pair, along, across }
     }

@@ -36,8 +36,8 @@ pub(super) const LEAST_ALONG: f64 = 0.05;
 /// three quarters. By chance, half are along and half across. The same share of the scene points of known cameras has
 /// to be in front of them; by chance, half are.
 const MOSTLY_ALONG: f64 = 0.75;
-/// Least share along the lines among the matches along and off, or along and across, at the lower end of its
-/// interval: the majority. By chance, [`ALONG_BY_CHANCE`] are along, or half.
+/// Least share along the lines among the matches along and off, at the lower end of its interval: the majority.
+/// By chance, [`ALONG_BY_CHANCE`] are along.
 const MAJORITY_ALONG: f64 = 0.5;
 /// Largest ratio of the parts across and along a line of a displacement along the line.
 pub(in crate::estimate) const ALONG: f64 = 1.0 / 3.0;
@@ -143,20 +143,12 @@ pub(in crate::estimate) struct Witnesses {
 }
 
 impl Witnesses {
-    /// Returns whether parallax that no smooth warp explains shows the epipole.
+    /// Returns whether parallax that no smooth warp, or no turn of known cameras, explains shows the epipole.
     pub fn show_the_epipole(self) -> bool {
         self.is_no_chance()
             && self.share_along() >= LEAST_ALONG
             && at_least(self.along, self.along + self.across) >= MOSTLY_ALONG
             && self.are_mostly_along()
-    }
-
-    /// Returns whether the matches beside a turn show the direction of the baseline. Wrong matches lie anywhere, as
-    /// often across as along, and there may be many of them.
-    pub fn show_the_baseline(self) -> bool {
-        self.is_no_chance()
-            && self.share_along() >= LEAST_ALONG
-            && at_least(self.along, self.along + self.across) >= MAJORITY_ALONG
     }
 
     /// Returns whether more matches lie along their lines than clearly off them.

@@ -148,7 +148,7 @@ fn of_the_epipole(evidence: &Evidence) -> Vec<Reason> {
     if let Some(baseline) = evidence.baseline {
         let Baseline { beside, other, in_front, matches } = baseline;
         let Witnesses { along, across, on_warp: turned, .. } = beside;
-        let turned = (!beside.show_the_baseline()).then_some(Reason::OnlyTurned { along, across, turned });
+        let turned = (!beside.show_the_epipole()).then_some(Reason::OnlyTurned { along, across, turned });
         let other = other.filter(|other| !other.is_decided());
         let other = other.map(|other| Reason::Ambiguous { margin: other.margin() });
         let behind = baseline.is_behind().then_some(Reason::BehindCameras { in_front, matches });
