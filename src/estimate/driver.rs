@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use super::evidence::viewed::SearchInput;
 use super::searches::record::SearchRecord;
-use super::searches::{barcodes, features, given, lines, published, unclicked};
+use super::searches::{barcodes, given, lines, passes, published};
 use super::verdict::assessment::{check_images, check_points};
 use super::{Clicks, Estimate, EstimateError, EventKind, Monitor, Parameters, PreparedPair, SearchPlan};
 use crate::geometry::PointPair;
@@ -65,12 +65,8 @@ pub(crate) fn estimate_since(
         (SearchPlan::Barcodes, _) => barcodes::search(input, &mut record),
         (_, Some(given)) => given::search(input, given, &mut record),
         (SearchPlan::Published { .. }, _) => published::search(input, &mut record),
-        (SearchPlan::Patches { .. }, _) => {
-            let found = features::search(input, &mut record);
-            given::compared(input, found, &mut record)
-        }
-        (SearchPlan::Unclicked, _) => {
-            let found = unclicked::search(input, &mut record);
+        (SearchPlan::Patches { .. } | SearchPlan::Unclicked, _) => {
+            let found = passes::search(input, plan, &mut record);
             given::compared(input, found, &mut record)
         }
         (SearchPlan::LinesAlone { ranked_by }, _) => lines::search(input, ranked_by, &mut record),

@@ -1,10 +1,6 @@
-//! Search with patches, then, if doubts remain, with covariant features under the views they
-//! suggest.
+//! Search with covariant features under the views they suggest.
 
-use super::clicks_alone::of_clicks_alone;
-use super::judged::{Found, Judged, distinct_hypotheses};
-use super::more_features::with_more_features;
-use super::patches;
+use super::judged::{Judged, distinct_hypotheses};
 use super::pencils::compare_pencils;
 use super::record::SearchRecord;
 use super::refinement::refine_ranked;
@@ -13,8 +9,6 @@ use crate::estimate::evidence::features::{
 };
 use crate::estimate::evidence::patches::{Proposal, rank_fine};
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
-use crate::estimate::verdict::assessment::RestsOn;
-use crate::estimate::verdict::selection::{ClickedPairs, select};
 use crate::estimate::{CancelFlag, Estimate, EstimateError, HypothesisNote, Proposed, ProposedBy, Stage};
 use crate::features::FeatureViews;
 use crate::geometry::PointPair;
@@ -85,77 +79,26 @@ impl FeatureProposals {
         self.proposals.iter().map(|proposal| proposal.proposed).collect()
     }
 
-    /// Ranks, refines and judges the proposals under each of their views. Returns the first result that another search
-    /// cannot change, and adds the others to `all`.
-    pub fn judge_under_views(
+    /// Judges the best proposal under one of the views. `rivals` were found before. `show` asks for the pencils
+    /// through stand-ins, to look at; the geometry does not depend on them.
+    pub fn judged_under(
         &self,
+        view: RelativeView,
+        rivals: &[Estimate],
+        show: bool,
         input: SearchInput,
         record: &mut SearchRecord,
-        all: &mut Vec<Judged>,
     ) -> Result<Option<Judged>, EstimateError> {
-        let proposed = self.proposed();
-        for view in &self.views {
-            let viewed = ViewedPair::new(input, input.prepared.patches_with_features(*view, self.of));
-            if all.is_empty() && !input.clicks.chosen().is_empty() {
-                // Pencils through stand-ins are shown; the geometry does not depend on them.
-                match compare_pencils(&viewed, record) {
-                    Ok(_) | Err(EstimateError::NoCandidates(_)) => {}
-                    Err(error) => return Err(error),
-                }
-            }
-            record.enter(Stage::Validation)?;
-            let rivals = all.first().map_or(&[][..], |first| &first.hypotheses);
-            if let Some(found) = judge_proposed(&proposed, rivals, &viewed, record)? {
-                let found = with_more_features(found, input, record)?;
-                if !found.is_open() {
-                    return Ok(Some(found));
-                }
-                all.push(found);
+        let viewed = ViewedPair::new(input, input.prepared.patches_with_features(view, self.of));
+        if show && !input.clicks.chosen().is_empty() {
+            match compare_pencils(&viewed, record) {
+                Ok(_) | Err(EstimateError::NoCandidates(_)) => {}
+                Err(error) => return Err(error),
             }
         }
-        Ok(None)
+        record.enter(Stage::Validation)?;
+        judge_proposed(&self.proposed(), rivals, &viewed, record)
     }
-}
-
-/// Searches through the clicks with patches and, if another search could find a better geometry, with covariant
-/// features. The geometries that are not selected are rivals of the selected one.
-pub(in crate::estimate) fn search(
-    input: SearchInput,
-    record: &mut SearchRecord,
-) -> Result<Judged, EstimateError> {
-    let mut all: Vec<Judged> = Vec::new();
-    let mut failure = EstimateError::NoGeometry;
-    match patches::search(&ViewedPair::upright(input), record) {
-        Ok(found) => {
-            let found = with_more_features(found, input, record)?;
-            if !found.is_open() {
-                return Ok(found);
-            }
-            all.push(found);
-        }
-        Err(error @ (EstimateError::NoCandidates(_) | EstimateError::NoGeometry)) => failure = error,
-        Err(error) => return Err(error),
-    }
-    for of in [FeatureViews::Frontal, FeatureViews::Slanted] {
-        let proposals = FeatureProposals::new(input, of, record)?;
-        if let Some(found) = proposals.judge_under_views(input, record, &mut all)? {
-            all.push(found);
-            break;
-        }
-    }
-    let (observed, click_sigma) = (input.clicks.observed(), input.parameters.click_sigma);
-    let best = select(&all, &ClickedPairs::of(input)).map(|k| all.swap_remove(k)).ok_or(failure)?;
-    let Some(f) = of_clicks_alone(&observed, &best.fundamental, click_sigma) else { return Ok(best) };
-    // The geometry of the clicks is judged under the view of the one it replaces, with the same
-    // rivals.
-    let viewed = ViewedPair::new(SearchInput { clicks: &best.clicks, ..input }, best.patches);
-    let support = viewed.patches.measure(&f);
-    let proposed = Proposed::by(ProposedBy::Clicks, f);
-    let mut hypotheses = vec![Estimate::proposed(proposed, None, support)];
-    hypotheses.extend(best.hypotheses);
-    let found =
-        Found { proposed, hypotheses, supporting: observed, refined: None, rests_on: RestsOn::ClicksAlone };
-    Ok(Judged::of(found, &viewed, record))
 }
 
 /// Ranks proposed geometries by patches and features under a view, refines and judges them.

@@ -2,11 +2,14 @@
 
 use rand::RngExt;
 
-use crate::estimate::PreparedPair;
+use super::features::FeatureProposals;
 use crate::estimate::evidence::features::MatchedFeatures;
 use crate::estimate::evidence::patches::PatchLevels;
+use crate::estimate::evidence::viewed::SearchInput;
 use crate::estimate::sampling::{Purpose, stream};
+use crate::estimate::{Clicks, PreparedPair};
 use crate::geometry::{FundamentalMatrix, PointPair, apart_across_lines, sampson_distance};
+use crate::image::RelativeView;
 
 /// Number of matches among which two stand-ins are selected. It bounds the time, since all pairs of
 /// matches are compared.
@@ -36,6 +39,21 @@ pub(super) fn putative_matches(
     let frames = prepared.frames();
     let inside = |m: &PointPair| frames[0].contains(m.point1) && frames[1].contains(m.point2);
     features.chain(corners).filter(inside).collect()
+}
+
+/// Returns the clicks, with two matches that the leading proposal explains as stand-ins, unless two clicks are there.
+pub(super) fn with_stand_ins(input: SearchInput, proposals: &FeatureProposals) -> Clicks {
+    let SearchInput { prepared, clicks, .. } = input;
+    let stand_ins = || {
+        let leader = proposals.proposals.first()?;
+        let view = proposals.views.first().copied().unwrap_or(RelativeView::UPRIGHT);
+        let patches = prepared.patches_with_features(view, proposals.of);
+        let putative = putative_matches(prepared, prepared.features(proposals.of), &patches);
+        farthest_apart(prepared, &leader.proposed.fundamental, &leader.matches, &putative)
+    };
+    let has_anchors = !clicks.anchors().is_empty();
+    let pair = if has_anchors { None } else { stand_ins() };
+    pair.map_or_else(|| clicks.clone(), |pair| clicks.with_chosen(pair))
 }
 
 /// Returns the two matches whose epipolar lines are farthest apart, in the image where they are

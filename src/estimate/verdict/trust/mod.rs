@@ -159,13 +159,10 @@ impl Trust {
     pub(in crate::estimate) fn may_pass_with_more_matches(&self) -> bool {
         self.reasons.iter().all(|reason| match *reason {
             Reason::OnePlane { groups, agreeing, is_still, .. } => !is_still && 2 * agreeing > groups,
-            Reason::NoRelief { along, across, on_warp } => {
+            Reason::NoRelief { along, across, on_warp }
+            | Reason::OnlyTurned { along, across, turned: on_warp } => {
                 let beside = Witnesses { on_warp, along, across, off: across };
                 beside.share_along() >= LEAST_ALONG && are_mostly(along, along + across)
-            }
-            Reason::OnlyTurned { along, across, turned } => {
-                let beside = Witnesses { on_warp: turned, along, across, off: across };
-                beside.share_along() >= LEAST_ALONG && along > across
             }
             _ => false,
         })

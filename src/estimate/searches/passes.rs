@@ -1,70 +1,159 @@
-//! Search without clicks, or with one: covariant features, then lines through two of their matches.
+//! Search with patches: one pass after another proposes, until no further search could find a better geometry.
 //!
-//! Proposals of features are ranked by patches and features and refined, as in the search with
-//! clicks. If doubts remain, searches with lines follow, each through two putative matches. Two
-//! right matches suffice there, while features need five or more. If half of the matches are right,
-//! two right ones take 17 draws, and eight take 1,177 (paper, section 1).
+//! Lines through two clicks propose first. Without two clicks, covariant features do. If doubts remain, lines through
+//! two putative matches follow there. Two right matches suffice for them, while features need five or more. If half
+//! of the matches are right, two right ones take 17 draws, and eight take 1,177 (paper, section 1).
 //!
-//! Stand-ins are not observations: fits and verdicts ignore them.
+//! Stand-ins for clicks are not observations: fits and verdicts ignore them.
 
+use super::clicks_alone::of_clicks_alone;
 use super::features::FeatureProposals;
-use super::judged::Judged;
+use super::judged::{Found, Judged};
+use super::more_features::with_more_features;
 use super::patches;
 use super::record::SearchRecord;
-use super::stand_ins::{drawn_stand_ins, farthest_apart, putative_matches};
+use super::stand_ins::{drawn_stand_ins, putative_matches, with_stand_ins};
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
+use crate::estimate::verdict::assessment::RestsOn;
 use crate::estimate::verdict::selection::{ClickedPairs, select};
-use crate::estimate::{Clicks, EstimateError, PreparedPair};
+use crate::estimate::{Clicks, Estimate, EstimateError, Proposed, ProposedBy, SearchPlan};
 use crate::features::FeatureViews;
 use crate::image::RelativeView;
 
-/// Searches with features and, if the result leaves doubts, with lines through drawn matches.
-pub(in crate::estimate) fn search(
-    input: SearchInput,
-    record: &mut SearchRecord,
-) -> Result<Judged, EstimateError> {
-    let SearchInput { prepared, clicks, parameters } = input;
-    let mut all: Vec<Judged> = Vec::new();
-    for of in [FeatureViews::Frontal, FeatureViews::Slanted] {
-        let proposals = FeatureProposals::new(input, of, record)?;
-        let held = with_stand_ins(prepared, clicks, &proposals);
-        let held = SearchInput { clicks: &held, ..input };
-        if let Some(found) = proposals.judge_under_views(held, record, &mut all)? {
-            return Ok(found);
+/// What proposes in one pass of a search.
+#[derive(Debug, Clone, Copy)]
+enum Pass {
+    /// Lines through two clicks.
+    Clicks,
+    /// Covariant features, and the views that they suggest.
+    Features(FeatureViews),
+    /// Lines through two putative matches, for several pairs of them.
+    StandIns,
+}
+
+impl Pass {
+    /// Returns the passes of a search, the fastest first.
+    fn all(plan: SearchPlan) -> [Self; 3] {
+        let [frontal, slanted] = [FeatureViews::Frontal, FeatureViews::Slanted].map(Self::Features);
+        match plan {
+            SearchPlan::Unclicked => [frontal, slanted, Self::StandIns],
+            _ => [Self::Clicks, frontal, slanted],
         }
     }
-    let features = prepared.features(FeatureViews::Slanted);
-    let view = all.first().map_or(RelativeView::UPRIGHT, |found| found.patches.view());
-    let patches = prepared.patches_with_features(view, FeatureViews::Slanted);
-    let viewed = ViewedPair::new(input, patches);
-    let putative = putative_matches(prepared, features, &viewed.patches);
-    for pair in drawn_stand_ins(prepared, &putative, parameters.features.stand_ins, parameters.seed) {
-        let found = match patches::search(&viewed.with_clicks(&clicks.with_chosen(pair)), record) {
-            Ok(found) => found,
-            Err(EstimateError::NoCandidates(_) | EstimateError::NoGeometry) => continue,
-            Err(error) => return Err(error),
-        };
-        let is_open = found.is_open();
-        all.push(found);
-        if !is_open {
+}
+
+/// Runs the passes of a search until one leaves nothing to find. The best of all judged geometries is the result,
+/// unless the clicks agree on another one.
+pub(in crate::estimate) fn search(
+    input: SearchInput,
+    plan: SearchPlan,
+    record: &mut SearchRecord,
+) -> Result<Judged, EstimateError> {
+    let mut passes = Passes { input, all: Vec::new(), failure: EstimateError::NothingWithoutClicks };
+    for pass in Pass::all(plan) {
+        passes.run(pass, record)?;
+        if passes.is_finished() {
             break;
         }
     }
-    let best = select(&all, &ClickedPairs::of(input)).map(|k| all.swap_remove(k));
-    best.ok_or(EstimateError::NothingWithoutClicks)
+    let Passes { mut all, failure, .. } = passes;
+    let best = select(&all, &ClickedPairs::of(input)).map(|k| all.swap_remove(k)).ok_or(failure)?;
+    Ok(overruled_by_clicks(best, input, record))
 }
 
-/// Returns the clicks, with two matches that the leading proposal explains as stand-ins, if there
-/// are any.
-fn with_stand_ins(prepared: &PreparedPair, clicks: &Clicks, proposals: &FeatureProposals) -> Clicks {
-    let view = proposals.views.first().copied().unwrap_or(RelativeView::UPRIGHT);
-    let patches = prepared.patches_with_features(view, proposals.of);
-    let putative = putative_matches(prepared, prepared.features(proposals.of), &patches);
-    let leader = proposals.proposals.first();
-    let pair = leader.and_then(|leader| {
-        farthest_apart(prepared, &leader.proposed.fundamental, &leader.matches, &putative)
-    });
-    pair.map_or_else(|| clicks.clone(), |pair| clicks.with_chosen(pair))
+/// Geometries that the passes of a search found.
+struct Passes<'a> {
+    input: SearchInput<'a>,
+    /// Every judged geometry. Only the last one can leave nothing to find.
+    all: Vec<Judged>,
+    /// Error if no pass finds a geometry.
+    failure: EstimateError,
+}
+
+impl Passes<'_> {
+    /// Returns whether no further search could find a better geometry.
+    fn is_finished(&self) -> bool {
+        self.all.last().is_some_and(|found| !found.is_open())
+    }
+
+    fn run(&mut self, pass: Pass, record: &mut SearchRecord) -> Result<(), EstimateError> {
+        match pass {
+            Pass::Clicks => match self.lines_through(self.input.clicks, record) {
+                Err(error @ (EstimateError::NoCandidates(_) | EstimateError::NoGeometry)) => {
+                    self.failure = error;
+                    Ok(())
+                }
+                done => done,
+            },
+            Pass::Features(of) => self.features(of, record),
+            Pass::StandIns => self.stand_ins(record),
+        }
+    }
+
+    fn lines_through(&mut self, clicks: &Clicks, record: &mut SearchRecord) -> Result<(), EstimateError> {
+        let input = SearchInput { clicks, ..self.input };
+        let viewed = match self.all.first() {
+            None => ViewedPair::upright(input),
+            // Features have been found by now.
+            Some(first) => {
+                let of = FeatureViews::Slanted;
+                ViewedPair::new(input, input.prepared.patches_with_features(first.patches.view(), of))
+            }
+        };
+        let found = patches::search(&viewed, record)?;
+        self.all.push(with_more_features(found, self.input, record)?);
+        Ok(())
+    }
+
+    fn features(&mut self, of: FeatureViews, record: &mut SearchRecord) -> Result<(), EstimateError> {
+        let proposals = FeatureProposals::new(self.input, of, record)?;
+        let clicks = with_stand_ins(self.input, &proposals);
+        let input = SearchInput { clicks: &clicks, ..self.input };
+        for view in &proposals.views {
+            let rivals = self.all.first().map_or(&[][..], |first| &first.hypotheses);
+            let show = self.all.is_empty();
+            if let Some(found) = proposals.judged_under(*view, rivals, show, input, record)? {
+                self.all.push(with_more_features(found, input, record)?);
+                if self.is_finished() {
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn stand_ins(&mut self, record: &mut SearchRecord) -> Result<(), EstimateError> {
+        let SearchInput { prepared, clicks, parameters } = self.input;
+        let of = FeatureViews::Slanted;
+        let view = self.all.first().map_or(RelativeView::UPRIGHT, |found| found.patches.view());
+        let patches = prepared.patches_with_features(view, of);
+        let putative = putative_matches(prepared, prepared.features(of), &patches);
+        for pair in drawn_stand_ins(prepared, &putative, parameters.features.stand_ins, parameters.seed) {
+            match self.lines_through(&clicks.with_chosen(pair), record) {
+                Err(EstimateError::NoCandidates(_) | EstimateError::NoGeometry) => {}
+                done => done?,
+            }
+            if self.is_finished() {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Returns the geometry of the clicks if they agree with each other and contradict the result. It is judged under the
+/// view of the result, with the same rivals.
+fn overruled_by_clicks(best: Judged, input: SearchInput, record: &mut SearchRecord) -> Judged {
+    let (observed, click_sigma) = (input.clicks.observed(), input.parameters.click_sigma);
+    let Some(f) = of_clicks_alone(&observed, &best.fundamental, click_sigma) else { return best };
+    let viewed = ViewedPair::new(SearchInput { clicks: &best.clicks, ..input }, best.patches);
+    let support = viewed.patches.measure(&f);
+    let proposed = Proposed::by(ProposedBy::Clicks, f);
+    let mut hypotheses = vec![Estimate::proposed(proposed, None, support)];
+    hypotheses.extend(best.hypotheses);
+    let found =
+        Found { proposed, hypotheses, supporting: observed, refined: None, rests_on: RestsOn::ClicksAlone };
+    Judged::of(found, &viewed, record)
 }
 
 #[cfg(test)]
@@ -77,8 +166,8 @@ mod tests {
     use crate::estimate::exact::{ExactScene, FRAME};
     use crate::estimate::sampling::{Purpose, stream};
     use crate::estimate::{
-        ClickRole, Estimate, Match, Method, Monitor, Parameters, Preset, Reason, Uncertainty, Verdict,
-        estimate_fundamental, estimate_prepared,
+        ClickRole, Estimate, Match, Method, Monitor, Parameters, PreparedPair, Preset, Reason, Uncertainty,
+        Verdict, estimate_fundamental, estimate_prepared,
     };
     use crate::geometry::PointPair;
     use crate::image::GrayPlane;
