@@ -124,6 +124,9 @@ def main(program, folders, every):
                     counts[mistake, "all"] += 1
                     counts[mistake, "found"] += status == 1
                     counts[mistake, "named"] += kind in kinds
+                    if status != 1:
+                        print(f"{name}: {mistake}: {found['message']}")
+            print(f"{number + 1} of {len(everything)}: {name}", file=sys.stderr)
     print("true matrices: sound {}, not sound {}, undecided {}".format(*(statuses[k] for k in range(3))))
     for mistake, *_ in MISTAKES + CAMERA_MISTAKES:
         found, named, all_ = (counts[mistake, k] for k in ("found", "named", "all"))
