@@ -327,12 +327,27 @@ mod geometry {
             pictures.estimate_fails(left, right, &rest, 2, words);
         };
         let good = [GOOD[1], GOOD[3]];
-        estimate("left.png", "right.png", ["20,30,25,300", GOOD[3]], "outside image 2, which is 160×120");
-        estimate("left.png", "right.png", ["-20,30,25,30", GOOD[3]], "outside image 1");
+        estimate(
+            "left.png",
+            "right.png",
+            ["20,30,25,300", GOOD[3]],
+            "outside the right image, which is 160×120",
+        );
+        estimate("left.png", "right.png", ["-20,30,25,30", GOOD[3]], "outside the left image");
         estimate("left.png", "right.png", [GOOD[1]; 2], "farther from each other");
-        estimate("dot.png", "right.png", ["0,0,25,30", "0,0,118,91"], "image 1 is 1×1 pixels, too small");
-        estimate("left.png", "dot.png", ["20,30,0,0", "120,90,0,0"], "image 2 is 1×1 pixels, too small");
-        estimate("flat.png", "right.png", good, "image 1 is (nearly) uniform");
-        estimate("left.png", "flat.png", good, "image 2 is (nearly) uniform");
+        estimate(
+            "dot.png",
+            "right.png",
+            ["0,0,25,30", "0,0,118,91"],
+            "the left image is 1×1 pixels, too small",
+        );
+        estimate(
+            "left.png",
+            "dot.png",
+            ["20,30,0,0", "120,90,0,0"],
+            "the right image is 1×1 pixels, too small",
+        );
+        estimate("flat.png", "right.png", good, "the left image is (nearly) uniform");
+        estimate("left.png", "flat.png", good, "the right image is (nearly) uniform");
     }
 }

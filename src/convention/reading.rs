@@ -93,6 +93,6 @@ impl Reading {
 
 impl fmt::Display for Reading {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(&self.in_words("transposed, or images 1 and 2 exchanged"))
+        f.write_str(&self.in_words("transposed, or left and right image exchanged"))
     }
 }

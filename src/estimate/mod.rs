@@ -32,7 +32,7 @@ pub use clicks::{Click, ClickRole, Clicks};
 #[cfg(feature = "pictures")]
 pub(crate) use driver::estimate_since;
 pub use driver::{estimate, estimate_prepared};
-pub use error::{EstimateError, Warning};
+pub use error::{EstimateError, PairNames, PairNumbers, Warning};
 #[doc(hidden)]
 pub use evidence::features as covariant;
 #[cfg(feature = "pictures")]

@@ -19,7 +19,7 @@ use super::evidence::patches::{RefinedMatch, Refinement};
 use super::fit::{EpipoleBearing, Match, MatchFit, Model, Uncertainty, fit_matches, largest_plane};
 use super::verdict::assessment::PointEvidence;
 use super::verdict::result::{Assessment, Determined, Estimate};
-use crate::geometry::{Frame, FundamentalMatrix, Matrix9, Point, PointPair, Vector};
+use crate::geometry::{Frame, FundamentalMatrix, Matrix9, Point, PointPair, Vector, image_in_words};
 
 /// Geometry of point pairs, without pictures.
 #[derive(Debug, Clone)]
@@ -51,17 +51,20 @@ pub enum PointsError {
     NotFinite(usize),
     /// The points of an image lie within a few pixels.
     #[error(
-        "all points of image {image} lie within {extent:.3} px, so F is not determined. If the coordinates are divided by the focal length or the image size, give pixels"
+        "all points of {side} lie within {extent:.3} px, so F is not determined. If the coordinates are divided by the focal length or the image size, give pixels",
+        side = image_in_words(*image)
     )]
     Tiny { image: usize, extent: f64 },
     /// The points of an image lie on one line.
     #[error(
-        "the points of image {0} lie on one line, to within the error of a match, so F is not determined. Add matches beside the line"
+        "the points of {} lie on one line, to within the error of a match, so F is not determined. Add matches beside the line",
+        image_in_words(*.0)
     )]
     OneLine(usize),
     /// A point lies outside an image of a given size.
     #[error(
-        "match {number} lies outside image {image}, which is {width}×{height} px: ({x}, {y}). Check the sizes, and the order of the columns"
+        "match {number} lies outside {side}, which is {width}×{height} px: ({x}, {y}). Check the sizes, and the order of the columns",
+        side = image_in_words(*image)
     )]
     Outside { number: usize, image: usize, x: f64, y: f64, width: usize, height: usize },
     /// One homography maps all matches, exactly.

@@ -16,6 +16,11 @@ pub struct Frame {
     pub height: usize,
 }
 
+/// Returns the name of an image in sentences, from its number: the first one is the left one.
+pub fn image_in_words(number: usize) -> &'static str {
+    if number == 1 { "the left image" } else { "the right image" }
+}
+
 /// A segment of a line, from `start` to `end` along [`Line::direction`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {

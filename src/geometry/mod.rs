@@ -49,6 +49,8 @@ pub use eight_point::{EightPointError, eight_point};
 pub(crate) use elimination::Eliminated;
 pub use essential::looks_essential;
 pub(crate) use five_point::solve_five;
+#[doc(hidden)]
+pub use frame::image_in_words;
 pub use frame::{Frame, Segment};
 pub use fundamental::{FundamentalMatrix, NotFundamental};
 pub use homography::{homography, transfer_error};

@@ -2,10 +2,15 @@
 
 use std::f64::consts::PI;
 
-use crate::estimate::EstimateError;
+use crate::estimate::{EstimateError, PairNames, PairNumbers};
 
-/// Returns the message of an error, without a full stop at its end.
+/// Returns the message of an error, with pairs by their numbers and without a full stop at its end.
 pub fn error_in_words(error: &EstimateError) -> String {
+    named_error_in_words(error, &PairNumbers)
+}
+
+/// Returns the message of an error, with names of pairs.
+pub fn named_error_in_words(error: &EstimateError, names: &dyn PairNames) -> String {
     let more = match error {
         EstimateError::TooFewPairs { .. } => ". Mark more scene points in both images",
         EstimateError::TooClose { .. } => ". Choose points farther from each other",
@@ -37,7 +42,7 @@ pub fn error_in_words(error: &EstimateError) -> String {
         | EstimateError::Motion(_)
         | EstimateError::Cancelled => "",
     };
-    format!("{error}{more}")
+    format!("{}{more}", error.fact(names))
 }
 
 /// Formats a number for sentences: with commas between thousands, and π by name.
@@ -74,7 +79,8 @@ mod tests {
         let told = error_in_words(&parameters.check().unwrap_err());
         assert_eq!(told, "parameter line spacing is 100: it must be between 0.5 and 16 px");
         let told = error_in_words(&EstimateError::Flat(2));
-        let expected = "image 2 is (nearly) uniform, so lines cannot be compared. Use an image with texture";
+        let expected =
+            "the right image is (nearly) uniform, so lines cannot be compared. Use an image with texture";
         assert_eq!(told, expected);
     }
 }

@@ -20,7 +20,7 @@ mod story;
 
 pub use cameras::camera_doubts;
 pub use epipoles::{NOT_DETERMINED, epipole_in_words, interval_in_words};
-pub use errors::error_in_words;
+pub use errors::{error_in_words, named_error_in_words};
 pub use interpretation::interpretation_in_words;
 pub use judgement::{judgement_in_words, rows_in_words};
 pub use lens::{lens_in_words, lenses_in_words, pictures_in_words};
@@ -29,6 +29,6 @@ pub use origin::origin_in_words;
 pub use parameters::{ShownParameter, shown_parameters};
 pub use pose::{NO_BASELINE, pose_difference_in_words, pose_in_words, turn_in_words};
 pub use probability::probability_in_words;
-pub use reasons::{reason_in_words, warning_in_words};
+pub use reasons::{named_reason_in_words, named_warning_in_words, reason_in_words, warning_in_words};
 pub use scale::Scale;
 pub use story::story_in_words;

@@ -1,14 +1,19 @@
 //! Sentences for the reasons of a verdict and for the warnings about a result.
 //!
 //! Each message states the fact, then the consequence, then the action, in at most three short
-//! sentences. Pairs of points are numbered from 1, as `pair 2`. `docs/verdicts.md` explains every
+//! sentences. Pairs of points have the names of [`PairNames`]. `docs/verdicts.md` explains every
 //! message.
 
-use crate::estimate::{ENOUGH_MATCHES, Reason, Suspect, Warning};
+use crate::estimate::{ENOUGH_MATCHES, PairNames, PairNumbers, Reason, Suspect, Warning};
 
-/// Returns the message of a reason.
-#[expect(clippy::too_many_lines, reason = "it is a table")]
+/// Returns the message of a reason, with pairs by their numbers.
 pub fn reason_in_words(reason: &Reason) -> String {
+    named_reason_in_words(reason, &PairNumbers)
+}
+
+/// Returns the message of a reason, with names of pairs.
+#[expect(clippy::too_many_lines, reason = "it is a table")]
+pub fn named_reason_in_words(reason: &Reason, names: &dyn PairNames) -> String {
     match *reason {
         Reason::NotChecked => "Only lines were compared, so nothing else confirms this geometry. \
              Use the preset robust, which also compares small image patches."
@@ -73,6 +78,7 @@ pub fn reason_in_words(reason: &Reason) -> String {
              Record more frames, or motion in more places."
         ),
         Reason::ClickOff { pair, distance, suspect } => {
+            let (pair, distance) = (names.name(pair), names.off_line(pair, distance));
             let advice = match suspect {
                 Suspect::Click => {
                     "The images support the geometry, so the pair is probably misplaced. \
@@ -82,7 +88,7 @@ pub fn reason_in_words(reason: &Reason) -> String {
                     "The geometry fails other tests, too, so the pair may be right. Add another pair to decide."
                 }
             };
-            format!("Point pair {pair} is {distance:.1} px off its epipolar line. {advice}")
+            format!("Point pair {pair} is {distance} off its epipolar line. {advice}")
         }
         Reason::Contradicted { contradicting, matches } => format!(
             "{contradicting} of {matches} distinctive matches are off their epipolar lines, \
@@ -125,7 +131,7 @@ pub fn reason_in_words(reason: &Reason) -> String {
              Check the calibration, or use views from different places."
         ),
         Reason::Mirrored { matches } => format!(
-            "{matches} places of image 1 match image 2 only if it is flipped, like a mirror image. \
+            "{matches} places of the left image match the right one only if it is flipped, like a mirror image. \
              The epipolar geometry of such a pair says nothing about the cameras. \
              Flip one image back and open the pair again."
         ),
@@ -203,8 +209,13 @@ fn off_the_plane(agreeing: usize, groups: usize) -> String {
     }
 }
 
-/// Returns the message of a warning.
+/// Returns the message of a warning, with pairs by their numbers.
 pub fn warning_in_words(warning: &Warning) -> String {
+    named_warning_in_words(warning, &PairNumbers)
+}
+
+/// Returns the message of a warning, with names of pairs.
+pub fn named_warning_in_words(warning: &Warning, names: &dyn PairNames) -> String {
     match *warning {
         Warning::SameEpipolarLine { distance } => format!(
             "Two point pairs lie nearly on one epipolar line, only {distance:.1} px apart across it. \
@@ -216,8 +227,9 @@ pub fn warning_in_words(warning: &Warning) -> String {
              A small error in one of them turns the epipolar lines a lot. Choose points farther apart."
         ),
         Warning::LittleTexture { pair, textured, lines } => format!(
-            "Only {textured} of {lines} lines through point pair {pair} have texture. \
-             The others cannot be compared. Choose a point in a textured part of the images."
+            "Only {textured} of {lines} lines through point pair {} have texture. \
+             The others cannot be compared. Choose a point in a textured part of the images.",
+            names.name(pair)
         ),
         Warning::CalibrationContradicted => "The matches contradict the calibration, so the geometry was fitted \
              without it. A pose from this calibration is wrong. Check the focal lengths and the size of the images."

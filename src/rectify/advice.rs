@@ -5,6 +5,8 @@ use std::fmt;
 use serde::{Serialize, Serializer};
 
 use super::measures::{Distortion, Measures};
+use crate::geometry::image_in_words;
+
 use super::{Rectification, RectifyError, RectifyMethod};
 
 /// Mean row error from which a warning is given, px.
@@ -20,7 +22,10 @@ const MUCH: f64 = 0.25;
 pub(super) fn instead_of_planar(error: &RectifyError) -> String {
     match error {
         RectifyError::EpipoleInside(image) => {
-            format!("the epipole lies inside image {image}, where planar rectification is impossible")
+            format!(
+                "the epipole lies inside {}, where planar rectification is impossible",
+                image_in_words(*image)
+            )
         }
         _ => "every pair of corresponding epipolar lines crosses one of the images, so planar rectification is impossible"
             .into(),
@@ -31,7 +36,7 @@ pub(super) fn instead_of_planar(error: &RectifyError) -> String {
 pub(super) fn against_planar(planar: &Rectification) -> Option<String> {
     planar.measures.distortion.iter().enumerate().find_map(|(k, distortion)| {
         let what = bent(distortion)?;
-        Some(format!("with the planar method image {} would be {what}", k + 1))
+        Some(format!("with the planar method {} would be {what}", image_in_words(k + 1)))
     })
 }
 
@@ -82,12 +87,13 @@ impl fmt::Display for RectifyWarning {
                 write!(f, "{matches} of {all} matches are outside the rectified pictures.")
             }
             Self::Bent { image, how } => {
-                write!(f, "The picture of image {image} is {how}. The polar method distorts less.")
+                write!(f, "The picture of {} is {how}. The polar method distorts less.", image_in_words(*image))
             }
             Self::Cut { image, share } => write!(
                 f,
-                "{:.0} % of image {image} is cut off. The other image does not see these epipolar lines.",
-                100.0 * share
+                "{:.0} % of {} is cut off. The other image does not see these epipolar lines.",
+                100.0 * share,
+                image_in_words(*image)
             ),
             Self::Reduced { scale } => write!(
                 f,

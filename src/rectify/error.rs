@@ -2,11 +2,16 @@
 
 use thiserror::Error;
 
+use crate::geometry::image_in_words;
+
 /// Reason why a pair cannot be rectified. The message is shown to the user.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum RectifyError {
     /// An epipole lies inside the image of this number, 1 or 2.
-    #[error("the epipole lies inside image {0}. Planar rectification is impossible: use the polar method")]
+    #[error(
+        "the epipole lies inside {}. Planar rectification is impossible: use the polar method",
+        image_in_words(*.0)
+    )]
     EpipoleInside(usize),
     /// Every pair of corresponding epipolar lines crosses one of the images.
     #[error(
@@ -24,7 +29,7 @@ pub enum RectifyError {
     #[error("no epipolar line crosses both images. F is wrong or belongs to other images")]
     NoCommonLines,
     /// The image of this number, 1 or 2, has fewer than two pixels across or down.
-    #[error("image {0} is too small: rectification needs at least 2 x 2 pixels")]
+    #[error("{} is too small: rectification needs at least 2 x 2 pixels", image_in_words(*.0))]
     TooSmall(usize),
     /// The limit, in pixels, leaves no room for a picture.
     #[error("the limit of {0} pixels for a rectified image is too small. Raise the limit")]

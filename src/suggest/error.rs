@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::geometry::image_in_words;
+
 /// Reason why no match was suggested. The message is shown to the user.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SuggestError {
@@ -9,10 +11,13 @@ pub enum SuggestError {
     #[error("the point has a coordinate that is not a finite number")]
     NotFinite,
     /// The point lies outside its image.
-    #[error("point ({x}, {y}) lies outside image {image}, which is {width}×{height} pixels")]
+    #[error("point ({x}, {y}) lies outside {side}, which is {width}×{height} pixels", side = image_in_words(*image))]
     Outside { image: usize, x: f64, y: f64, width: usize, height: usize },
     /// The image is smaller than the compared patches.
-    #[error("image {image} is too small: {width}×{height} pixels, at least {smallest}×{smallest} are needed")]
+    #[error(
+        "{side} is too small: {width}×{height} pixels, at least {smallest}×{smallest} are needed",
+        side = image_in_words(*image)
+    )]
     TooSmall { image: usize, width: usize, height: usize, smallest: usize },
     /// The surroundings of the point have too little contrast.
     #[error("the surroundings of the point are nearly uniform. Choose a point with texture around it")]
@@ -23,15 +28,16 @@ pub enum SuggestError {
     )]
     AtEpipole,
     /// The epipolar line does not cross the other image, of this number.
-    #[error("the epipolar line of the point misses image {0}, so the match is not visible there")]
+    #[error("the epipolar line of the point misses {}, so the match is not visible there", image_in_words(*.0))]
     LineOutside(usize),
     /// No place near the given point, in the image of this number, resembles the surroundings of its match.
     #[error(
-        "no place near the point in image {0} looks like the surroundings of its match in the other image"
+        "no place near the point in {} looks like the surroundings of its match in the other image",
+        image_in_words(*.0)
     )]
     NotAligned(usize),
     /// No place in the image of this number resembles the surroundings of the point.
-    #[error("no place in image {0} looks like the surroundings of the point")]
+    #[error("no place in {} looks like the surroundings of the point", image_in_words(*.0))]
     NothingAlike(usize),
 }
 

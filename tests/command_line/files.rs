@@ -121,7 +121,10 @@ fn check_says_as_read_and_finds_a_transposed_matrix() {
     // The exchanged cameras are detected and corrected.
     let (fixed, found) = (scene.text("fixed.json"), scene.text("check.json"));
     let said = succeeds(&["check", &p2, &p1, "--matches", &matches, "--output", &fixed, "--json", &found]);
-    assert!(said.contains("does not fit as read") && said.contains("images 1 and 2 exchanged"), "{said}");
+    assert!(
+        said.contains("does not fit as read") && said.contains("left and right image exchanged"),
+        "{said}"
+    );
     let found = json(&scene.path("check.json"));
     assert_eq!((&found["fits"], &found["reading"]["transposed"]), (&true.into(), &true.into()));
     assert!(found["readings"].as_array().unwrap().len() > 10);

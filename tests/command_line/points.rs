@@ -83,7 +83,7 @@ fn options_that_need_images_are_refused_without_them() {
         (&["--division", "auto", "--sizes", "768x576"], "--division auto"),
         (&["--focal-length", "exif", "--sizes", "768x576"], "--focal-length exif"),
         (&["--focal-length", "800"], "--sizes WIDTHxHEIGHT"),
-        (&["--sizes", "100x100"], "lies outside image 1"),
+        (&["--sizes", "100x100"], "lies outside the left image"),
     ] {
         let words = [&["estimate", "--matches", &file], rest].concat();
         if told == "error" {

@@ -66,7 +66,7 @@ fn an_epipole_inside_is_no_obstacle_to_auto_and_a_sentence_for_planar() {
     let output = run(&[&arguments[..], &["--method", "planar"]].concat());
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stderr).contains(
-        "the epipole lies inside image 1. Planar rectification is impossible: use the polar method"
+        "the epipole lies inside the left image. Planar rectification is impossible: use the polar method"
     ));
 }
 

@@ -95,12 +95,12 @@ fn says_in_its_status_that_there_is_none() {
     let pictures = moved();
     let (left, flat) = (pictures.text("left.png"), pictures.text("flat.png"));
     fails(&["suggest", &flat, &left, "--at", "80,60"], 1, "nearly uniform");
-    fails(&["suggest", &left, &flat, "--at", "80,60"], 1, "no place in image 2 looks like");
+    fails(&["suggest", &left, &flat, "--at", "80,60"], 1, "no place in the right image looks like");
     // Horizontal lines 500 px below those of image 1.
     pictures.write("f.txt", "0 0 0\n0 0 -1\n0 1 500\n");
     let f = pictures.text("f.txt");
     let right = pictures.text("right.png");
-    fails(&["suggest", &left, &right, "--at", "80,60", "--fundamental", &f], 1, "misses image 2");
+    fails(&["suggest", &left, &right, "--at", "80,60", "--fundamental", &f], 1, "misses the right image");
 }
 
 #[test]
@@ -112,8 +112,8 @@ fn refuses_bad_input() {
     for (rest, message) in [
         (&["--at", "80"][..], "expected two numbers X,Y (pixels), found 1"),
         (&["--at", "80,nan"], "\"nan\" is not a finite number"),
-        (&["--at", "400,60"], "outside image 1, which is 320×240"),
-        (&["--at", "-9,60"], "outside image 1"),
+        (&["--at", "400,60"], "outside the left image, which is 320×240"),
+        (&["--at", "-9,60"], "outside the left image"),
         (&["--at", "80,60", "--in", "middle"], "invalid value 'middle'"),
         (&["--at", "80,60", "--fundamental", "no/such/file"], "no such file"),
         (&["--at", "80,60", "--fundamental", &words], "words.txt, line 1: \"This\" is not a finite number"),
@@ -122,7 +122,7 @@ fn refuses_bad_input() {
     ] {
         fails(&[&["suggest", &left, &right][..], rest].concat(), 2, message);
     }
-    fails(&["suggest", &left, &dot, "--at", "80,60"], 2, "image 2 is too small: 1×1 pixels");
+    fails(&["suggest", &left, &dot, "--at", "80,60"], 2, "the right image is too small: 1×1 pixels");
     fails(&["suggest", &left, "--at", "80,60"], 2, "required");
     fails(&["suggest", "--sample", "no-such-sample", "--at", "80,60"], 2, "no-such-sample");
 }

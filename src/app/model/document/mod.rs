@@ -22,7 +22,7 @@ use crate::rectify::RectifyMethod;
 pub use given::{GIVEN_FIT, Given};
 pub use parts::{
     AS_READ, Checked, HalfPair, Imported, PairNote, PictureIdentity, PointRef, Role, Side, TruthSource,
-    counted, is_inside, pair_name, sides_named,
+    counted, is_inside, pair_name,
 };
 
 /// Everything that a person can change and undo.

@@ -196,12 +196,6 @@ pub fn is_inside(pair: &PointPair, [frame1, frame2]: [Frame; 2]) -> bool {
     frame1.contains(pair.point1) && frame2.contains(pair.point2)
 }
 
-/// Names the images in a sentence of the library as the window does.
-pub fn sides_named(text: &str) -> String {
-    let text = text.replace("images 1 and 2", "left and right image");
-    text.replace("image 1", "the left image").replace("image 2", "the right image")
-}
-
 /// Returns a number of point pairs in words.
 pub fn counted(pairs: usize) -> String {
     if pairs == 1 { "1 point pair".to_owned() } else { format!("{pairs} point pairs") }

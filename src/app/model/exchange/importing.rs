@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{ImportSource, is_archive};
-use crate::app::model::document::{is_inside, sides_named};
+use crate::app::model::document::is_inside;
 use crate::app::model::rectified::MatchesAtHand;
 use crate::camera::{PicturesOf, ViewPair};
 use crate::convention::{ConventionCheck, FEWEST_MATCHES, check_convention};
@@ -82,8 +82,7 @@ impl ImportQuestion {
     /// Reads the files. The error names the problem and the action.
     pub fn answer(&self) -> Result<ImportedFile, String> {
         let name = self.pending.source.name();
-        let told = self.read_any().map_err(|problem| sides_named(&problem));
-        told.map_err(|problem| match &self.pending.prelude {
+        self.read_any().map_err(|problem| match &self.pending.prelude {
             Some(prelude) => format!(
                 "{prelude}, and it cannot be imported either: {problem}. Nothing was changed. Try another file."
             ),

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text};
 use super::tone::Tone;
 use crate::app::model::computation::Freshness;
-use crate::app::model::document::{Document, GIVEN_FIT, Given, Imported, sides_named};
+use crate::app::model::document::{Document, GIVEN_FIT, Given, Imported};
 use crate::camera::{PoseFit, PoseUncertainty};
 use crate::comparison::median;
 use crate::estimate::{
@@ -60,7 +60,7 @@ pub fn import_facts(imported: &Imported) -> Vec<Fact> {
         Fact::new("From", imported.file.clone(), "File that the geometry was imported from."),
         Fact::new(
             "Convention",
-            if imported.is_as_read() { "as in the file".to_owned() } else { sides_named(&imported.reading) },
+            if imported.is_as_read() { "as in the file".to_owned() } else { imported.reading.clone() },
             "Convention in which the numbers of the file were read. As in the file: they were taken without a change.",
         ),
         Fact::new("Checked", median, "Median symmetric distance of these pairs at the time of the import."),

@@ -9,11 +9,13 @@ mod tests;
 mod tone;
 
 use crate::app::model::computation::{Computation, EstimateFailure, Freshness};
-use crate::app::model::document::{Document, GIVEN_FIT, Imported, Role, pair_name, sides_named};
-use crate::estimate::{self, CLICK_DEVIATIONS, Estimate, Reason, Suspect, Trust, Warning};
+use crate::app::model::document::{Document, GIVEN_FIT, Imported, Role, pair_name};
+use crate::estimate::{
+    self, CLICK_DEVIATIONS, Estimate, PairNames, PairNumbers, Reason, Suspect, Trust, Warning,
+};
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
 use crate::presentation::{
-    NOT_DETERMINED, error_in_words, probability_in_words, reason_in_words, warning_in_words,
+    NOT_DETERMINED, named_error_in_words, named_reason_in_words, named_warning_in_words, probability_in_words,
 };
 
 pub use action::{CardAction, LineLook, USE_LENS};
@@ -106,7 +108,8 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
         return match computation.failure() {
             _ if computation.is_running() => bare("Estimating", stage()),
             Some(EstimateFailure::Estimate(error)) => {
-                bare("No result", format!("{}.", in_names(&error_in_words(error), document)))
+                let names = WindowNames { document, fundamental: None };
+                bare("No result", format!("{}.", sentence(&named_error_in_words(error, &names))))
             }
             Some(EstimateFailure::Panic(text)) => bare(
                 "No result",
@@ -140,7 +143,8 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     });
     let misplaced = reasons.iter().filter(|reason| order(reason).0 == 0).count();
     let mostly_misplaced = mostly_misplaced(misplaced, document.used().count());
-    let reasons = reasons.into_iter().map(|reason| in_units(reason, document, estimate.fundamental()));
+    let names = WindowNames { document, fundamental: Some(estimate.fundamental()) };
+    let reasons = reasons.into_iter().map(|reason| named_reason_in_words(reason, &names));
     // A preliminary geometry may still approach the checks, and a stale one belongs to other
     // points.
     let is_final = freshness == Freshness::Final;
@@ -167,8 +171,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     let warnings: Vec<_> = mostly_misplaced
         .into_iter()
         .chain(reasons)
-        .chain(warnings(estimate).into_iter().map(warning_in_words))
-        .map(|sentence| in_names(&sentence, document))
+        .chain(warnings(estimate).into_iter().map(|warning| named_warning_in_words(warning, &names)))
         .chain(checked)
         .filter(|_| finished)
         .collect();
@@ -269,45 +272,37 @@ fn mostly_misplaced(misplaced: usize, used: usize) -> Option<String> {
     })
 }
 
-/// Converts a reason to the units of the window: symmetric distances of pairs.
-fn in_units(reason: &Reason, document: &Document, f: &FundamentalMatrix) -> String {
-    let sentence = reason_in_words(reason);
-    match reason {
-        Reason::ClickOff { pair, distance, .. } => {
-            let clicked = pair.checked_sub(1).and_then(|pair| document.used().nth(pair));
-            let clicked = clicked.and_then(|pair| document.pairs.get(pair));
-            let Some(clicked) = clicked else { return sentence };
-            let symmetric = symmetric_epipolar_distance(f, clicked);
-            sentence.replacen(
-                &format!("{distance:.1} px"),
-                &format!("{symmetric:.1} px (symmetric distance)"),
-                1,
-            )
-        }
-        _ => sentence,
+/// Names of the used pairs in the window, and their symmetric distances.
+struct WindowNames<'a> {
+    document: &'a Document,
+    fundamental: Option<&'a FundamentalMatrix>,
+}
+
+impl WindowNames<'_> {
+    /// Returns the place in the list of a pair that the estimator numbers from 1.
+    fn place(&self, pair: usize) -> Option<usize> {
+        self.document.used().nth(pair.checked_sub(1)?)
     }
 }
 
-/// Replaces the numbers of pairs and images in a sentence of the estimator by their names in the window.
-fn in_names(text: &str, document: &Document) -> String {
-    let used: Vec<usize> = document.used().collect();
-    let (mut expected, mut after) = (false, false);
-    let words = text.split(' ').map(|word| {
-        let is_number = expected;
-        // `pair 3`, `pairs 1 and 2`.
-        expected = matches!(word, "pair" | "pairs") || after && word == "and";
-        after = is_number;
-        let digits = word.find(|c: char| !c.is_ascii_digit()).unwrap_or(word.len());
-        let number = word[..digits].parse::<usize>().ok().filter(|_| is_number);
-        let name = number.and_then(|number| Some(pair_name(*used.get(number.checked_sub(1)?)?)));
-        name.map_or_else(|| word.to_owned(), |name| name + &word[digits..])
-    });
-    sentence(&words.collect::<Vec<_>>().join(" "))
+impl PairNames for WindowNames<'_> {
+    fn name(&self, pair: usize) -> String {
+        self.place(pair).map_or_else(|| PairNumbers.name(pair), pair_name)
+    }
+
+    fn off_line(&self, pair: usize, distance: f64) -> String {
+        let clicked = self.place(pair).and_then(|place| self.document.pairs.get(place));
+        match (self.fundamental, clicked) {
+            (Some(f), Some(clicked)) => {
+                format!("{:.1} px (symmetric distance)", symmetric_epipolar_distance(f, clicked))
+            }
+            _ => PairNumbers.off_line(pair, distance),
+        }
+    }
 }
 
-/// Returns a sentence of the library with a capital first letter, and with the images named as in the window.
+/// Returns a sentence of the library with a capital first letter.
 pub fn sentence(text: &str) -> String {
-    let text = sides_named(text);
     let mut characters = text.chars();
     characters.next().map_or(String::new(), |first| first.to_uppercase().chain(characters).collect())
 }

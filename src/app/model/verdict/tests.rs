@@ -3,7 +3,11 @@ use super::*;
 use crate::app::fake;
 use crate::app::model::computation::EstimateNews;
 use crate::app::model::document::{PictureIdentity, Role};
-use crate::estimate::{BarcodeFigures, EpipoleBearing, Estimate, Reason, Trust, Verdict, Warning};
+use nalgebra::Matrix3;
+
+use crate::estimate::{
+    BarcodeFigures, EpipoleBearing, Estimate, EstimateError, Reason, Trust, Verdict, Warning,
+};
 use crate::geometry::{Frame, HomogeneousPoint, PointPair};
 
 fn computed(change: impl Fn(&mut Estimate)) -> (Document, Computation) {
@@ -123,15 +127,16 @@ fn sentences_use_the_names_of_pairs() {
     let pairs = vec![PointPair::new(1.0, 2.0, 3.0, 4.0); 14];
     let mut document = Document { pairs, ..Document::default() };
     document.set_role(1, Role::Check);
-    let named = |sentence: &str| in_names(sentence, &document);
-    assert_eq!(named("point pair 1 is 3 px off"), "Point pair p is 3 px off");
-    assert_eq!(named("through point pair 12: choose"), "Through point pair 13: choose");
-    assert_eq!(named("point pairs 2 and 10 are only 2 px"), "Point pairs r and 11 are only 2 px");
-    assert_eq!(named("3 point pairs are needed, 2 given"), "3 point pairs are needed, 2 given");
-    assert_eq!(
-        named("image 2 is uniform; image 1 is not"),
-        "The right image is uniform; the left image is not"
-    );
+    let f =
+        FundamentalMatrix::from_rank_two(Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0)).unwrap();
+    let names = WindowNames { document: &document, fundamental: Some(&f) };
+    assert_eq!([1, 2, 12, 99].map(|pair| names.name(pair)), ["p", "r", "13", "99"]);
+    let close = EstimateError::TooClose { first: 2, second: 10, image: 2, distance: 2.0 };
+    let told = named_error_in_words(&close, &names);
+    assert!(told.starts_with("point pairs r and 11 are only 2.0 px apart in the right image."), "{told}");
+    let off = Reason::ClickOff { pair: 2, distance: 1.4, suspect: Suspect::Click };
+    let told = named_reason_in_words(&off, &names);
+    assert!(told.starts_with("Point pair r is 2.0 px (symmetric distance) off its epipolar line."), "{told}");
     assert_eq!(used(&document), "13 pairs");
 }
 

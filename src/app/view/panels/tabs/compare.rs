@@ -6,7 +6,6 @@ use super::super::table::{Column, RowLook, Table};
 use super::Tab;
 use super::residuals::{choice, contestants, measured, missing, px, tools};
 use crate::app::model::comparison::{Comparison, Contestant, PointSet, Subject};
-use crate::app::model::document::sides_named;
 use crate::app::model::{Command, Model, TabId};
 use crate::app::view::theme;
 use crate::comparison::Spread;
@@ -41,8 +40,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             Finding::DoesNotFit => palette.bad,
             Finding::Undecided => palette.caution,
         };
-        let words =
-            RichText::new(format!("Imported: {}", sides_named(&judgement_in_words(judgement)))).color(color);
+        let words = RichText::new(format!("Imported: {}", judgement_in_words(judgement))).color(color);
         ui.add(Label::new(words).wrap());
     }
     let room = ui.available_width();
