@@ -51,8 +51,7 @@ pub(super) fn with_stand_ins(input: SearchInput, proposals: &FeatureProposals) -
         let putative = putative_matches(prepared, prepared.features(proposals.of), &patches);
         farthest_apart(prepared, &leader.proposed.fundamental, &leader.matches, &putative)
     };
-    let has_anchors = !clicks.anchors().is_empty();
-    let pair = if has_anchors { None } else { stand_ins() };
+    let pair = if clicks.anchors().len() < 2 { stand_ins() } else { None };
     pair.map_or_else(|| clicks.clone(), |pair| clicks.with_chosen(pair))
 }
 

@@ -206,7 +206,7 @@ mod tests {
     fn a_plane_does_not_leave_the_baseline_of_known_cameras_open() {
         let flat = Evidence { plane: Some(plane(0.99, 1, 1.0)), relief: None, ..GOOD };
         assert_eq!(verdict(&flat), Verdict::Doubtful);
-        let many_wrong = Witnesses { on_warp: 80, along: 430, across: 120, off: 400 };
+        let many_wrong = Witnesses { on_warp: 80, along: 430, across: 40, off: 250 };
         let with = |beside, other| Evidence {
             baseline: Some(Baseline { beside, other, in_front: 290, matches: 300 }),
             ..flat
