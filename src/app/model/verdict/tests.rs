@@ -1,10 +1,10 @@
+use nalgebra::Matrix3;
+
 use super::facts::bearing_text;
 use super::*;
 use crate::app::fake;
 use crate::app::model::computation::EstimateNews;
 use crate::app::model::document::{PictureIdentity, Role};
-use nalgebra::Matrix3;
-
 use crate::estimate::{
     BarcodeFigures, EpipoleBearing, Estimate, EstimateError, Reason, Trust, Verdict, Warning,
 };

@@ -3,8 +3,8 @@
 //! A plane leaves the epipoles of a fundamental matrix open, but an essential matrix only two solutions (Hartley &
 //! Zisserman, §13.5; Faugeras & Lustman 1988). Three things leave its baseline open:
 //!
-//! - **A camera that only turned.** Null hypothesis: `x2 = K2 R K1⁻¹ x1` with a rotation `R`, and a calibration that may
-//!   be wrong: a factor of both focal lengths, a further one of the second, and a radial distortion. With a wrong focal
+//! - **A camera that only turned.** Null hypothesis: `x2 = K2 R K1⁻¹ x1` with a rotation `R`. The calibration may be wrong
+//!   by a factor of both focal lengths, a further one of the second, and a radial distortion. With a wrong focal
 //!   length, a turn looks like a plane before a moving camera. Such a turn has six numbers, and the homography of a plane
 //!   has eight, so a plane seldom looks like a turn. Matches beside the turn show the baseline if they lie on their
 //!   epipolar lines, as in the test of [`relief`](super::warp).
