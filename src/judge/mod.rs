@@ -167,8 +167,6 @@ pub const FEWEST_MATCHES: usize = 14;
 /// Usual limit of [`judge`], px. Sound calibrations of four sets of pairs are up to 0.8 px off; lines
 /// that are a pixel off already spoil dense matching.
 pub const LIMIT: f64 = 1.0;
-/// Degrees of freedom of a fundamental matrix.
-const FREEDOM: usize = 7;
 /// Relative difference between equal singular values of a matrix that is printed with four digits.
 const EQUAL: f64 = 1e-3;
 /// Largest number of matches used. More add no certainty.
@@ -276,7 +274,9 @@ impl Reference<'_> {
             (pair.point1, by[0] - by[1])
         };
         let places = Contest::of(self.witnesses.iter().map(vote), self.frames[0]);
-        if places.first_wins(FREEDOM) {
+        // No place is deducted for the numbers of the reference: a reference is trusted only if its support
+        // exceeds what fitting them gives by chance.
+        if places.first_wins(0) {
             return Ok(Finding::DoesNotFit);
         }
         let other = Contest { first: places.second, second: places.first };

@@ -4,7 +4,7 @@ use super::calibration::CalibrationChange;
 use super::change::{Affected, CameraChange, Change, Mirror, undistorted};
 use super::contest::Contest;
 use super::significance::significance;
-use super::{FREEDOM, FittingChange, GivenGeometry, Reference, looks_essential, residuals};
+use super::{FittingChange, GivenGeometry, Reference, looks_essential, residuals};
 use crate::convention::Reading;
 use crate::geometry::{
     Camera, Frame, FundamentalMatrix, Matrix9, PointPair, grid_minimum, median, symmetric_epipolar_distance,
@@ -34,6 +34,9 @@ const LAST_MOVE: f64 = 0.02;
 const SAME: f64 = 0.5;
 /// Cost of a match that a calibration does not explain: a hundred times the limit away.
 const FAR_COST: f64 = 10.6;
+/// Places that a change may win because it was fitted: the numbers of a fundamental matrix, which no
+/// change exceeds.
+const FREEDOM: usize = 7;
 /// Largest number of matches on which a change is fitted.
 const FEW: usize = 200;
 

@@ -366,6 +366,31 @@ fn a_reference_on_a_shifted_pattern_does_not_accuse() {
     assert_eq!(judged(&shifted).finding, Finding::DoesNotFit);
 }
 
+/// A trusted reference owes nothing for having been fitted: ten places decide, as for any two explanations.
+#[test]
+fn ten_places_with_witnesses_refute_a_geometry_and_nine_do_not() {
+    let scene = Scene::new(3);
+    let fundamental = scene.truth().fundamental;
+    let transposed: GivenGeometry = fundamental.swapped().into();
+    let mut places: Vec<PointPair> = Vec::new();
+    let place = |pair: &PointPair| [pair.point1.x, pair.point1.y].map(|v| (v / 76.8).floor() as i64);
+    for pair in &scene.matches {
+        let is_far = symmetric_epipolar_distance(&transposed.fundamental, pair) > 2.0 * LIMIT;
+        if is_far && places.iter().all(|other| place(other) != place(pair)) {
+            places.push(*pair);
+        }
+    }
+    assert!(places.len() >= 10, "{}", places.len());
+    let judged = |witnesses: &[PointPair]| {
+        judge(&transposed, &Reference { witnesses, ..reference(fundamental, &scene.matches) }, LIMIT).unwrap()
+    };
+    let ten = judged(&places[..10]);
+    assert_eq!((ten.finding, ten.doubt), (Finding::DoesNotFit, None));
+    assert!(ten.change.is_some());
+    let nine = judged(&places[..9]);
+    assert_eq!(nine.doubt, Some(Doubt::FewWitnesses { places: Contest { first: 9, second: 0 } }));
+}
+
 #[test]
 fn no_change_is_named_if_the_epipoles_are_open_or_another_search_disagrees() {
     let scene = Scene::new(3);
