@@ -82,7 +82,7 @@ pub(crate) fn estimate_since(
 #[cfg(test)]
 mod tests {
     use super::super::exact::ExactScene;
-    use super::super::{ClickRole, Method, Preset};
+    use super::super::{CHECKPOINTS, ClickRole, Method, Preset};
     use super::*;
     use crate::geometry::{Frame, symmetric_epipolar_distance};
 
@@ -169,6 +169,22 @@ mod tests {
                 _ => None,
             });
             assert!(origins.flatten().any(|source| source == selected.origin.source), "{events:?}");
+            let steps = events.iter().rev().find_map(|event| match &event.kind {
+                EventKind::Refined { steps, .. } => Some(steps),
+                _ => None,
+            });
+            let [first, .., last] = steps.unwrap().as_slice() else { panic!("{steps:?}") };
+            assert_eq!(last.fundamental, one.fundamental);
+            let [before, after] = [first, last].map(|step| scene.error(&step.fundamental));
+            assert!(after < before && steps.unwrap().iter().all(|step| step.matches > 0), "{before} {after}");
+            let ranked = events.iter().find_map(|event| match &event.kind {
+                EventKind::Ranked(ranked) => ranked.first(),
+                _ => None,
+            });
+            let ranked = ranked.unwrap();
+            assert_eq!(ranked.course.len(), CHECKPOINTS);
+            let off = ranked.course[CHECKPOINTS - 1] - ranked.hypothesis.support.unwrap();
+            assert!(off.abs() < 1e-6, "the race ends at the support: {off}");
             let features = events.iter().any(|event| matches!(event.kind, EventKind::Matched { .. }));
             assert_eq!(features, pairs.is_empty());
         }

@@ -38,7 +38,7 @@ pub use evidence::features as covariant;
 #[cfg(feature = "pictures")]
 pub(crate) use evidence::lazy::Lazy;
 pub use evidence::lines::{Candidate, ComparedPencils, Construction, LineFigures, RoundTrip, lines_at};
-pub use evidence::patches::{PatchSupport, RefinedMatch, Refinement};
+pub use evidence::patches::{CHECKPOINTS, PatchSupport, RefinedMatch, Refinement, RefinementStep};
 pub use evidence::prepared::PreparedPair;
 pub use fit::{
     DivisionFit, EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Match, MatchFit, MatchFitError, Noise,
@@ -59,7 +59,7 @@ pub use parameters::{PARAMETERS, ParameterEntry, ParameterValue};
 pub use points::{PointEstimate, PointsError, check_inside, estimate_points};
 pub use stage::Stage;
 pub use verdict::assessment::{SMALLEST_SIDE, examine};
-pub use verdict::events::{DistinctMatch, Event, EventKind, HypothesisNote};
+pub use verdict::events::{DistinctMatch, Event, EventKind, HypothesisNote, RankedHypothesis};
 pub use verdict::result::{
     Apart, Assessment, Determined, Estimate, PlaneHomography, SearchCounts, SearchTrace, StageTiming,
 };

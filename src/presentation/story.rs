@@ -32,9 +32,9 @@ fn in_words(kind: &EventKind) -> Option<String> {
         },
         EventKind::Ranked(hypotheses) => {
             let best = hypotheses.first()?;
-            format!("Hypotheses ranked, the first proposed by {}", by(best))
+            format!("Hypotheses ranked, the first proposed by {}", by(&best.hypothesis))
         }
-        EventKind::Refined { selected, matches } => {
+        EventKind::Refined { selected, matches, .. } => {
             format!("Refined on {matches} matches, proposed by {}", by(selected))
         }
         EventKind::Judged { verdict, is_open } => {

@@ -116,7 +116,8 @@ pub(super) fn judge_proposed(
         return Ok(None);
     }
     let (hypotheses, _) = distinct_hypotheses(&ranked, viewed, cancel)?;
-    record.note_ranking(&hypotheses);
+    record.note_ranking(&hypotheses, Some(viewed.patches.fine()));
+    record.enter(Stage::Refinement)?;
     let found = refine_ranked(&ranked, hypotheses, viewed, cancel)?;
     Ok(Some(Judged::of(found, viewed, record)))
 }

@@ -13,7 +13,7 @@ use super::features::{FeatureProposals, ranked};
 use super::judged::{Found, Judged, distinct_hypotheses};
 use super::record::SearchRecord;
 use crate::estimate::evidence::features::view_of_pairs;
-use crate::estimate::evidence::patches::{PatchLevels, Refined, Settling};
+use crate::estimate::evidence::patches::{PatchLevels, Settling};
 use crate::estimate::evidence::prepared::{GivenFit, GivenMatches};
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::fit::false_alarms::{Agreement, PRECISION};
@@ -46,10 +46,11 @@ pub(in crate::estimate) fn search(
 /// Returns the geometry of given matches as it is.
 fn unchanged(given: &GivenFit, hypotheses: Vec<Estimate>, viewed: &ViewedPair) -> Found {
     let matched = viewed.patches.matched(&given.fundamental);
-    let refined = matched.map(|Refined { mut refinement, weight, weight_deviation, .. }| {
-        refinement.uncertainty.clone_from(&given.uncertainty);
-        refinement.is_posed = given.is_posed;
-        Refined { fundamental: given.fundamental, refinement, weight, weight_deviation }
+    let refined = matched.map(|mut refined| {
+        refined.fundamental = given.fundamental;
+        refined.refinement.uncertainty.clone_from(&given.uncertainty);
+        refined.refinement.is_posed = given.is_posed;
+        refined
     });
     Found {
         proposed: Proposed::by(ProposedBy::GivenMatches, given.fundamental),

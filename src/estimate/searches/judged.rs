@@ -60,7 +60,8 @@ impl Judged {
         let selected = Proposed { fundamental, ..proposed };
         if let Some(refined) = &refined {
             let matches = refined.refinement.matches.len();
-            record.note(EventKind::Refined { selected: selected.into(), matches });
+            let steps = refined.steps.clone();
+            record.note(EventKind::Refined { selected: selected.into(), matches, steps });
         }
         let judge = Judge { rests_on, ..judge(viewed, &hypotheses, record) };
         let assessment = judge.result(&fundamental, &supporting, refined);

@@ -44,7 +44,7 @@ pub(super) fn search(viewed: &ViewedPair, record: &mut SearchRecord) -> Result<J
     let fine = viewed.patches.fine();
     let ranked = patches::rank(coarse, fine, &proposals, &clicks.observed(), parameters, cancel)?;
     let (hypotheses, leader) = distinct_hypotheses(&ranked, viewed, cancel)?;
-    record.note_ranking(&hypotheses);
+    record.note_ranking(&hypotheses, Some(fine));
     let best = Proposed { fundamental: *hypotheses[0].fundamental(), origin: leader.origin };
     report_preliminary(best, &hypotheses, Some(leader.support), viewed, record);
 

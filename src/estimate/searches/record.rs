@@ -6,12 +6,12 @@ use std::time::Instant;
 
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::ComparedPencils;
-use crate::estimate::evidence::patches::PatchLevels;
+use crate::estimate::evidence::patches::{PatchLevels, SupportLevel};
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::events::EventLog;
 use crate::estimate::{
     Clicks, DistinctMatch, Estimate, EstimateError, EventKind, HypothesisNote, Monitor, Parameters, Progress,
-    SearchCounts, SearchTrace, Stage, StageTiming,
+    RankedHypothesis, SearchCounts, SearchTrace, Stage, StageTiming,
 };
 use crate::features::FeatureMatch;
 
@@ -69,9 +69,16 @@ impl<'a> SearchRecord<'a> {
         self.events.proposed(self.seconds(), examined, proposals);
     }
 
-    /// Writes the best different hypotheses, best first.
-    pub fn note_ranking(&mut self, hypotheses: &[Estimate]) {
-        self.events.ranked(self.seconds(), hypotheses.iter().filter_map(Estimate::noted));
+    /// Writes the best different hypotheses, best first, with the course of their support at this size, if they
+    /// have one.
+    pub fn note_ranking(&mut self, hypotheses: &[Estimate], level: Option<&SupportLevel>) {
+        let ranked = |one: &Estimate| {
+            let hypothesis = one.noted()?;
+            let at_level = level.and_then(|level| Some((level, one.fundamental().rescaled(level.scales)?)));
+            let course = at_level.map_or_else(Vec::new, |(level, f)| level.support.course(&f));
+            Some(RankedHypothesis { hypothesis, course })
+        };
+        self.events.ranked(self.seconds(), hypotheses.iter().filter_map(ranked));
     }
 
     /// Returns the flag that stops the search.

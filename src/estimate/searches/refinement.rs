@@ -88,7 +88,7 @@ pub(super) fn refine_best(
     };
     let settled = patches.settle(&best.fundamental, &settling, cancel);
     cancel.check()?;
-    Ok(Some((settled.unwrap_or(best), origin)))
+    Ok(Some((best.replaced_by(settled), origin)))
 }
 
 #[cfg(test)]

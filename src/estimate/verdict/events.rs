@@ -5,7 +5,7 @@
 //! ([`KEPT_HYPOTHESES`], [`KEPT_MATCHES`]): a record stays below 1 MB, apart from the pencils, which it shares with
 //! the trace.
 
-use crate::estimate::{Origin, Proposed, Stage, Verdict};
+use crate::estimate::{Origin, Proposed, RefinementStep, Stage, Verdict};
 use crate::geometry::{FundamentalMatrix, PointPair};
 
 /// Largest number of hypotheses in all events of a search.
@@ -55,13 +55,15 @@ pub enum EventKind {
         hypotheses: Vec<HypothesisNote>,
     },
     /// The hypotheses were ranked by their support in both images, after local optimisation. The best different ones.
-    Ranked(Vec<HypothesisNote>),
+    Ranked(Vec<RankedHypothesis>),
     /// The leading hypotheses were fitted to matches at full size, and one was selected.
     Refined {
         /// The selected geometry, with the origin of its start.
         selected: HypothesisNote,
         /// Number of matches along its lines.
         matches: usize,
+        /// The fits from its start to the selected geometry, in order. Empty if it was not refined from a start.
+        steps: Vec<RefinementStep>,
     },
     /// A geometry was judged.
     Judged {
@@ -92,6 +94,16 @@ pub struct HypothesisNote {
     pub origin: Origin,
     /// Support by patches, if it was measured.
     pub support: Option<f64>,
+}
+
+/// Hypothesis in a ranking.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RankedHypothesis {
+    /// The hypothesis, after local optimisation.
+    pub hypothesis: HypothesisNote,
+    /// Support counted so far after each of [`CHECKPOINTS`] equal parts of the evidence, the corners of image 1 and
+    /// the matches of features. Empty if its support was not measured.
+    pub course: Vec<f64>,
 }
 
 impl From<Proposed> for HypothesisNote {
@@ -130,7 +142,7 @@ impl EventLog {
     }
 
     /// Writes the best different hypotheses, best first.
-    pub fn ranked(&mut self, seconds: f64, all: impl Iterator<Item = HypothesisNote>) {
+    pub fn ranked(&mut self, seconds: f64, all: impl Iterator<Item = RankedHypothesis>) {
         self.push(seconds, EventKind::Ranked(all.take(KEPT_RANKED).collect()));
     }
 

@@ -62,12 +62,23 @@ impl FeatureMatches {
         self.places.candidates(f, band).into_iter().map(|k| self.matches[k].correlation - FLOOR).sum()
     }
 
+    /// Returns the number of all matches.
+    pub fn len(&self) -> usize {
+        self.matches.len()
+    }
+
     /// Returns the matches within `band` px of each other's epipolar lines.
     pub fn within(&self, f: &FundamentalMatrix, band: f64) -> impl Iterator<Item = RefinedMatch> {
-        self.places
-            .candidates(f, band)
-            .into_iter()
-            .map(|k| self.matches[k])
-            .filter(move |m| is_within(f, &m.pair, band))
+        self.numbered_within(f, band).map(|(_, m)| m)
+    }
+
+    /// Returns the matches within `band` px of each other's epipolar lines, with their numbers.
+    pub fn numbered_within(
+        &self,
+        f: &FundamentalMatrix,
+        band: f64,
+    ) -> impl Iterator<Item = (usize, RefinedMatch)> {
+        let near = self.places.candidates(f, band).into_iter().map(|k| (k, self.matches[k]));
+        near.filter(move |(_, m)| is_within(f, &m.pair, band))
     }
 }

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use super::dense::densified;
 use super::matches::{LEAST_MATCHES, LevelMatch, MATCH_SIGMA, at_level};
 use super::near_lines::is_within;
-use super::refinement::{LevelMatcher, Refined};
+use super::refinement::{LevelMatcher, Refined, RefinementStep};
 use crate::cancel::CancelFlag;
 use crate::estimate::fit::{Contradiction, Evidence, Explanation, Fitted, LEAST_SCALE, Match, Model, Noise};
 use crate::geometry::{FundamentalMatrix, Observation, rescaling, sampson_distance};
@@ -237,7 +237,8 @@ impl LevelMatcher<'_> {
         }
         let mut refined = Refined::new(&self.level, &f, &matches, Some(noise.scale), covariance.as_ref())?;
         refined.refinement.is_posed = fixed.model.is_posed();
-        Some(refined)
+        let step = RefinementStep { fundamental: refined.fundamental, matches: evidence_matches.len() };
+        Some(refined.after([step]))
     }
 }
 

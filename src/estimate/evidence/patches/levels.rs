@@ -208,7 +208,10 @@ impl PatchLevels {
         for matcher in self.refinement() {
             let start = refined.as_ref().map_or(*f, |r| r.fundamental);
             match matcher.refine(&start, clicks, cancel) {
-                Some(result) => refined = Some(result),
+                Some(result) => {
+                    let before = refined.map_or_else(Vec::new, |before| before.steps);
+                    refined = Some(result.after(before));
+                }
                 None => break,
             }
         }

@@ -24,8 +24,8 @@ mod unguided;
 mod voting;
 
 pub use matches::RefinedMatch;
-pub use refinement::Refinement;
-pub use support::PatchSupport;
+pub use refinement::{Refinement, RefinementStep};
+pub use support::{CHECKPOINTS, PatchSupport};
 
 pub(in crate::estimate) use feature_support::FeatureSupport;
 pub(in crate::estimate) use guided_fit::Settling;
@@ -35,5 +35,5 @@ pub(in crate::estimate) use polish::LEAST_CLICK_SIGMA;
 pub(in crate::estimate) use proposals::{Hypothesis, Proposal, propose};
 pub(in crate::estimate) use rank::{different, hypotheses, rank, rank_fine};
 pub(in crate::estimate) use refinement::Refined;
-pub(in crate::estimate) use support::BAND;
+pub(in crate::estimate) use support::{BAND, SupportLevel};
 pub(in crate::estimate) use unguided::{LIKELY, UnguidedMatch};

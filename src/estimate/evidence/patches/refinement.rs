@@ -38,6 +38,15 @@ pub struct Refinement {
     pub is_posed: bool,
 }
 
+/// A geometry on the way of a refinement, and the matches to which it was fitted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RefinementStep {
+    /// Fundamental matrix of the full-size images, `x2ᵀ F x1 = 0`.
+    pub fundamental: FundamentalMatrix,
+    /// Number of matches found along the lines of the step before.
+    pub matches: usize,
+}
+
 /// Corners and patches of one level, computed once per image pair.
 #[derive(Debug, Default)]
 pub(in crate::estimate) struct RefinementLevel {
@@ -73,6 +82,8 @@ pub(in crate::estimate) struct Refined {
     pub weight: f64,
     /// Standard deviation of the weight, as a sum over independent matches (Poisson process).
     pub weight_deviation: f64,
+    /// The fits that led here, in order.
+    pub steps: Vec<RefinementStep>,
 }
 
 impl Refined {
@@ -103,7 +114,23 @@ impl Refined {
             },
             weight: weights.iter().sum(),
             weight_deviation: weights.iter().map(|weight| weight * weight).sum::<f64>().sqrt(),
+            steps: Vec::new(),
         })
+    }
+
+    /// Returns the geometry that a further fit found, with all steps; this one if it found none.
+    #[must_use]
+    pub fn replaced_by(self, further: Option<Self>) -> Self {
+        match further {
+            Some(further) => further.after(self.steps),
+            None => self,
+        }
+    }
+
+    /// Returns this geometry with the steps that led to it: `before`, and its own.
+    #[must_use]
+    pub(super) fn after(self, before: impl IntoIterator<Item = RefinementStep>) -> Self {
+        Self { steps: before.into_iter().chain(self.steps).collect(), ..self }
     }
 }
 
@@ -172,6 +199,8 @@ impl LevelMatcher<'_> {
         let mut current = f.rescaled(self.level.scales)?;
         let mut matches: Vec<LevelMatch> = Vec::new();
         let mut covariance = None;
+        let mut steps = Vec::new();
+        let full_size = self.level.scales.map(f64::recip);
         for band in BANDS {
             if cancel.is_cancelled() {
                 return None;
@@ -188,9 +217,10 @@ impl LevelMatcher<'_> {
             let scale = (band / BAND_DEVIATIONS / MATCH_SIGMA).max(LEAST_SCALE);
             let fitted = fit_fundamental(&current, &observations, scale)?;
             (current, covariance) = (fitted.fundamental, fitted.covariance);
+            steps.push(RefinementStep { fundamental: current.rescaled(full_size)?, matches: matches.len() });
         }
         matches.retain(|m| sampson_distance(&current, &m.found.pair) < BANDS[BANDS.len() - 1]);
-        Refined::new(&self.level, &current, &matches, None, covariance.as_ref())
+        Some(Refined::new(&self.level, &current, &matches, None, covariance.as_ref())?.after(steps))
     }
 
     /// Returns the matches of features and the mutual best matches of corners within `band` px of each

@@ -20,6 +20,9 @@ use serde::Serialize;
 /// Corners are found to a pixel in each image, and the geometry is not yet refined.
 pub(in crate::estimate) const BAND: f64 = 2.0;
 
+/// Number of equal parts of the evidence in the course of a support.
+pub const CHECKPOINTS: usize = 16;
+
 /// Patches that agree with a geometry.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct PatchSupport {
@@ -132,6 +135,24 @@ impl Support {
         found
     }
 
+    /// Returns the score of [`Self::measure`] counted so far after each of [`CHECKPOINTS`] equal parts of the
+    /// corners of image 1 and of the matches of features.
+    pub fn course(&self, f: &FundamentalMatrix) -> Vec<f64> {
+        let mut course = vec![0.0; CHECKPOINTS];
+        let mut count = |k: usize, of: usize, correlation: f32| {
+            course[k * CHECKPOINTS / of] += f64::from(correlation - FLOOR);
+        };
+        self.for_each_mutual(f, BAND, |m| count(m.corner1 as usize, self.corners[0].len(), m.correlation));
+        let features = self.features.len();
+        self.features.numbered_within(f, BAND).for_each(|(k, m)| count(k, features, m.correlation));
+        let mut sum = 0.0;
+        for score in &mut course {
+            sum += *score;
+            *score = sum;
+        }
+        course
+    }
+
     /// Calls `found` with each mutual best match of corners, in the order of the corners of image
     /// 1.
     fn for_each_mutual(&self, f: &FundamentalMatrix, band: f64, mut found: impl FnMut(&Putative)) {
@@ -237,6 +258,9 @@ mod tests {
             let other = support.measure(&wrong).score;
             assert!(right > 1.5 * other, "{right} against {other}");
         }
+        let course = support.course(&rows(0.0));
+        assert!(course.len() == CHECKPOINTS && course.is_sorted() && course[3] > 0.0);
+        assert!((course[CHECKPOINTS - 1] - right).abs() < 1e-9 * right, "the course ends at the support");
         let matches = support.matches(&rows(0.0), 2.0);
         let true_matches =
             matches.iter().filter(|m| (m.pair.point1.x - m.pair.point2.x - 6.0).abs() < 0.5).count();

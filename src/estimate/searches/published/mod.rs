@@ -47,7 +47,7 @@ pub(super) fn find(viewed: &ViewedPair, record: &mut SearchRecord) -> Result<Fou
     let noted: Vec<HypothesisNote> =
         ranked.hypotheses.iter().map(|(proposed, _)| (*proposed).into()).collect();
     record.note_proposals(record.counts.hypotheses, &noted);
-    record.note_ranking(&hypotheses);
+    record.note_ranking(&hypotheses, None);
     let best = ranked.hypotheses[0].0;
     report_preliminary(best, &hypotheses, None, viewed, record);
 
