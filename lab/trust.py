@@ -6,17 +6,17 @@
 
 `collect` runs PROGRAM, the command-line program, and adds one line of JSON for each result to TABLE. Results
 that TABLE has are not computed again; the most telling come first. With SHARE=0/2 in the environment, half of
-them are computed. DATA holds house/, pairs/, wide/ and real/; each MADE is a folder of pairs without parallax
-with its meta.json. `report` takes several tables, separated by commas. `report` fits the probability on one half of the scenes and tests it
-on the other, both ways. It prints the constants of `estimate/verdict/trust/probability.rs`, and draws the
-reliability diagram into FIGURES.
+them are computed. DATA holds house/, pairs/, wide/, real/ and outside/; each MADE is a folder of pairs without
+parallax with its meta.json. `report` takes several tables, separated by commas. It counts the verdicts, tests the
+stated probability, and fits it on one half of the scenes and tests it on the other, both ways. It prints the
+constants of `estimate/verdict/trust/lines.rs`, and draws the reliability diagram into FIGURES.
 
-A result is right if its lines are within 1 % of the longer side: the mean symmetric epipolar distance of the
-true matches, or for laser-scanned cameras the mean distance from the true lines all over the pictures.
-Without parallax nothing determines the epipole. A result there is wrong unless it says so (`determined` is
-`lines`) and its lines hold at the true matches: those of the made pair, or the inliers of one homography of
-SIFT features. With fewer than 30 inliers this is not known, and the result counts for the verdict alone.
-Made pairs without true matches have no right result.
+The lines of a result are right if they are within 1 % of the longer side: the mean symmetric epipolar distance of
+the true matches, or for laser-scanned cameras the mean distance from the true lines all over the pictures. Those of
+unrelated pictures are wrong. A result is right if its lines are and if it does not claim an epipole that nothing
+determines (`determined` is `lines` without parallax). True matches of pairs without parallax are those of the made
+pair, or the inliers of one homography of SIFT features. With fewer than 30 inliers, and for made pairs without true
+matches, it is not known whether the lines are right.
 Needs NumPy, SciPy and OpenCV; the diagram needs matplotlib.
 """
 
@@ -33,6 +33,7 @@ import numpy as np
 from coverage import pairs as known_pairs
 
 LIMIT = 0.01  # Largest error of a right result, as a share of the longer side.
+UNRELATED = 26  # Number of pairs of pictures of different scenes.
 
 
 # --- Collection ------------------------------------------------------------------------------------------
@@ -132,6 +133,27 @@ def known(data):
         name = os.path.basename(stem)
         scene = name.split("-")[0]
         yield "strecha", scene, name, picture(stem + "A"), picture(stem + "B"), None, np.loadtxt(path)
+    for path in sorted(glob.glob(f"{data}/outside/*/*A.*")):
+        stem = os.path.splitext(path)[0][:-1]
+        kind, name = stem.split("/")[-2:]
+        given = f"{data}/outside/matches/{kind}_{name}.txt"
+        if kind == "wxbs":
+            matches = np.loadtxt(f"{stem}.txt", ndmin=2)[:, :4]
+        elif os.path.exists(given):
+            # Matches of another program that the true cameras confirm.
+            matches = np.loadtxt(given, ndmin=2)[:, :4]
+            matches = matches[distances(np.loadtxt(f"{stem}_F.txt"), matches) < 3]
+        else:
+            continue
+        yield kind, name if kind == "wxbs" else kind, name, path, picture(stem + "B"), matches, None
+    pictures = sorted(glob.glob(f"{data}/wide/*A.jpg")) + sorted(glob.glob(f"{data}/real/strecha/*A.*"))
+    random = np.random.default_rng(7)
+    for k in range(UNRELATED):
+        scene_of = lambda path: os.path.basename(path).split("-")[0]
+        left, right = (pictures[i] for i in random.integers(len(pictures), size=2))
+        while scene_of(left) == scene_of(right):
+            right = pictures[random.integers(len(pictures))]
+        yield "unrelated", f"unrelated-{k}", f"{k:02}", left, right, None, None
 
 
 def tasks(data, made):
@@ -193,7 +215,7 @@ def run(program, task):
     side = max(max(frame) for frame in frames)
     at_matches = None if matches is None else float(np.mean(distances(f, matches)) / side)
     everywhere = None if truth is None else between_lines(f, truth, frames) / side
-    parts = ("verdict", "failed_tests", "reasons", "determined", "margin", "refined_margin", "support", "noise", "seconds", "epipole_bearings", "pair_distances")
+    parts = ("verdict", "failed_tests", "reasons", "determined", "line_evidence", "probability_within_one_percent", "noise", "seconds", "epipole_bearings", "pair_distances")
     record |= {part: found.get(part) for part in parts}
     record |= {"matches": len(found["matches"]), "side": side, "at_matches": at_matches, "everywhere": everywhere}
     return record
@@ -221,8 +243,6 @@ FIRST_HALF = {
     "house", "kermit", "brighton", "castle", "library", "Dresden", "corr", "graff", "kampa", "plant", "wall",
     "BruggeSquare", "LePoint1", "adam", "city", "ev_cafe", "ev_graf",
 }
-GROUPS = ["nothing", "click", "epipole", "support", "unreliable"]
-OF_EPIPOLE = {"one-plane", "no-relief", "only-turned", "behind-cameras", "bent", "pattern", "mirrored"}
 
 
 def load(tables):
@@ -236,89 +256,68 @@ def load(tables):
     return list(found.values())
 
 
+def lines_are_right(record):
+    """Returns whether the lines of a result are right near the matches, or None if that is not known."""
+    if record["set"] == "unrelated":
+        return False
+    error = record["everywhere"] if record["at_matches"] is None else record["at_matches"]
+    return None if error is None else error <= LIMIT
+
+
 def is_right(record):
     """Returns whether a result is right, as the head of this file says, or None if that is not known."""
-    if record["set"] in ("planes", "turns", "made"):
-        if record["determined"] != "lines":
-            return False
-        if record["at_matches"] is None:
-            return False if record["set"] == "made" else None
-        return record["at_matches"] <= LIMIT
-    error = record["everywhere"] if record["at_matches"] is None else record["at_matches"]
-    return error is not None and error <= LIMIT
-
-
-def group(record):
-    """Returns what speaks against a result."""
-    kinds = {test["kind"] for test in record["failed_tests"]}
-    if record["verdict"] != "doubtful":
-        return "nothing" if record["verdict"] == "reliable" else "unreliable"
-    if kinds == {"click-off"}:
-        return "click"
-    return "epipole" if kinds - {"click-off"} <= OF_EPIPOLE else "support"
+    if record["set"] in ("planes", "turns", "made") and record["determined"] != "lines":
+        return False
+    return lines_are_right(record)
 
 
 def half_of(record):
     scene = record["scene"]
     if scene in FIRST_HALF:
         return 0
-    return 1 if record["set"] != "made" or not scene.split("-")[-1].isdigit() else zlib.crc32(scene.encode()) % 2
+    by_name = record["set"] in ("unrelated", "wxbs") or record["set"] == "made" and scene.split("-")[-1].isdigit()
+    return zlib.crc32(scene.encode()) % 2 if by_name else 1
 
 
-class Frequencies:
-    """Share of right results for each value of `of`, by the rule of succession."""
-
-    def __init__(self, records, of):
-        self.of = of
-        self.counts = collections.defaultdict(lambda: [0, 0])
-        for record in records:
-            self.counts[of(record)][not is_right(record)] += 1
-
-    def __call__(self, record):
-        right, wrong = self.counts[self.of(record)]
-        return (right + 1) / (right + wrong + 2)
+def stated(record):
+    """Returns the probability that the program states."""
+    return record["probability_within_one_percent"]
 
 
-class Ordered(Frequencies):
-    """Frequencies of the groups of failed tests, where a worse group never has a larger share: groups that have are
-    counted together (pooled adjacent violators)."""
+def grown(record):
+    """Returns the lead of the lines as `estimate/verdict/trust/lines.rs` takes it."""
+    found = record["line_evidence"]
+    lead = min(found["likelihood"] - found["rival"], max(-found["log_false_alarms"], 0.0))
+    return np.log1p(lead) if lead > 0 else lead / (1 - lead)
+
+
+class LogOdds:
+    """Log-odds that are a linear function of the grown lead."""
 
     def __init__(self, records):
-        super().__init__(records, group)
-        pools = []
-        for name in GROUPS:
-            pools.append(([name], *self.counts[name]))
-            while len(pools) > 1 and self.share(*pools[-1][1:]) > self.share(*pools[-2][1:]):
-                (names, right, wrong), (before, right0, wrong0) = pools.pop(), pools.pop()
-                pools.append((before + names, right + right0, wrong + wrong0))
-        for names, *counts in pools:
-            self.counts.update(dict.fromkeys(names, counts))
-
-    @staticmethod
-    def share(right, wrong):
-        return (right + 1) / (right + wrong + 2)
-
-
-def figures_of(record):
-    """Returns the figures of the logistic model: whether each group applies, the matches, and the margin."""
-    margin = record["margin"] if record["refined_margin"] is None else record["refined_margin"]
-    margin = 1.0 if margin is None else min(max(margin, 0), 1)
-    return [*(float(group(record) == name) for name in GROUPS), np.log(max(record["matches"], 1) / 300), margin - 0.5]
-
-
-class Logistic:
-    """Logistic function of a few figures, with a Gaussian prior of deviation `spread` on each weight."""
-
-    def __init__(self, records, spread=2.0):
         from scipy.optimize import minimize
 
-        x = np.array([figures_of(r) for r in records])
-        sign = np.array([1.0 if is_right(r) else -1.0 for r in records])
-        cost = lambda w: np.logaddexp(0, -sign * (x @ w)).sum() + (w @ w) / (2 * spread**2)
-        self.weights = minimize(cost, np.zeros(x.shape[1])).x
+        x = np.array([(1.0, grown(r)) for r in records])
+        sign = np.array([1.0 if lines_are_right(r) else -1.0 for r in records])
+        # The prior of deviation 5 decides only where all results are right.
+        cost = lambda w: np.logaddexp(0, -sign * (x @ w)).sum() + (w @ w) / 50
+        self.weights = minimize(cost, np.zeros(2)).x
 
     def __call__(self, record):
-        return 1 / (1 + np.exp(-np.dot(self.weights, figures_of(record))))
+        return 1 / (1 + np.exp(-np.dot(self.weights, (1.0, grown(record)))))
+
+
+class Word:
+    """Share of right lines for each word of the verdict, by the rule of succession."""
+
+    def __init__(self, records):
+        self.counts = collections.defaultdict(lambda: [0, 0])
+        for record in records:
+            self.counts[record["verdict"]][not lines_are_right(record)] += 1
+
+    def __call__(self, record):
+        right, wrong = self.counts[record["verdict"]]
+        return (right + 1) / (right + wrong + 2)
 
 
 def brier(chances, right):
@@ -355,28 +354,18 @@ def reliability(chances, right):
     return rows
 
 
-def models(fit):
-    return {
-        "base rate": Frequencies(fit, lambda _: "all"),
-        "word": Frequencies(fit, lambda record: record["verdict"]),
-        "group of failed tests": Ordered(fit),
-        "logistic": Logistic(fit),
-    }
-
-
 def counts(records):
     label = lambda record: "one click mismatched" if "wrong" in record["mode"] else record["set"]
-    print("| set | results | right | reliable | wrong among these | right ones called reliable | " + " | ".join(f"{g}: right of" for g in GROUPS) + " |")
-    print("|" + "---|" * (6 + len(GROUPS)))
+    print("| set | results | right | reliable | wrong among these | right ones called reliable | right lines, of known |")
+    print("|" + "---|" * 7)
     for kind in [*sorted({label(r) for r in records}), "all"]:
         own = [r for r in records if kind in (label(r), "all")]
         reliable = [r for r in own if r["verdict"] == "reliable"]
         right = [r for r in own if is_right(r)]
         cells = [len(own), len(right), len(reliable), sum(is_right(r) is False for r in reliable)]
         cells.append(f"{sum(r['verdict'] == 'reliable' for r in right)} of {len(right)}")
-        for name in GROUPS:
-            grouped = [is_right(r) for r in own if group(r) == name and is_right(r) is not None]
-            cells.append(f"{sum(grouped)} of {len(grouped)}")
+        known = [lines_are_right(r) for r in own if lines_are_right(r) is not None]
+        cells.append(f"{sum(known)} of {len(known)}")
         print(f"| {kind} | " + " | ".join(map(str, cells)) + " |")
 
 
@@ -399,33 +388,37 @@ def draw(curves, folder):
     figure.savefig(os.path.join(folder, "reliability.svg"), metadata={"Date": None})
 
 
+def described(name, chances, right):
+    """Prints the scores of probabilities and returns the rows of their reliability diagram."""
+    rows = reliability(chances, right)
+    print(f"  {name:9} Brier {brier(chances, right):.4f}, area under risk-coverage {risk_coverage(chances, right):.4f}")
+    print("    told → measured: " + "; ".join(f"{t:.1%} → {m:.1%} ({lo:.1%} to {hi:.1%}) of {n}" for t, m, lo, hi, n in rows))
+    return rows
+
+
 def report(table, figures=None):
     records = load(table.split(","))
     counts(records)
-    records = [r for r in records if is_right(r) is not None]
+    print("\nReliable and wrong:", *(r["key"] for r in records if r["verdict"] == "reliable" and is_right(r) is False))
+    records = [r for r in records if lines_are_right(r) is not None and r["line_evidence"] is not None]
+    right_of = lambda own: np.array([float(lines_are_right(r)) for r in own])
+    own = [r for r in records if stated(r) is not None]
+    print(f"\nAll {len(own)} results with a probability, {right_of(own).mean():.1%} right:")
+    curves = [("stated", described("stated", np.array([stated(r) for r in own]), right_of(own)))]
     halves = [[r for r in records if half_of(r) == k] for k in (0, 1)]
-    curves = []
+    crossed = []
     for k in (0, 1):
         fit, test = halves[k], halves[1 - k]
-        right = np.array([float(is_right(r)) for r in test])
+        right = right_of(test)
         print(f"\nFitted to half {k + 1} ({len(fit)} results), tested on half {2 - k} ({len(test)}, {right.mean():.1%} right):")
-        ideal = np.arange(1, len(right) + 1) - right.sum()
-        ideal = float(np.mean(np.maximum(ideal, 0) / np.arange(1, len(right) + 1)))
-        for name, model in models(fit).items():
-            chances = np.array([model(r) for r in test])
-            print(f"  {name:22} Brier {brier(chances, right):.4f}, area under risk-coverage {risk_coverage(chances, right):.4f} (ideal {ideal:.4f})")
-            if name in ("group of failed tests", "logistic"):
-                rows = reliability(chances, right)
-                print("    told → measured: " + "; ".join(f"{t:.1%} → {m:.1%} ({lo:.1%} to {hi:.1%}) of {n}" for t, m, lo, hi, n in rows))
-                if name == "group of failed tests":
-                    curves.append((f"half {2 - k}, fitted to half {k + 1}", rows))
-    print("\nProbability by group: half 1, half 2, both")
-    fits = [Ordered(part) for part in (*halves, records)]
-    for name in GROUPS:
-        cells = [f.counts[name] for f in fits]
-        print(f"  {name:10} " + ", ".join(f"{(r + 1) / (r + w + 2):.4f} ({r} of {r + w} right)" for r, w in cells))
-    print("weights of the logistic model:", *(np.round(Logistic(part).weights, 2) for part in halves))
-    print("\nReliable and wrong:", *(r["key"] for r in records if r["verdict"] == "reliable" and not is_right(r)))
+        for name, model in (("word", Word(fit)), ("log-odds", LogOdds(fit))):
+            rows = described(name, np.array([model(r) for r in test]), right)
+        curves.append((f"half {2 - k}, fitted to half {k + 1}", rows))
+        crossed.append((np.array([model(r) for r in test]), right))
+    chances, right = map(np.concatenate, zip(*crossed))
+    print("\nBoth halves, each with the fit of the other:")
+    described("log-odds", chances, right)
+    print("constants of half 1, half 2, both:", *(np.round(LogOdds(part).weights, 2) for part in (*halves, records)))
     if figures:
         draw(curves, figures)
 

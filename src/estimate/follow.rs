@@ -125,6 +125,7 @@ mod tests {
                 margin,
                 refined_margin,
                 apart,
+                line_evidence,
                 barcodes,
                 refinement,
                 distinctive,
@@ -136,7 +137,7 @@ mod tests {
             assert!(support.unwrap().matches > 60 && found.trace.is_none());
             assert!(lines.is_none() && refinement.is_none() && trust.is_none() && plane.is_none());
             assert!(margin.is_none() && refined_margin.is_none() && apart.is_none() && barcodes.is_none());
-            assert!(distinctive.is_empty() && warnings.is_empty() && !of_given);
+            assert!(line_evidence.is_none() && distinctive.is_empty() && warnings.is_empty() && !of_given);
         }
         // A click that is far off does not take the geometry along, but has an influence.
         let far = moved(&scene, Vector::new(0.0, 30.0));

@@ -65,5 +65,5 @@ pub use verdict::result::{
 };
 pub use verdict::trust::{
     BarcodeFigures, CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW,
-    GUESS_MARGIN, Reason, Suspect, Trust, Verdict,
+    GUESS_MARGIN, LineEvidence, Reason, Suspect, Trust, Verdict,
 };

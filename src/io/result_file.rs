@@ -8,8 +8,8 @@ use serde::Serialize;
 use super::geometry_file::{Format, ImageNote, PairLabel, TrustNote};
 use crate::camera::{Baseline, CameraDoubt, PicturesOf, PoseFit, UndistortedView, ViewPair};
 use crate::estimate::{
-    BarcodeFigures, Determined, EpipoleBearing, Estimate, Method, Origin, Parameters, PatchSupport,
-    PlaneHomography, Preset, Reason, SearchCounts, SearchTrace, StageTiming, Verdict, Warning,
+    BarcodeFigures, Determined, EpipoleBearing, Estimate, LineEvidence, Method, Origin, Parameters,
+    PatchSupport, PlaneHomography, Preset, Reason, SearchCounts, SearchTrace, StageTiming, Verdict, Warning,
 };
 use crate::geometry::{
     Frame, FundamentalMatrix, HomogeneousPoint, PointPair, finite_point, sampson_distance,
@@ -49,6 +49,9 @@ pub struct ResultFile<'a> {
     /// Probability that the lines are within 1 % of the longer side.
     #[serde(skip_serializing_if = "Option::is_none")]
     probability_within_one_percent: Option<f64>,
+    /// Evidence from which the probability follows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    line_evidence: Option<LineEvidence>,
     /// Part of the geometry that the matches determine.
     #[serde(skip_serializing_if = "Option::is_none")]
     determined: Option<Determined>,
@@ -225,6 +228,7 @@ impl<'a> ResultFile<'a> {
             frame_offset: None,
             verdict: trust.map(|t| t.verdict),
             probability_within_one_percent: assessment.probability_within_one_percent(),
+            line_evidence: assessment.line_evidence,
             determined: found.determined(frames),
             epipole_bearings: found.epipole_bearings(frames),
             reasons: trust.iter().flat_map(|t| t.reasons.iter().map(reason_in_words)).collect(),

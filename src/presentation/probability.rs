@@ -17,20 +17,22 @@ pub fn probability_in_words(assessment: &Assessment, side: f64) -> Option<String
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::{Reason, Verdict};
+    use crate::estimate::{LineEvidence, Reason, Verdict};
 
-    fn words(verdict: Verdict, reasons: Vec<Reason>) -> Option<String> {
-        let trust = Some(Trust { verdict, reasons });
-        probability_in_words(&Assessment { trust, ..Assessment::default() }, 768.0)
+    fn words(reasons: Vec<Reason>, is_measured: bool) -> Option<String> {
+        let trust = Some(Trust { verdict: Verdict::Doubtful, reasons });
+        let lines = LineEvidence { likelihood: 300.0, rival: 0.0, log_false_alarms: -200.0 };
+        let line_evidence = is_measured.then_some(lines);
+        probability_in_words(&Assessment { line_evidence, trust, ..Assessment::default() }, 768.0)
     }
 
     #[test]
     fn the_sentence_says_which_lines_are_meant() {
-        let reliable = words(Verdict::Reliable, Vec::new()).unwrap();
-        assert!(reliable.starts_with("Lines: about 9"), "{reliable}");
-        assert!(reliable.ends_with("% likely to be within 8 px, 1 % of the longer side"), "{reliable}");
+        let lines = words(vec![Reason::Fisheye], true).unwrap();
+        assert!(lines.starts_with("Lines: about 9"), "{lines}");
+        assert!(lines.ends_with("% likely to be within 8 px, 1 % of the longer side"), "{lines}");
         let plane = Reason::OnePlane { percent: 98, groups: 9, agreeing: 2, is_still: false };
-        assert!(words(Verdict::Doubtful, vec![plane]).unwrap().starts_with("Lines near the matches: about "));
-        assert_eq!(words(Verdict::Doubtful, vec![Reason::NotChecked]), None);
+        assert!(words(vec![plane], true).unwrap().starts_with("Lines near the matches: about "));
+        assert_eq!(words(vec![Reason::NotChecked], false), None);
     }
 }

@@ -11,8 +11,8 @@ use serde::Serialize;
 use crate::estimate::evidence::patches::{Hypothesis, PatchLevels};
 use crate::estimate::{
     BarcodeFigures, Clicks, ComparedPencils, ENOUGH_MATCHES, EpipoleBearing, EpipoleCertainty, Event,
-    HypothesisNote, LineFigures, Origin, PatchSupport, PreparedPair, Preset, Proposed, RefinedMatch,
-    Refinement, Stage, Trust, Uncertainty, Verdict, Warning,
+    HypothesisNote, LineEvidence, LineFigures, Origin, PatchSupport, PreparedPair, Preset, Proposed,
+    RefinedMatch, Refinement, Stage, Trust, Uncertainty, Verdict, Warning,
 };
 use crate::features::FeatureViews;
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
@@ -66,6 +66,9 @@ pub struct Assessment {
     /// Distances of the hypotheses of the search from the result. They select the rival of the
     /// margin.
     pub apart: Option<Apart>,
+    /// Evidence for the lines by the matches that the images show without them. `None` for a geometry that does not
+    /// rest on the images, and without patches or refinement.
+    pub line_evidence: Option<LineEvidence>,
     /// Figures of motion barcodes, for sequences.
     pub barcodes: Option<BarcodeFigures>,
     /// Fit of all seven degrees of freedom at full resolution.

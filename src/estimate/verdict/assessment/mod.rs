@@ -5,6 +5,7 @@ mod baseline;
 mod degeneracy;
 mod examination;
 mod lens;
+mod line_evidence;
 mod margin;
 mod parallax;
 mod pattern;
@@ -30,7 +31,8 @@ use crate::estimate::fit::false_alarms::{Agreement, OF_A_PLANE, PRECISION, withi
 use crate::estimate::fit::{largest_plane, strong_lens_is_likelier};
 use crate::estimate::verdict::selection::ClickedPairs;
 use crate::estimate::verdict::trust::{
-    Baseline, Evidence, HALF_PLANE, Mirror, OffPlane, PlaneEvidence, RefinedOn, Relief, Together, USUAL_SIDE,
+    Baseline, Evidence, HALF_PLANE, LineEvidence, Mirror, OffPlane, PlaneEvidence, RefinedOn, Relief,
+    Together, USUAL_SIDE,
 };
 use crate::estimate::{
     Assessment, Estimate, PatchSupport, PlaneHomography, Refinement, Search, Trust, Warning,
@@ -41,6 +43,7 @@ use crate::geometry::{
 use agreement::unguided_on_lines;
 use baseline::Posed;
 use examination::{line_figures, patch_support};
+use line_evidence::line_evidence;
 use margin::{all_apart, differs, least_clear, margin};
 use parallax::{CORNER_SIGMA, precision};
 
@@ -124,7 +127,8 @@ impl Judge<'_> {
         let open = refined.as_ref().filter(is_open);
         let refined_margin = open.map(|refined| self.refined_margin(f, refined.weight, supporting));
         let refinement = refined.map(|refined| refined.refinement);
-        let (trust, plane) = self.trust(f, refined_margin.or(margin), refinement.as_ref());
+        let line_evidence = self.line_evidence(f, supporting, refinement.as_ref());
+        let (trust, plane) = self.trust(f, refined_margin.or(margin), refinement.as_ref(), line_evidence);
         let mut warnings = self.warnings(f);
         let is_free = refinement.as_ref().is_some_and(|refinement| !refinement.is_posed);
         if is_free && prepared.calibrations().is_some() {
@@ -139,6 +143,7 @@ impl Judge<'_> {
             margin,
             refined_margin,
             apart: Some(apart),
+            line_evidence,
             barcodes: None,
             refinement,
             distinctive,
@@ -167,6 +172,29 @@ impl Judge<'_> {
             .map(|refined| refined.weight)
             .fold(0.0, f64::max);
         margin::relative(weight, heaviest)
+    }
+
+    /// Returns the evidence of the images for the lines. `None` if a geometry does not rest on the images, or if
+    /// refinement is off.
+    fn line_evidence(
+        &self,
+        f: &FundamentalMatrix,
+        supporting: &[PointPair],
+        refinement: Option<&Refinement>,
+    ) -> Option<LineEvidence> {
+        let SearchInput { prepared, parameters, .. } = self.viewed.input;
+        let is_refined = parameters.search == Search::Patches && parameters.refinement.refine;
+        if self.rests_on != RestsOn::Images || !is_refined {
+            return None;
+        }
+        let (patches, frames) = (&self.viewed.patches, prepared.frames());
+        let found = refinement.map(|refinement| refinement.matches.iter().map(|m| m.pair).collect());
+        let matches: Vec<PointPair> = found.unwrap_or_else(|| supporting.to_vec());
+        let others = self.hypotheses.iter().map(Estimate::fundamental);
+        let rivals: Vec<&FundamentalMatrix> =
+            others.filter(|other| differs(f, other, &matches, frames)).collect();
+        let agreement = unguided_agreement(patches, f, frames);
+        Some(line_evidence(f, &rivals, patches.unguided(), frames, &agreement))
     }
 
     fn warnings(&self, f: &FundamentalMatrix) -> Vec<Warning> {
@@ -240,6 +268,7 @@ impl Judge<'_> {
         f: &FundamentalMatrix,
         margin: Option<f64>,
         refinement: Option<&Refinement>,
+        lines: Option<LineEvidence>,
     ) -> (Trust, Option<PlaneHomography>) {
         let SearchInput { prepared, clicks, parameters } = self.viewed.input;
         let distances: Vec<f64> = clicks.observed().iter().map(|pair| sampson_distance(f, pair)).collect();
@@ -268,6 +297,7 @@ impl Judge<'_> {
             clicks: &distances,
             click_sigma: parameters.click_sigma,
             margin,
+            lines,
             deviation,
             plane: found.as_ref().map(|found| found.evidence),
             together: found.as_ref().map(|found| found.together).unwrap_or_default(),

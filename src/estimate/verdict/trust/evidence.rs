@@ -6,6 +6,7 @@ use std::iter::repeat_n;
 
 use serde::Serialize;
 
+use super::lines::LineEvidence;
 use crate::estimate::evidence::patches::MirrorMatches;
 use crate::estimate::fit::false_alarms::{Agreement, BY_CHANCE, OF_A_PLANE};
 use crate::estimate::verdict::poisson::fewer_than;
@@ -416,6 +417,8 @@ pub(in crate::estimate) struct Evidence<'a> {
     pub click_sigma: f64,
     /// Relative advantage over the best clearly different geometry.
     pub margin: Option<f64>,
+    /// Evidence of the images for the lines. `None` if the geometry does not rest on the images, or without refinement.
+    pub lines: Option<LineEvidence>,
     /// Median standard deviation of the epipolar lines at the matches, px.
     pub deviation: Option<f64>,
     /// Evidence of the largest plane. `None` without matches.

@@ -1,12 +1,13 @@
 //! Rules of the verdict, and their thresholds.
 //!
 //! Each rule is a test that wrong geometries usually fail:
-//! - enough patches match along the epipolar lines at full resolution;
+//! - the lines are probably right near the matches, by the matches that the images show without them;
 //! - the clicks lie on their lines;
-//! - no clearly different geometry has nearly as much support;
 //! - the matches determine the lines precisely;
-//! - matches off the largest plane determine the epipoles, or matches beside a turn those of known cameras;
-//! - distinctive matches, found without the geometry, agree with it.
+//! - matches off the largest plane determine the epipoles, or matches beside a turn those of known cameras.
+//!
+//! Geometries of given matches or of clicks alone, and those of searches without patches, have tests of their support
+//! in place of the first one.
 //!
 //! A result is reliable if it passes all tests. Thresholds of counts and distances are round
 //! numbers from results of known truth, with right and wrong clicks (`lab/notes.md` has the
@@ -14,8 +15,9 @@
 
 use super::evidence::{
     BarcodeFigures, Baseline, Evidence, GivenFigures, GivenPoints, OffPlane, PlaneEvidence, RefinedOn,
-    Relief, Witnesses,
+    Witnesses,
 };
+use super::lines::{EVEN, LineEvidence, SURE};
 use super::{Reason, Suspect, Trust, Verdict};
 
 /// Fewest matches of a reliable result. A round number from results of known truth
@@ -71,37 +73,20 @@ impl Trust {
             RefinedOn::Nothing if evidence.patches => reasons.push(Reason::RefinementOff),
             RefinedOn::Clicks => reasons.push(Reason::ClicksAlone),
             RefinedOn::TooFewMatches if evidence.patches => reasons.push(Reason::NotRefined),
-            RefinedOn::Matches(matches) | RefinedOn::Given(matches) if matches < ENOUGH_MATCHES => {
-                unreliable |= matches < FAR_TOO_FEW;
-                reasons.push(Reason::FewMatches { matches });
-            }
             _ => {}
         }
-        if let Some(agreement) = evidence.unguided.filter(|agreement| !agreement.is_no_chance()) {
-            let (agreeing, matches) = (evidence.unguided_on_lines, agreement.matches);
-            match (evidence.refined_on, evidence.given) {
-                (RefinedOn::Given(_), Some(given)) => {
-                    reasons.push(Reason::GivenAlone { matches: given.matches });
-                }
-                (RefinedOn::Clicks, _) => {}
-                _ => reasons.push(Reason::ByChance { agreeing, matches }),
-            }
-            unreliable |= evidence.refined_on != RefinedOn::Clicks;
-        }
-        if let Some(margin) = evidence.margin.filter(|m| *m < CLEAR_MARGIN) {
-            // No search has preferred a geometry of given matches or of clicks alone.
-            let is_given = matches!(evidence.refined_on, RefinedOn::Given(_) | RefinedOn::Clicks);
-            unreliable |= is_given && margin < -CLEAR_MARGIN;
-            reasons.push(Reason::Ambiguous { margin });
-        }
+        let of_lines = match &evidence.lines {
+            Some(lines) => of_the_lines(lines, evidence),
+            None => of_support(evidence),
+        };
+        unreliable |= of_lines.unreliable;
+        let lines_are_doubted = evidence.lines.is_none() || !of_lines.reasons.is_empty();
+        reasons.extend(of_lines.reasons);
         if let Some(deviation) = evidence.deviation.filter(|d| *d > LOOSEST * evidence.side) {
             reasons.push(match evidence.barcodes {
                 Some(_) => Reason::LooseBarcodes { deviation },
                 None => Reason::Loose { deviation },
             });
-        }
-        if let Some((contradicting, matches)) = evidence.together.contradict() {
-            reasons.push(Reason::Contradicted { contradicting, matches });
         }
         if let Some(mirror) = evidence.mirror.filter(|mirror| mirror.is_likely()) {
             reasons.push(Reason::Mirrored { matches: mirror.matches.flipped });
@@ -129,9 +114,9 @@ impl Trust {
                 reasons.push(reason);
             }
         }
-        // If all other tests pass, the patches have outvoted a mistaken click. Otherwise a click
-        // that is far off makes the result unreliable.
-        unreliable |= far_off > 0 && but_clicks;
+        // If the images show the lines, they have outvoted a mistaken click. Otherwise a click that is far off
+        // makes the result unreliable.
+        unreliable |= far_off > 0 && but_clicks && lines_are_doubted;
         let verdict = match (reasons.is_empty(), unreliable) {
             (true, _) => Verdict::Reliable,
             (false, false) => Verdict::Doubtful,
@@ -139,6 +124,61 @@ impl Trust {
         };
         Self { verdict, reasons }
     }
+}
+
+/// Failed tests of the lines near the matches.
+struct OfLines {
+    reasons: Vec<Reason>,
+    unreliable: bool,
+}
+
+/// Returns what speaks against lines that rest on the images, if they are not probable enough: what cost most.
+fn of_the_lines(lines: &LineEvidence, evidence: &Evidence) -> OfLines {
+    let probability = lines.probability();
+    let mut reasons = Vec::new();
+    if probability < SURE && lines.probability_without_rival() >= SURE {
+        reasons.push(Reason::Ambiguous { margin: lines.margin() });
+    } else if probability < SURE {
+        if let RefinedOn::Matches(matches) = evidence.refined_on
+            && matches < ENOUGH_MATCHES
+        {
+            reasons.push(Reason::FewMatches { matches });
+        }
+        let matches = evidence.unguided.map_or(0, |agreement| agreement.matches);
+        reasons.push(Reason::ByChance { agreeing: evidence.unguided_on_lines, matches });
+        reasons.extend(contradicted(evidence));
+    }
+    OfLines { reasons, unreliable: probability < EVEN }
+}
+
+/// Returns the failed tests of support of a geometry that does not rest on the images, or that was not compared
+/// with them: of given matches, of clicks alone, and of a search with lines alone.
+fn of_support(evidence: &Evidence) -> OfLines {
+    let (mut reasons, mut unreliable) = (Vec::new(), false);
+    if let RefinedOn::Matches(matches) | RefinedOn::Given(matches) = evidence.refined_on
+        && matches < ENOUGH_MATCHES
+    {
+        unreliable |= matches < FAR_TOO_FEW;
+        reasons.push(Reason::FewMatches { matches });
+    }
+    let is_chance = evidence.unguided.is_some_and(|agreement| !agreement.is_no_chance());
+    if let (true, RefinedOn::Given(_), Some(given)) = (is_chance, evidence.refined_on, evidence.given) {
+        unreliable = true;
+        reasons.push(Reason::GivenAlone { matches: given.matches });
+    }
+    if let Some(margin) = evidence.margin.filter(|m| *m < CLEAR_MARGIN) {
+        // No search has preferred a geometry of given matches or of clicks alone.
+        let is_given = matches!(evidence.refined_on, RefinedOn::Given(_) | RefinedOn::Clicks);
+        unreliable |= is_given && margin < -CLEAR_MARGIN;
+        reasons.push(Reason::Ambiguous { margin });
+    }
+    reasons.extend(contradicted(evidence));
+    OfLines { reasons, unreliable }
+}
+
+fn contradicted(evidence: &Evidence) -> Option<Reason> {
+    let (contradicting, matches) = evidence.together.contradict()?;
+    Some(Reason::Contradicted { contradicting, matches })
 }
 
 /// Returns the failed tests of the epipoles.
@@ -154,26 +194,34 @@ fn of_the_epipole(evidence: &Evidence) -> Vec<Reason> {
         let behind = baseline.is_behind().then_some(Reason::BehindCameras { in_front, matches });
         return [turned, behind, other, pattern].into_iter().flatten().collect();
     }
-    let only = if let Some(plane) =
-        evidence.plane.filter(|plane| plane.leaves_the_epipoles_open(evidence.relief))
-    {
-        let PlaneEvidence { share, off: OffPlane { groups, agreeing, .. }, is_still, .. } = plane;
-        Some(Reason::OnePlane { percent: (100.0 * share) as u32, groups, agreeing, is_still })
-    } else if let Some(Witnesses { along, across, on_warp, .. }) = evidence.relief.and_then(Relief::doubt) {
-        Some(Reason::NoRelief { along, across, on_warp })
-    } else if let Some(plane) = evidence.plane.filter(PlaneEvidence::is_bent) {
-        Some(Reason::Bent { percent: (100.0 * plane.bent_share) as u32 })
-    } else {
-        pattern
-    };
+    let only =
+        if let Some(plane) = evidence.plane.filter(|plane| plane.leaves_the_epipoles_open(evidence.relief)) {
+            let PlaneEvidence { share, off: OffPlane { groups, agreeing, .. }, is_still, .. } = plane;
+            Some(Reason::OnePlane { percent: (100.0 * share) as u32, groups, agreeing, is_still })
+        } else if let Some(Witnesses { along, across, on_warp, .. }) = without_relief(evidence) {
+            Some(Reason::NoRelief { along, across, on_warp })
+        } else if let Some(plane) = evidence.plane.filter(PlaneEvidence::is_bent) {
+            Some(Reason::Bent { percent: (100.0 * plane.bent_share) as u32 })
+        } else {
+            pattern
+        };
     only.into_iter().collect()
+}
+
+/// Returns the matches that show no relief. Lines that rest on the images need relief to be shown: without any
+/// matches beside a warp, there is none.
+fn without_relief(evidence: &Evidence) -> Option<Witnesses> {
+    match evidence.relief {
+        Some(relief) => relief.doubt(),
+        None => evidence.lines.map(|_| Witnesses::default()),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::evidence::{
         ANY_EPIPOLE, HALF_PLANE, MOSTLY_PLANE, MOTIONS_BY_CHANCE, Mirror, ONE_PLANE, OtherPose, PATTERN,
-        PATTERN_SIZE, ResidualPattern, Together, USUAL_SIDE,
+        PATTERN_SIZE, Relief, ResidualPattern, Together, USUAL_SIDE,
     };
     use super::*;
     use crate::estimate::evidence::patches::MirrorMatches;
@@ -181,6 +229,11 @@ mod tests {
 
     const SHOWN: Witnesses = Witnesses { on_warp: 300, along: 90, across: 5, off: 20 };
     const NOTHING: Witnesses = Witnesses { on_warp: 0, along: 0, across: 0, off: 0 };
+    const SHOWN_LINES: LineEvidence =
+        LineEvidence { likelihood: 400.0, rival: 20.0, log_false_alarms: -300.0 };
+    /// A rival is nearly as likely.
+    const EQUALLED: LineEvidence = LineEvidence { rival: 396.0, ..SHOWN_LINES };
+    const BY_CHANCE_ALONE: LineEvidence = LineEvidence { likelihood: 2.0, rival: 1.0, log_false_alarms: 3.0 };
     const GOOD: Evidence = Evidence {
         patches: true,
         barcodes: None,
@@ -188,6 +241,7 @@ mod tests {
         clicks: &[0.5, 1.2],
         click_sigma: 1.0,
         margin: Some(0.5),
+        lines: Some(SHOWN_LINES),
         deviation: Some(0.05),
         plane: Some(plane(0.3, 1, 1.0)),
         together: Together { all: 260, off: 20, matches: 200, contradicting: 2 },
@@ -201,6 +255,34 @@ mod tests {
         pattern: Some(ResidualPattern { share: 0.1, size: 0.1 }),
         side: 768.0,
     };
+
+    /// The same without evidence of the images for the lines, so that tests of support decide.
+    const SUPPORTED: Evidence = Evidence { lines: None, ..GOOD };
+
+    #[test]
+    fn what_cost_most_explains_improbable_lines() {
+        let reasons = |evidence: &Evidence| Trust::judge(evidence).reasons;
+        let together = Together { all: 100, off: 30, matches: 100, contradicting: 30 };
+        let weak = Evidence {
+            lines: Some(BY_CHANCE_ALONE),
+            refined_on: RefinedOn::Matches(40),
+            unguided: Some(Agreement::of(vec![0.5; 20], OF_LINES)),
+            unguided_on_lines: 3,
+            together,
+            ..GOOD
+        };
+        let expected = [
+            Reason::FewMatches { matches: 40 },
+            Reason::ByChance { agreeing: 3, matches: 20 },
+            Reason::Contradicted { contradicting: 30, matches: 100 },
+        ];
+        assert_eq!(reasons(&weak), expected);
+        // Lines that are less likely than those of a rival are wrong.
+        let beaten = LineEvidence { rival: 500.0, ..SHOWN_LINES };
+        let beaten = Trust::judge(&Evidence { lines: Some(beaten), ..GOOD });
+        assert_eq!((beaten.verdict, beaten.reasons.len()), (Verdict::Unreliable, 1));
+        assert!(matches!(beaten.reasons[0], Reason::Ambiguous { margin } if margin < 0.0));
+    }
 
     #[test]
     fn a_plane_does_not_leave_the_baseline_of_known_cameras_open() {
@@ -242,9 +324,9 @@ mod tests {
         for worse in [
             Evidence { patches: false, refined_on: RefinedOn::TooFewMatches, ..GOOD },
             Evidence { refined_on: RefinedOn::TooFewMatches, ..GOOD },
-            Evidence { refined_on: RefinedOn::Matches(50), ..GOOD },
+            Evidence { lines: Some(EQUALLED), ..GOOD },
             Evidence { clicks: &[0.5, 5.0], ..GOOD },
-            Evidence { margin: Some(0.05), ..GOOD },
+            Evidence { relief: None, ..GOOD },
             Evidence { deviation: Some(3.0), ..GOOD },
             Evidence { plane: plane(0.98, 0.0), ..GOOD },
             Evidence { plane: plane(0.6, 0.1), ..GOOD },
@@ -252,21 +334,21 @@ mod tests {
         ] {
             assert_eq!(verdict(&worse), Verdict::Doubtful);
         }
-        assert_eq!(verdict(&Evidence { refined_on: RefinedOn::Matches(12), ..GOOD }), Verdict::Unreliable);
-        let of = |refined_on, margin| verdict(&Evidence { refined_on, margin: Some(margin), ..GOOD });
+        assert_eq!(verdict(&Evidence { lines: Some(BY_CHANCE_ALONE), ..GOOD }), Verdict::Unreliable);
+        let of =
+            |refined_on, margin| verdict(&Evidence { refined_on, margin: Some(margin), lines: None, ..GOOD });
         let [given, clicks] = [RefinedOn::Given(300), RefinedOn::Clicks];
         let expected = [Verdict::Reliable, Verdict::Doubtful, Verdict::Unreliable];
         assert_eq!([0.5, -0.1, -0.5].map(|margin| of(given, margin)), expected);
         assert_eq!([-0.1, -0.5].map(|margin| of(clicks, margin)), expected[1..]);
         assert_eq!(verdict(&Evidence { clicks: &[40.0, 0.1], ..GOOD }), Verdict::Doubtful, "outvoted");
         assert_eq!(
-            verdict(&Evidence { clicks: &[40.0, 0.1], margin: Some(0.1), ..GOOD }),
+            verdict(&Evidence { clicks: &[40.0, 0.1], lines: Some(EQUALLED), ..GOOD }),
             Verdict::Unreliable
         );
-        assert_eq!(
-            verdict(&Evidence { clicks: &[40.0, 0.1], refined_on: RefinedOn::TooFewMatches, ..GOOD }),
-            Verdict::Unreliable
-        );
+        let open = Evidence { clicks: &[40.0, 0.1], plane: plane(0.98, 0.0), ..GOOD };
+        assert_eq!(verdict(&open), Verdict::Doubtful, "outvoted beside a plane, too");
+        assert_eq!(verdict(&Evidence { lines: None, ..open }), Verdict::Unreliable);
     }
 
     #[test]
@@ -298,7 +380,7 @@ mod tests {
     fn a_click_is_blamed_only_if_nothing_else_speaks_against_the_geometry() {
         let trust = Trust::judge(&Evidence { clicks: &[0.5, 5.04], ..GOOD });
         assert_eq!(trust.reasons, [Reason::ClickOff { pair: 2, distance: 5.04, suspect: Suspect::Click }]);
-        let trust = Trust::judge(&Evidence { clicks: &[0.5, 5.04], margin: Some(0.1), ..GOOD });
+        let trust = Trust::judge(&Evidence { clicks: &[0.5, 5.04], lines: Some(EQUALLED), ..GOOD });
         assert_eq!(
             trust.reasons[1],
             Reason::ClickOff { pair: 2, distance: 5.04, suspect: Suspect::Geometry }
@@ -328,7 +410,9 @@ mod tests {
         // Each two of them have an epipole, so chance explains few with others off their lines.
         assert_eq!(reasons(0, 14, 0, 5), []);
         assert_eq!(reasons(0, 9, 0, 3), told(0, 9, 0));
-        assert_eq!(Trust::judge(&Evidence { relief: None, ..GOOD }).reasons, []);
+        // Without matches, nothing shows it. Only points without pictures have no such test.
+        assert_eq!(Trust::judge(&Evidence { relief: None, ..GOOD }).reasons, told(0, 0, 0));
+        assert_eq!(Trust::judge(&Evidence { relief: None, ..SUPPORTED }).reasons, []);
         // It vanishes beside a warp that follows the rows.
         let finer = Witnesses { on_warp: 395, along: 3, across: 2, off: 12 };
         let relief = Some(Relief { beside: SHOWN, further: NOTHING, finer, clear: SHOWN });
@@ -378,7 +462,7 @@ mod tests {
     fn given_matches_that_contradict_the_result_come_first() {
         let reasons = |off, margin| {
             let given = Some(GivenFigures { matches: 54, off, distance: 8.4 });
-            Trust::judge(&Evidence { given, margin: Some(margin), ..GOOD }).reasons
+            Trust::judge(&Evidence { given, margin: Some(margin), ..SUPPORTED }).reasons
         };
         // Of 54 coins, 35 show heads by chance (2 %), and 36 hardly do.
         assert_eq!(reasons(35, 0.5), []);
@@ -388,18 +472,15 @@ mod tests {
     }
 
     #[test]
-    fn a_geometry_that_chance_explains_is_unreliable() {
+    fn given_matches_that_the_images_support_by_chance_alone_are_unreliable() {
         let with = |by_chance, refined_on| {
             let unguided = Some(Agreement::of([by_chance; 40], OF_LINES));
             let given = Some(GivenFigures { matches: 16, off: 0, distance: 0.8 });
-            Trust::judge(&Evidence { unguided, unguided_on_lines: 3, given, refined_on, ..GOOD })
+            Trust::judge(&Evidence { unguided, unguided_on_lines: 3, given, refined_on, ..SUPPORTED })
         };
-        let [images, given, clicks] = [RefinedOn::Matches(300), RefinedOn::Given(300), RefinedOn::Clicks];
-        for refined_on in [images, given] {
-            assert_eq!(with(0.01, refined_on).reasons, []);
-        }
+        let [given, clicks] = [RefinedOn::Given(300), RefinedOn::Clicks];
+        assert_eq!(with(0.01, given).reasons, []);
         let unreliable = |reason| Trust { verdict: Verdict::Unreliable, reasons: vec![reason] };
-        assert_eq!(with(0.9, images), unreliable(Reason::ByChance { agreeing: 3, matches: 40 }));
         assert_eq!(with(0.9, given), unreliable(Reason::GivenAlone { matches: 16 }));
         // The clicks contradict the images, and are told so.
         assert_eq!(with(0.9, clicks).reasons, [Reason::ClicksAlone]);
@@ -409,7 +490,7 @@ mod tests {
     fn a_geometry_that_most_distinctive_matches_contradict_is_doubtful() {
         let reasons = |all, off| {
             let together = Together { all, off, ..Together::default() };
-            Trust::judge(&Evidence { together, ..GOOD }).reasons
+            Trust::judge(&Evidence { together, ..SUPPORTED }).reasons
         };
         assert_eq!(reasons(6, 6), []);
         assert_eq!(reasons(7, 7), [Reason::Contradicted { contradicting: 7, matches: 7 }]);
@@ -435,10 +516,12 @@ mod tests {
         let next = |v: f64| v * (1.0 + 1e-12);
         let before = |v: f64| v * (1.0 - 1e-12);
         let silent = [
-            Evidence { refined_on: RefinedOn::Matches(ENOUGH_MATCHES), ..GOOD },
+            Evidence { refined_on: RefinedOn::Matches(10), ..GOOD },
+            Evidence { margin: Some(0.05), together: together(200, 9), ..GOOD },
+            Evidence { refined_on: RefinedOn::Matches(ENOUGH_MATCHES), ..SUPPORTED },
             Evidence { clicks: &[CLICK_DEVIATIONS], ..GOOD },
             Evidence { clicks: &[2.0 * CLICK_DEVIATIONS], click_sigma: 2.0, ..GOOD },
-            Evidence { margin: Some(CLEAR_MARGIN), ..GOOD },
+            Evidence { margin: Some(CLEAR_MARGIN), ..SUPPORTED },
             Evidence { deviation: Some(LOOSEST * GOOD.side), ..GOOD },
             Evidence { deviation: None, ..GOOD },
             Evidence { plane: plane(ONE_PLANE, BY_CHANCE), ..GOOD },
@@ -447,8 +530,8 @@ mod tests {
             Evidence { plane: bent(MOSTLY_PLANE).map(|p| PlaneEvidence { share: 0.0, ..p }), ..GOOD },
             Evidence { plane: None, ..GOOD },
             // One of 200 is expected to be wrong. Six are, less than once in a thousand times.
-            Evidence { together: together(200, 5), ..GOOD },
-            Evidence { together: Together::default(), ..GOOD },
+            Evidence { together: together(200, 5), ..SUPPORTED },
+            Evidence { together: Together::default(), ..SUPPORTED },
             Evidence { pattern: pattern(PATTERN, 3.0), ..GOOD },
             Evidence { pattern: pattern(0.9, PATTERN_SIZE), ..GOOD },
             Evidence { pattern: pattern(0.9, 2.0 * PATTERN_SIZE), side: 2.0 * USUAL_SIDE, ..GOOD },
@@ -464,7 +547,11 @@ mod tests {
         let off = next(CLICK_DEVIATIONS);
         let (few, margin, deviation) = (ENOUGH_MATCHES - 1, before(CLEAR_MARGIN), next(LOOSEST * GOOD.side));
         let told = [
-            (Evidence { refined_on: RefinedOn::Matches(few), ..GOOD }, Reason::FewMatches { matches: few }),
+            (
+                Evidence { refined_on: RefinedOn::Matches(few), ..SUPPORTED },
+                Reason::FewMatches { matches: few },
+            ),
+            (Evidence { lines: Some(EQUALLED), ..GOOD }, Reason::Ambiguous { margin: 0.01 }),
             (
                 Evidence { clicks: &[0.1, off], ..GOOD },
                 Reason::ClickOff { pair: 2, distance: off, suspect: Suspect::Click },
@@ -473,7 +560,7 @@ mod tests {
                 Evidence { clicks: &[0.5 * off], click_sigma: 0.5, ..GOOD },
                 Reason::ClickOff { pair: 1, distance: 0.5 * off, suspect: Suspect::Click },
             ),
-            (Evidence { margin: Some(margin), ..GOOD }, Reason::Ambiguous { margin }),
+            (Evidence { margin: Some(margin), ..SUPPORTED }, Reason::Ambiguous { margin }),
             (Evidence { deviation: Some(deviation), ..GOOD }, Reason::Loose { deviation }),
             one_plane(95, plane(next(ONE_PLANE), 0.0)),
             one_plane(50, plane(next(MOSTLY_PLANE), next(BY_CHANCE))),
@@ -487,7 +574,7 @@ mod tests {
                 Reason::Pattern { size: next(PATTERN_SIZE) },
             ),
             (
-                Evidence { together: together(200, 6), ..GOOD },
+                Evidence { together: together(200, 6), ..SUPPORTED },
                 Reason::Contradicted { contradicting: 6, matches: 200 },
             ),
         ];
@@ -500,17 +587,17 @@ mod tests {
     #[test]
     fn too_few_matches_and_far_clicks_with_anything_else_are_unreliable() {
         assert_eq!(
-            verdict(&Evidence { refined_on: RefinedOn::Matches(FAR_TOO_FEW), ..GOOD }),
+            verdict(&Evidence { refined_on: RefinedOn::Matches(FAR_TOO_FEW), ..SUPPORTED }),
             Verdict::Doubtful
         );
         assert_eq!(
-            verdict(&Evidence { refined_on: RefinedOn::Matches(FAR_TOO_FEW - 1), ..GOOD }),
+            verdict(&Evidence { refined_on: RefinedOn::Matches(FAR_TOO_FEW - 1), ..SUPPORTED }),
             Verdict::Unreliable
         );
         let [at, beyond] = [CLICK_DEVIATIONS_WRONG, CLICK_DEVIATIONS_WRONG * (1.0 + 1e-12)];
         for (distance, expected) in [(at, Verdict::Doubtful), (beyond, Verdict::Unreliable)] {
             let clicks = [distance, 0.0];
-            assert_eq!(verdict(&Evidence { clicks: &clicks, margin: Some(0.1), ..GOOD }), expected);
+            assert_eq!(verdict(&Evidence { clicks: &clicks, margin: Some(0.1), ..SUPPORTED }), expected);
             assert_eq!(verdict(&Evidence { clicks: &clicks, ..GOOD }), Verdict::Doubtful, "outvoted");
         }
         // A search on lines alone has no refinement, which is no second reason.
