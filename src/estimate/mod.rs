@@ -41,8 +41,8 @@ pub use evidence::lines::{Candidate, ComparedPencils, Construction, LineFigures,
 pub use evidence::patches::{CHECKPOINTS, PatchSupport, RefinedMatch, Refinement, RefinementStep};
 pub use evidence::prepared::PreparedPair;
 pub use fit::{
-    DivisionFit, EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Match, MatchFit, MatchFitError, Noise,
-    Uncertainty, estimate_essential, estimate_fundamental,
+    DivisionFit, EpipoleBearing, EpipoleCertainty, EpipoleEllipse, LineBands, Match, MatchFit, MatchFitError,
+    Noise, Uncertainty, estimate_essential, estimate_fundamental,
 };
 pub use follow::follow;
 pub use lens::find_lens;

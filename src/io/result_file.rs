@@ -8,8 +8,9 @@ use serde::Serialize;
 use super::geometry_file::{Format, ImageNote, PairLabel, TrustNote};
 use crate::camera::{Baseline, CameraDoubt, PicturesOf, PoseFit, UndistortedView, ViewPair};
 use crate::estimate::{
-    BarcodeFigures, Determined, EpipoleBearing, Estimate, LineEvidence, Method, Origin, Parameters,
-    PatchSupport, PlaneHomography, Preset, Reason, SearchCounts, SearchTrace, StageTiming, Verdict, Warning,
+    BarcodeFigures, Determined, EpipoleBearing, Estimate, LineBands, LineEvidence, Method, Origin,
+    Parameters, PatchSupport, PlaneHomography, Preset, Reason, SearchCounts, SearchTrace, StageTiming,
+    Verdict, Warning,
 };
 use crate::geometry::{
     Frame, FundamentalMatrix, HomogeneousPoint, PointPair, finite_point, sampson_distance,
@@ -58,6 +59,9 @@ pub struct ResultFile<'a> {
     /// Direction and distance of both epipoles, with 95 % intervals.
     #[serde(skip_serializing_if = "Option::is_none")]
     epipole_bearings: Option<[EpipoleBearing; 2]>,
+    /// Half widths of the 95 % bands of lines all over the pictures, px.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    line_bands: Option<LineBands>,
     reasons: Vec<String>,
     /// Failed tests with their figures, in the order of `reasons`.
     failed_tests: &'a [Reason],
@@ -231,6 +235,7 @@ impl<'a> ResultFile<'a> {
             line_evidence: assessment.line_evidence,
             determined: found.determined(frames),
             epipole_bearings: found.epipole_bearings(frames),
+            line_bands: found.line_bands(frames),
             reasons: trust.iter().flat_map(|t| t.reasons.iter().map(reason_in_words)).collect(),
             failed_tests: trust.map_or(&[], |t| &t.reasons),
             covariance: refinement
@@ -394,6 +399,12 @@ fn epipoles_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
         let interval = epipole_in_words(bearing, found.determined(frames));
         let interval = interval.map_or_else(String::new, |interval| format!("; {interval}"));
         let _ = writeln!(text, "Epipole in image {}: {place}{interval}", k + 1);
+    }
+    if let Some(LineBands { typical, worst }) = found.line_bands(frames) {
+        let _ = writeln!(
+            text,
+            "Epipolar lines anywhere in the images: ± {typical:.2} px, one in twenty worse than ± {worst:.2} px (95 % bands)"
+        );
     }
     text
 }

@@ -22,7 +22,7 @@ use crate::geometry::PointPair;
 pub use division::DivisionFit;
 pub use matches::{MatchFit, MatchFitError, estimate_essential, estimate_fundamental};
 pub use noise::Noise;
-pub use uncertainty::{EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Uncertainty};
+pub use uncertainty::{EpipoleBearing, EpipoleCertainty, EpipoleEllipse, LineBands, Uncertainty};
 
 pub(super) use consensus::{Evidence, Fitted};
 pub(super) use contradiction::{Contradiction, Explanation};

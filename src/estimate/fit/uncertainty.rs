@@ -47,6 +47,16 @@ pub struct EpipoleBearing {
     pub farthest: Option<f64>,
 }
 
+/// Half widths of the 95 % bands of epipolar lines all over the pictures, px.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LineBands {
+    /// Median of the lines of a grid of points of both images, each where it passes nearest to the middle of the
+    /// other image.
+    pub typical: f64,
+    /// Exceeded by one line in twenty. Near an epipole, a line turns with any error, so there is no largest one.
+    pub worst: f64,
+}
+
 /// Certainty of an epipole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -57,6 +67,16 @@ pub enum EpipoleCertainty {
     Direction,
     /// Neither is known.
     Open,
+}
+
+/// Rows and columns of the grid of points whose lines are looked at.
+const GRID: usize = 8;
+/// Share of the lines whose bands are not wider than the worst one.
+const MOST: f64 = 0.95;
+/// Returns the middles of the cells of a grid all over an image.
+fn grid(frame: Frame) -> impl Iterator<Item = Point> {
+    let at = |k: usize, length: f64| (k as f64 + 0.5) / GRID as f64 * length;
+    (0..GRID * GRID).map(move |k| Point::new(at(k % GRID, frame.right()), at(k / GRID, frame.bottom())))
 }
 
 /// Largest error of a direction that is known: the epipole is on one side of the image.
@@ -135,6 +155,25 @@ impl Uncertainty {
         let deviations: Vec<f64> =
             matches.iter().filter_map(|m| self.line2_deviation(m.point1, m.point2)).collect();
         (!deviations.is_empty()).then(|| median(deviations))
+    }
+
+    /// Returns how precise the lines are all over images of these sizes. Lines that pass beside the other image do not
+    /// count. `None` if no line passes through it.
+    pub fn line_bands(&self, frames: [Frame; 2]) -> Option<LineBands> {
+        let f = self.fundamental.rescaled(self.scales.map(f64::recip))?;
+        let middles = frames.map(|frame| frame.centre());
+        let in2 = grid(frames[0]).filter_map(|point1| {
+            let is_seen = frames[1].contains(f.line2_from_point1(point1)?.foot(middles[1]));
+            self.line2_deviation(point1, middles[1]).filter(|_| is_seen)
+        });
+        let in1 = grid(frames[1]).filter_map(|point2| {
+            let is_seen = frames[0].contains(f.line1_from_point2(point2)?.foot(middles[0]));
+            self.line1_deviation(point2, middles[0]).filter(|_| is_seen)
+        });
+        let mut bands: Vec<f64> = in2.chain(in1).map(|deviation| WITHIN * deviation).collect();
+        bands.sort_by(f64::total_cmp);
+        let at = |share: f64| bands.get((share * bands.len() as f64) as usize).copied();
+        at(0.5).zip(at(MOST)).map(|(typical, worst)| LineBands { typical, worst })
     }
 
     /// Returns the position of the epipole in image 1 or in the `second`, of this size. The epipole is taken as
@@ -337,6 +376,30 @@ mod tests {
         let uncertainty = Uncertainty::new(&inside, &Matrix9::identity(), [1.0; 2]);
         assert_eq!(uncertainty.line2_deviation(Point::new(4.0, 3.0), point2), None);
         assert_eq!(uncertainty.median_line2_deviation(&[]), None);
+    }
+
+    #[test]
+    fn lines_are_less_precise_where_no_match_is() {
+        // Rows, with an error that turns the lines about the middle of image 2.
+        let f = rows(0.0);
+        let turn = nalgebra::SVector::<f64, 9>::from_fn(|k, _| if k == 7 { 1e-3 } else { 0.0 });
+        let uncertainty = Uncertainty::new(&f, &(turn * turn.transpose()), [1.0; 2]);
+        let bands = uncertainty.line_bands([FRAME; 2]).unwrap();
+        assert!(bands.typical > 0.0 && bands.worst >= bands.typical, "{bands:?}");
+        let four = Uncertainty::new(&f, &(16.0 * turn * turn.transpose()), [1.0; 2]);
+        let wider = four.line_bands([FRAME; 2]).unwrap();
+        assert!(
+            (wider.worst / bands.worst - 4.0).abs() < 1e-9
+                && (wider.typical / bands.typical - 4.0).abs() < 1e-9
+        );
+        let half = [Frame::new(FRAME.width / 2, FRAME.height / 2); 2];
+        let near = uncertainty.line_bands(half).unwrap();
+        assert!(near.worst <= bands.worst + 1e-9, "{near:?} {bands:?}");
+        // All lines pass below the other image.
+        assert_eq!(
+            Uncertainty::new(&rows(9000.0), &Matrix9::identity(), [1.0; 2]).line_bands([FRAME; 2]),
+            None
+        );
     }
 
     #[test]

@@ -11,8 +11,8 @@ use serde::Serialize;
 use crate::estimate::evidence::patches::{Hypothesis, PatchLevels};
 use crate::estimate::{
     BarcodeFigures, Clicks, ComparedPencils, ENOUGH_MATCHES, EpipoleBearing, EpipoleCertainty, Event,
-    HypothesisNote, LineEvidence, LineFigures, Origin, PatchSupport, PreparedPair, Preset, Proposed,
-    RefinedMatch, Refinement, Stage, Trust, Uncertainty, Verdict, Warning,
+    HypothesisNote, LineBands, LineEvidence, LineFigures, Origin, PatchSupport, PreparedPair, Preset,
+    Proposed, RefinedMatch, Refinement, Stage, Trust, Uncertainty, Verdict, Warning,
 };
 use crate::features::FeatureViews;
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
@@ -253,6 +253,12 @@ impl Estimate {
     pub fn epipole_bearings(&self, frames: [Frame; 2]) -> Option<[EpipoleBearing; 2]> {
         let uncertainty = self.uncertainty().filter(|_| !self.says_one_plane())?;
         Some([uncertainty.bearing(false, frames[0])?, uncertainty.bearing(true, frames[1])?])
+    }
+
+    /// Returns how precise the lines are all over images of these sizes, as far as the matches tell. `None` without a
+    /// covariance, and if the epipoles are open: the lines are then right near the matches, and open elsewhere.
+    pub fn line_bands(&self, frames: [Frame; 2]) -> Option<LineBands> {
+        self.uncertainty().filter(|_| !self.says_one_plane())?.line_bands(frames)
     }
 
     /// Returns what the matches determine, in images of these sizes. `None` without a covariance.

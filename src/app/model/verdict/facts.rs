@@ -9,7 +9,7 @@ use crate::app::model::document::{Document, GIVEN_FIT, Given, Imported};
 use crate::camera::{PoseFit, PoseUncertainty};
 use crate::comparison::median;
 use crate::estimate::{
-    DivisionFit, EpipoleBearing, EpipoleCertainty, Estimate, LineScore, Reason, RefinedMatch,
+    DivisionFit, EpipoleBearing, EpipoleCertainty, Estimate, LineBands, LineScore, Reason, RefinedMatch,
 };
 use crate::geometry::{
     Frame, FundamentalMatrix, HomogeneousPoint, Point, Vector, finite_point, symmetric_epipolar_distance,
@@ -68,6 +68,15 @@ pub fn import_facts(imported: &Imported) -> Vec<Fact> {
     facts.into_iter().chain(of).collect()
 }
 
+fn lines_anywhere(bands: LineBands) -> Fact {
+    Fact::new(
+        "Lines anywhere",
+        format!("± {:.2} px, worst ± {:.1} px", bands.typical, bands.worst),
+        "Half width of the 95 % band of an epipolar line, for lines all over both pictures: half of them, and nineteen \
+         in twenty, are not wider. Far from all matches lines are less precise.",
+    )
+}
+
 /// Returns how many given matches fit a result.
 fn given_fact(given: &Given, estimate: &Estimate) -> Fact {
     Fact::new(
@@ -109,6 +118,7 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
         return epipoles(document, estimate.fundamental(), None);
     }
     let mut facts = epipoles(document, estimate.fundamental(), Some(estimate));
+    facts.extend(document.frames().and_then(|frames| estimate.line_bands(frames)).map(lines_anywhere));
     facts.extend(origin_fact(estimate));
     // Near-copies of the result are told from other geometries only at the end.
     facts.extend((freshness == Freshness::Final).then(|| margin(estimate)));

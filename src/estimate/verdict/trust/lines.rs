@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// Log-odds of right lines where the evidence is that of chance, and their growth with the evidence. Fitted to
 /// results with known truth (`lab/trust.py`, `lab/notes.md`).
-const LOG_ODDS: [f64; 2] = [-1.2, 0.89];
+const LOG_ODDS: [f64; 2] = [-1.6, 0.9];
 /// Least probability of a result whose lines are not doubted. A convention.
 pub(super) const SURE: f64 = 0.8;
 /// Least probability of a result that is not unreliable: rather right than wrong.
