@@ -64,6 +64,6 @@ pub use verdict::result::{
     Apart, Assessment, Determined, Estimate, PlaneHomography, SearchCounts, SearchTrace, StageTiming,
 };
 pub use verdict::trust::{
-    BarcodeFigures, CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW,
-    GUESS_MARGIN, LineEvidence, Reason, Suspect, Trust, Verdict,
+    BarcodeFigures, CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, EVEN_LINES,
+    FAR_TOO_FEW, GUESS_MARGIN, LineEvidence, Reason, SURE_LINES, Suspect, Trust, Verdict,
 };

@@ -657,7 +657,7 @@ fn plots_that_have_no_room_are_scrolled_to() {
 fn figures_stand_on_their_scales_of_good_and_bad() {
     let mut window = with_result();
     // The limits are those of the verdict's rules; what no rule judges says so.
-    window.get_by_label("Lead over rival on its scale: Good from 20 % on, bad below 5 %.");
+    window.get_by_label("Right lines on its scale: Good from 80 % on, bad below 50 %.");
     // Figures of the search stand in the steps of the method, not beside a fitted result.
     assert!(window.query_by_label_contains("Round trip on its scale").is_none());
     let of_p =

@@ -255,6 +255,12 @@ impl Estimate {
         Some([uncertainty.bearing(false, frames[0])?, uncertainty.bearing(true, frames[1])?])
     }
 
+    /// Returns whether the evidence of the images for the lines decides about them, and not their matches or the lead
+    /// over the rival.
+    pub fn is_judged_by_lines(&self) -> bool {
+        self.assessment.line_evidence.is_some()
+    }
+
     /// Returns how precise the lines are all over images of these sizes, as far as the matches tell. `None` without a
     /// covariance, and if the epipoles are open: the lines are then right near the matches, and open elsewhere.
     pub fn line_bands(&self, frames: [Frame; 2]) -> Option<LineBands> {

@@ -68,6 +68,19 @@ pub fn import_facts(imported: &Imported) -> Vec<Fact> {
     facts.into_iter().chain(of).collect()
 }
 
+/// Returns the probability of the lines.
+fn lines_right(estimate: &Estimate) -> Option<Fact> {
+    let probability = estimate.assessment.probability_within_one_percent()?;
+    let gauge = Gauge::judged(Scale::LINES, probability, |v| format!("{:.0} %", 100.0 * v));
+    let fact = Fact::new(
+        "Right lines",
+        format!("{:.0} % likely", 100.0 * probability),
+        "How likely the lines are within 1 % of the longer side near the matches. It follows from the matches that were \
+         found without the lines, and from the likeliest other geometry.",
+    );
+    Some(fact.on(Some(gauge)))
+}
+
 fn lines_anywhere(bands: LineBands) -> Fact {
     Fact::new(
         "Lines anywhere",
@@ -118,6 +131,7 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
         return epipoles(document, estimate.fundamental(), None);
     }
     let mut facts = epipoles(document, estimate.fundamental(), Some(estimate));
+    facts.extend(lines_right(estimate));
     facts.extend(document.frames().and_then(|frames| estimate.line_bands(frames)).map(lines_anywhere));
     facts.extend(origin_fact(estimate));
     // Near-copies of the result are told from other geometries only at the end.
@@ -137,7 +151,7 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
              image features that were paired before any lines were known.",
         );
         let gauge = Gauge::judged(Scale::MATCHES, count as f64, |v| format!("{v:.0}"));
-        facts.push(fact.on(Some(gauge).filter(|_| count > 0)));
+        facts.push(fact.on(Some(gauge).filter(|_| count > 0 && !estimate.is_judged_by_lines())));
     }
     facts.extend(document.given.as_ref().map(|given| given_fact(given, estimate)));
     // The rival is known only at the end.
@@ -223,13 +237,15 @@ fn margin(estimate: &Estimate) -> Fact {
     // The margin after refinement decides, if it was measured.
     let decides = estimate.assessment.refined_margin.unwrap_or(margin);
     let gauge = Gauge::judged(Scale::MARGIN, decides, |v| format!("{:.0} %", v * 100.0));
-    Fact::new(MARGIN, format!("{:.0} %", decides * 100.0), MARGIN_TOOLTIP).on(Some(gauge))
+    // Where the images show the lines, their probability decides.
+    let gauge = Some(gauge).filter(|_| !estimate.is_judged_by_lines());
+    Fact::new(MARGIN, format!("{:.0} %", decides * 100.0), MARGIN_TOOLTIP).on(gauge)
 }
 
 const MARGIN: &str = "Lead over rival";
 const MARGIN_TOOLTIP: &str = "How far the support of the result is ahead of that of the rival, the best clearly \
-                              different geometry. With a small lead, the result is a guess. Rivals that are \
-                              close in the step Validation are refined and compared again.";
+                              different geometry. Rivals that are close in the step Validation are refined \
+                              and compared again.";
 
 /// Returns the figures of a hypothesis shown in place of its result `of`.
 pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate, of: Option<&Estimate>) -> Vec<Fact> {

@@ -6,9 +6,9 @@ use serde::Serialize;
 /// results with known truth (`lab/trust.py`, `lab/notes.md`).
 const LOG_ODDS: [f64; 2] = [-1.6, 0.9];
 /// Least probability of a result whose lines are not doubted. A convention.
-pub(super) const SURE: f64 = 0.8;
+pub const SURE_LINES: f64 = 0.8;
 /// Least probability of a result that is not unreliable: rather right than wrong.
-pub(super) const EVEN: f64 = 0.5;
+pub const EVEN_LINES: f64 = 0.5;
 
 /// Evidence of the matches found without a geometry for the lines of one, in natural logarithms.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
@@ -71,6 +71,6 @@ mod tests {
         let probabilities = leads.map(of);
         assert!(probabilities.is_sorted(), "{probabilities:?}");
         assert!(probabilities.iter().all(|p| (0.05..0.9999).contains(p)), "{probabilities:?}");
-        assert!(of(0.0) < EVEN && of(1000.0) > SURE);
+        assert!(of(0.0) < EVEN_LINES && of(1000.0) > SURE_LINES);
     }
 }

@@ -14,7 +14,7 @@ pub(in crate::estimate) use evidence::{
     Witnesses,
 };
 use evidence::{LEAST_ALONG, are_mostly};
-pub use lines::LineEvidence;
+pub use lines::{EVEN_LINES, LineEvidence, SURE_LINES};
 pub(in crate::estimate) use rules::CHANCE_DEVIATIONS;
 pub use rules::{
     CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW, GUESS_MARGIN,

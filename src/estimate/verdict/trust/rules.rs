@@ -17,7 +17,7 @@ use super::evidence::{
     BarcodeFigures, Baseline, Evidence, GivenFigures, GivenPoints, OffPlane, PlaneEvidence, RefinedOn,
     Witnesses,
 };
-use super::lines::{EVEN, LineEvidence, SURE};
+use super::lines::{EVEN_LINES, LineEvidence, SURE_LINES};
 use super::{Reason, Suspect, Trust, Verdict};
 
 /// Fewest matches of a reliable result. A round number from results of known truth
@@ -136,9 +136,9 @@ struct OfLines {
 fn of_the_lines(lines: &LineEvidence, evidence: &Evidence) -> OfLines {
     let probability = lines.probability();
     let mut reasons = Vec::new();
-    if probability < SURE && lines.probability_without_rival() >= SURE {
+    if probability < SURE_LINES && lines.probability_without_rival() >= SURE_LINES {
         reasons.push(Reason::Ambiguous { margin: lines.margin() });
-    } else if probability < SURE {
+    } else if probability < SURE_LINES {
         if let RefinedOn::Matches(matches) = evidence.refined_on
             && matches < ENOUGH_MATCHES
         {
@@ -148,7 +148,7 @@ fn of_the_lines(lines: &LineEvidence, evidence: &Evidence) -> OfLines {
         reasons.push(Reason::ByChance { agreeing: evidence.unguided_on_lines, matches });
         reasons.extend(contradicted(evidence));
     }
-    OfLines { reasons, unreliable: probability < EVEN }
+    OfLines { reasons, unreliable: probability < EVEN_LINES }
 }
 
 /// Returns the failed tests of support of a geometry that does not rest on the images, or that was not compared
