@@ -655,8 +655,18 @@ fn plots_that_have_no_room_are_scrolled_to() {
 
 #[test]
 fn figures_stand_on_their_scales_of_good_and_bad() {
-    let mut window = with_result();
-    // The limits are those of the verdict's rules; what no rule judges says so.
+    let services = Services {
+        estimate: Box::new(|request, _| {
+            let mut found = rich_estimate(&request.pairs, &request.parameters)?;
+            found.assessment.trust = Some(Trust { verdict: Verdict::Reliable, reasons: Vec::new() });
+            Ok(found)
+        }),
+        ..rich_services()
+    };
+    let mut window = window(Start::default(), services);
+    click_two_pairs(&mut window);
+    // The limits are those of the verdict's rules. The lead has none where the images show the lines.
+    assert!(window.query_by_label_contains("Lead over rival on its scale").is_none());
     window.get_by_label("Right lines on its scale: Good from 80 % on, bad below 50 %.");
     // Figures of the search stand in the steps of the method, not beside a fitted result.
     assert!(window.query_by_label_contains("Round trip on its scale").is_none());

@@ -9,8 +9,9 @@ use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Rect, Shape, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use epiline::estimate::{
-    Assessment, Candidate, Clicks, ComparedPencils, Construction, Estimate, EstimateError, LineFigures,
-    Parameters, PatchSupport, Reason, RefinedMatch, Refinement, SearchPlan, SearchTrace, Suspect,
+    Assessment, Candidate, Clicks, ComparedPencils, Construction, Estimate, EstimateError, LineEvidence,
+    LineFigures, Parameters, PatchSupport, Reason, RefinedMatch, Refinement, SearchPlan, SearchTrace,
+    Suspect,
 };
 use epiline::geometry::{FundamentalMatrix, Point, PointPair};
 use epiline::internals::app::model::document::{PointRef, Side};
@@ -37,6 +38,7 @@ pub fn fake_estimate(pairs: &[PointPair], parameters: &Parameters) -> Result<Est
     let assessment = Assessment {
         lines: Some(line_figures(&fundamental, [*p, *q], 0.25)?),
         margin: Some(0.4),
+        line_evidence: Some(LineEvidence { likelihood: 320.0, rival: 20.0, log_false_alarms: -900.0 }),
         refinement: Some(Refinement { matches: Vec::new(), uncertainty: None, noise: None, is_posed: false }),
         ..Assessment::default()
     };

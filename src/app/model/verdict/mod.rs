@@ -157,14 +157,14 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     let likely = Some(assessment).filter(|_| states).and_then(|assessment| {
         let frames = document.frames()?;
         let side = frames[0].longer_side().max(frames[1].longer_side());
-        let percent = (100.0 * assessment.probability_within_one_percent()?).round();
-        let short = if estimate.says_one_plane() {
+        let words = probability_in_words(assessment, side);
+        if estimate.says_one_plane() {
             // The lines are right near the matches only, so the figure must not read like a recommendation.
-            format!("epipole {NOT_DETERMINED}")
-        } else {
-            format!("{percent:.0} % likely within {:.0} px", (0.01 * side).max(1.0))
-        };
-        Some([short, probability_in_words(assessment, side)?])
+            let words = words.unwrap_or_else(|| "No probability is stated for this result.".into());
+            return Some([format!("epipole {NOT_DETERMINED}"), words]);
+        }
+        let percent = (100.0 * assessment.probability_within_one_percent()?).round();
+        Some([format!("{percent:.0} % likely within {:.0} px", (0.01 * side).max(1.0)), words?])
     });
     // Warnings about an unfinished result could be outdated a moment later.
     let finished = matches!(freshness, Freshness::Final | Freshness::Stopped);

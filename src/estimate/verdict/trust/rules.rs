@@ -232,7 +232,7 @@ mod tests {
     const SHOWN_LINES: LineEvidence =
         LineEvidence { likelihood: 400.0, rival: 20.0, log_false_alarms: -300.0 };
     /// A rival is nearly as likely.
-    const EQUALLED: LineEvidence = LineEvidence { rival: 396.0, ..SHOWN_LINES };
+    const EQUALLED: LineEvidence = LineEvidence { rival: 392.0, ..SHOWN_LINES };
     const BY_CHANCE_ALONE: LineEvidence = LineEvidence { likelihood: 2.0, rival: 1.0, log_false_alarms: 3.0 };
     const GOOD: Evidence = Evidence {
         patches: true,
@@ -551,7 +551,7 @@ mod tests {
                 Evidence { refined_on: RefinedOn::Matches(few), ..SUPPORTED },
                 Reason::FewMatches { matches: few },
             ),
-            (Evidence { lines: Some(EQUALLED), ..GOOD }, Reason::Ambiguous { margin: 0.01 }),
+            (Evidence { lines: Some(EQUALLED), ..GOOD }, Reason::Ambiguous { margin: 0.02 }),
             (
                 Evidence { clicks: &[0.1, off], ..GOOD },
                 Reason::ClickOff { pair: 2, distance: off, suspect: Suspect::Click },
