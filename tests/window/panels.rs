@@ -667,7 +667,9 @@ fn figures_stand_on_their_scales_of_good_and_bad() {
     click_two_pairs(&mut window);
     // The limits are those of the verdict's rules. The lead has none where the images show the lines.
     assert!(window.query_by_label_contains("Lead over rival on its scale").is_none());
+    tap(&mut window, "Details");
     window.get_by_label("Right lines on its scale: Good from 80 % on, bad below 50 %.");
+    press(&mut window, Key::Escape);
     // Figures of the search stand in the steps of the method, not beside a fitted result.
     assert!(window.query_by_label_contains("Round trip on its scale").is_none());
     let of_p =
