@@ -101,7 +101,7 @@ pub struct HypothesisNote {
 pub struct RankedHypothesis {
     /// The hypothesis, after local optimisation.
     pub hypothesis: HypothesisNote,
-    /// Support counted so far after each of [`CHECKPOINTS`] equal parts of the evidence, the corners of image 1 and
+    /// Support counted so far after each of [`CHECKPOINTS`](crate::estimate::CHECKPOINTS) equal parts of the evidence, the corners of image 1 and
     /// the matches of features. Empty if its support was not measured.
     pub course: Vec<f64>,
 }
