@@ -101,8 +101,8 @@ pub struct HypothesisNote {
 pub struct RankedHypothesis {
     /// The hypothesis, after local optimisation.
     pub hypothesis: HypothesisNote,
-    /// Support counted so far after each of [`CHECKPOINTS`](crate::estimate::CHECKPOINTS) equal parts of the evidence, the corners of image 1 and
-    /// the matches of features. Empty if its support was not measured.
+    /// Support counted so far after each of [`CHECKPOINTS`](crate::estimate::CHECKPOINTS) equal parts of the
+    /// evidence: the corners of image 1 and the matches of features. Empty if its support was not measured.
     pub course: Vec<f64>,
 }
 

@@ -151,8 +151,8 @@ fn of_the_lines(lines: &LineEvidence, evidence: &Evidence) -> OfLines {
     OfLines { reasons, unreliable: probability < EVEN_LINES }
 }
 
-/// Returns the failed tests of support of a geometry that does not rest on the images, or that was not compared
-/// with them: of given matches, of clicks alone, and of a search with lines alone.
+/// Returns the failed tests of support of a geometry that the images did not propose: of given matches, of clicks
+/// alone, and of a search without patches.
 fn of_support(evidence: &Evidence) -> OfLines {
     let (mut reasons, mut unreliable) = (Vec::new(), false);
     if let RefinedOn::Matches(matches) | RefinedOn::Given(matches) = evidence.refined_on
