@@ -15,7 +15,7 @@ use egui::{Key, Modifiers, PointerButton, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use epiline::internals::app::model::document::Side;
-use epiline::internals::app::model::ids::{MethodStep, TabId};
+use epiline::internals::app::model::ids::TabId;
 use epiline::internals::app::model::look::Look;
 use epiline::internals::app::{Inspector, Opening, Services, Start, install_theme};
 use epiline::synthetic::Sample;
@@ -63,8 +63,10 @@ fn main() {
 fn while_dragging() {
     let usual = Look::default();
     let everything = Look { overlays: usual.overlays.map(|_| true), ..Look::default() };
-    let method = Look { tab: TabId::Method, step: MethodStep::Validation, ..Look::default() };
-    for (name, look) in [("as usual", usual), ("every overlay", everything), ("tab of the method", method)] {
+    let hypotheses = Look { tab: TabId::Step, ..Look::default() };
+    for (name, look) in
+        [("as usual", usual), ("every overlay", everything), ("tab of the hypotheses", hypotheses)]
+    {
         let (mut window, times) = timed(Start::default());
         window.get_by_label("Show me").click();
         settle(&mut window);

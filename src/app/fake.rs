@@ -7,8 +7,8 @@ use nalgebra::{Matrix3, Vector3};
 use super::model::computation::EstimateRequest;
 use super::model::shared::Shared;
 use crate::estimate::{
-    Assessment, Clicks, Construction, Estimate, EstimateError, LineFigures, Monitor, Parameters, Progress,
-    Refinement, SearchPlan, SearchTrace, Stage,
+    Assessment, Clicks, Construction, Estimate, EstimateError, Event, EventKind, LineFigures, Monitor,
+    Parameters, Progress, Refinement, SearchPlan, SearchTrace, Stage,
 };
 use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::image::Picture;
@@ -16,7 +16,7 @@ use crate::image::Picture;
 /// Returns the estimate, after reporting it as a preliminary result.
 pub fn estimate(request: &EstimateRequest, monitor: &Monitor) -> Result<Estimate, EstimateError> {
     let result = result(&request.pairs, &request.parameters).ok_or(EstimateError::NoGeometry)?;
-    monitor.report(Progress::Started(Stage::Pencils));
+    monitor.report(Progress::Happened(Event { seconds: 0.0, kind: EventKind::Began(Stage::Pencils) }));
     monitor.report(Progress::Preliminary(Box::new(result.clone())));
     monitor.cancel().check()?;
     Ok(result)

@@ -12,7 +12,7 @@ use super::geometry_file::{read_matches, tell_outside};
 use super::points;
 use super::result_output::Beside;
 use crate::estimate::{
-    CancelFlag, Estimate, EstimateError, Match, Method, Monitor, Progress, Reason, Search,
+    CancelFlag, Estimate, EstimateError, Event, EventKind, Match, Method, Monitor, Progress, Reason, Search,
 };
 use crate::geometry::PointPair;
 use crate::image::Picture;
@@ -127,13 +127,15 @@ pub(super) fn watched(
     let monitor = Monitor::new(CancelFlag::default(), |news| {
         let seconds = started.elapsed().as_secs_f64();
         match news {
-            Progress::Started(stage) => tell(format_args!("{seconds:7.2} s  {}", stage.label())),
+            Progress::Happened(Event { kind: EventKind::Began(stage), .. }) => {
+                tell(format_args!("{seconds:7.2} s  {}", stage.label()));
+            }
             Progress::Preliminary(first) if is_first.swap(false, Ordering::Relaxed) => {
                 let numbers = first.fundamental().rows().concat();
                 let numbers = numbers.iter().map(|v| format!("{v:.4e}"));
                 tell(format_args!("{seconds:7.2} s  First F: {}", numbers.collect::<Vec<_>>().join(" ")));
             }
-            Progress::Pencils(_) | Progress::Preliminary(_) => {}
+            Progress::Happened(_) | Progress::Pencils(_) | Progress::Preliminary(_) => {}
         }
     });
     work(&monitor)

@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use super::{ComparedPencils, Estimate, Stage};
+use super::{ComparedPencils, Estimate, Event};
 use crate::cancel::CancelFlag;
 
 /// Progress of a running computation.
 #[derive(Debug)]
 pub enum Progress {
-    /// A stage has begun.
-    Started(Stage),
+    /// Something that the record of the search has now, too: a stage began, geometries were proposed, and so on.
+    Happened(Event),
     /// The pencils through each anchor have been compared.
     Pencils(Vec<Arc<ComparedPencils>>),
     /// An estimate good enough to draw; better ones follow. The last one is the function's result.

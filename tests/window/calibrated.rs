@@ -310,7 +310,7 @@ fn everything_that_leaves_names_the_lens_and_fits_after_the_mapping() {
     {
         let path = files.0.path().join(name);
         if kind == "Profile" {
-            press(&mut window, Key::Num1);
+            press(&mut window, Key::Num2);
         }
         export(&mut window, &[kind], &path);
         let text = std::fs::read_to_string(&path).unwrap();

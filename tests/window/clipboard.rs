@@ -78,7 +78,7 @@ fn the_view_is_copied_as_a_picture_of_the_images() {
         });
     }
     let both = pane(&window, Side::Left).union(pane(&window, Side::Right));
-    let screen = ColorImage::filled([1280, 800], Color32::from_rgb(1, 2, 3));
+    let screen = ColorImage::filled([1280, 848], Color32::from_rgb(1, 2, 3));
     asked.expect("a picture is asked for").complete(Arc::new(screen));
     let mut image = None;
     for _ in 0..4 {

@@ -263,7 +263,7 @@ fn the_hover_line_is_drawn_in_the_other_image_both_ways() {
         settle(&mut window);
         let other = pane(&window, side.other());
         // Yellow is the colour of the cursor's line and of nothing else.
-        let yellow = egui::Color32::from_rgb(240, 228, 66);
+        let yellow = egui::Color32::from_rgb(244, 239, 110);
         let drawn = window.output().shapes.iter().any(|clipped| match &clipped.shape {
             egui::Shape::LineSegment { points, stroke } => {
                 stroke.color == yellow && points.iter().all(|p| other.contains(*p))

@@ -558,7 +558,7 @@ fn the_view_is_what_is_on_the_screen() {
             break;
         }
     }
-    let screen = ColorImage::filled([1280, 800], egui::Color32::from_rgb(1, 2, 3));
+    let screen = ColorImage::filled([1280, 848], egui::Color32::from_rgb(1, 2, 3));
     asked.expect("a picture is asked for").complete(Arc::new(screen));
     settle(&mut window);
     window.get_by_label_contains("Exported the view to");

@@ -78,12 +78,12 @@ fn a_figure_has_no_mark_of_what_is_selected_or_outside() {
     let circles: Vec<_> = text.lines().filter(|line| line.starts_with("<circle")).collect();
     assert!(circles.iter().any(|circle| circle.contains("r=\"6.50\"")), "the points are there");
     assert!(circles.iter().all(|circle| !circle.contains("r=\"10.00\"")), "{circles:?}");
-    assert!(!text.contains("#cdb2ff"), "an arrow to an epipole outside");
+    assert!(!text.contains("#b871f2"), "an arrow to an epipole outside");
     let widths = |text: &str, color: &str| {
         let lines = text.lines().filter(|line| line.starts_with("<line") && line.contains(color));
         lines.filter_map(|line| line.split("stroke-width=").nth(1).map(str::to_owned)).collect::<Vec<_>>()
     };
-    let widths = widths(&text, "#1acc8c");
+    let widths = widths(&text, "#1fc798");
     assert!(widths.len() >= 4 && widths.iter().all(|width| *width == widths[0]), "{widths:?}");
 }
 
@@ -102,7 +102,7 @@ fn marks_of_the_search_are_on_a_figure_that_asks_for_them() {
     });
     let mut window = window(Start::default(), services);
     click_two_pairs(&mut window);
-    show_step(&mut window, "Epipoles");
+    show_hypotheses(&mut window);
     let path = files.0.path().join("figure.svg");
     let mut areas = |choices: &[&str]| {
         export(&mut window, choices, &path);

@@ -15,7 +15,7 @@ use epiline::internals::app::model::look::Look;
 use epiline::internals::app::{Services, Start};
 use epiline::suggest::{Clarity, Suggestion, Suggestions};
 
-const CURSOR_LINE: Color32 = Color32::from_rgb(240, 228, 66);
+const CURSOR_LINE: Color32 = Color32::from_rgb(244, 239, 110);
 const FIRST_PIN: Color32 = Color32::from_rgb(230, 110, 40);
 
 /// Returns the signs outside ASCII in the texts of a folder's code, tests left out.
@@ -361,39 +361,12 @@ fn a_name_in_the_corner_does_not_hide_the_place_under_the_cursor() {
 }
 
 #[test]
-fn a_click_in_the_map_chooses_a_hypothesis() {
-    let mut window = window(Start::default(), rich_services());
-    click_two_pairs(&mut window);
-    assert!(window.query_by_label("epipole map of the left image").is_none(), "it belongs to its step");
-    show_step(&mut window, "Epipoles");
-    let map = window.get_by_label("epipole map of the right image").rect();
-    // Dots of hypotheses are smaller than everything else in the map.
-    let dots: Vec<Pos2> = window
-        .output()
-        .shapes
-        .iter()
-        .filter_map(|clipped| match &clipped.shape {
-            Shape::Circle(circle) if map.expand(5.0).contains(circle.center) && circle.radius < 3.0 => {
-                Some(circle.center)
-            }
-            _ => None,
-        })
-        .collect();
-    assert!(dots.len() >= 3, "{dots:?}");
-    click(&mut window, dots[0]);
-    assert!(window.state().focus().hypothesis().is_some());
-    window.get_by_label_contains("not the result");
-}
-
-#[test]
 fn overlays_are_shown_and_hidden_and_the_choice_is_kept() {
     let mut window = window(Start::default(), rich_services());
     click_two_pairs(&mut window);
     let corner = pane(&window, Side::Left).left_top() - vec2(0.0, 30.0);
     tap(&mut window, "Overlays");
-    for name in
-        ["Candidates", "Chosen lines", "Bisectors", "Round trip", "Epipolar lines", "Points", "Hypotheses"]
-    {
+    for name in ["Epipolar lines", "Points", "Hypotheses", "Uncertainty"] {
         let drawn = |window: &mut Window| {
             window.hover_at(corner);
             settle(window);

@@ -18,6 +18,7 @@ mod planes;
 mod points;
 mod rectified;
 mod repairing;
+mod replay;
 mod scene;
 mod sequences;
 mod sessions;

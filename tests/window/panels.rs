@@ -38,7 +38,7 @@ fn shows(window: &Window, f: &FundamentalMatrix, color: Color32) -> bool {
 #[test]
 fn choosing_a_hypothesis_changes_the_lines_until_the_result_is_wanted_again() {
     let mut window = with_result();
-    show_step(&mut window, "Validation");
+    show_hypotheses(&mut window);
     let estimate = window.state().estimate().unwrap().clone();
     let third = &estimate.hypotheses()[2].fundamental();
     assert!(shows(&window, estimate.fundamental(), ESTIMATED) && !shows(&window, third, ESTIMATED));
@@ -73,13 +73,13 @@ fn the_matches_of_the_result_are_pale_under_another_geometry() {
     click_two_pairs(&mut window);
     choose(&mut window, "Overlays", "Show Matches");
     press(&mut window, Key::Escape);
-    let match_color = Color32::from_rgb(190, 255, 150);
+    let match_color = Color32::from_rgb(184, 113, 242);
     let dots = |window: &Window, color: Color32| {
         let is_dot = |shape: &Shape| matches!(shape, Shape::Circle(circle) if circle.fill == color);
         window.output().shapes.iter().filter(|clipped| is_dot(&clipped.shape)).count()
     };
     assert_eq!(dots(&window, match_color), 6);
-    show_step(&mut window, "Validation");
+    show_hypotheses(&mut window);
     tap(&mut window, "Hypothesis 3");
     window.get_by_label_contains("The pale dots are the matches of the result");
     assert_eq!((dots(&window, match_color), dots(&window, match_color.gamma_multiply(0.45))), (0, 6));
@@ -120,7 +120,7 @@ fn a_new_pair_is_told_its_distance_from_the_result_before() {
 #[test]
 fn the_hypotheses_can_be_sorted_both_ways() {
     let mut window = with_result();
-    show_step(&mut window, "Validation");
+    show_hypotheses(&mut window);
     let order = |window: &Window| {
         let mut rows: Vec<_> =
             (1..=3).map(|k| (window.get_by_label(&format!("Hypothesis {k}")).rect().min.y, k)).collect();
@@ -137,7 +137,7 @@ fn the_hypotheses_can_be_sorted_both_ways() {
 #[test]
 fn a_row_under_the_cursor_is_told_to_the_rest_of_the_window() {
     let mut window = with_result();
-    show_step(&mut window, "Validation");
+    show_hypotheses(&mut window);
     let row = window.get_by_label("Hypothesis 2").rect().center();
     window.hover_at(row);
     settle(&mut window);
@@ -170,8 +170,8 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
     click(&mut window, matrix.center() + vec2(2.0, 2.0));
     let pin = *window.state().focus().inspected().expect("a pinned pair");
     assert_eq!(pin.source, LineSource::Pencil { pair: 0, angles });
-    window.hover_at(egui::pos2(4.0, 796.0));
-    press(&mut window, Key::Num1);
+    window.hover_at(egui::pos2(4.0, 844.0));
+    press(&mut window, Key::Num2);
     window.get_by_label_contains("Lines through p at 90.0° and 90.0°, ");
     // Another one; the first is chosen again by its colour, and taken away.
     window.get_by_label("Row of pair q").click_secondary();
@@ -185,7 +185,7 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
     assert_eq!(window.state().focus().inspected().map(|pin| pin.source), Some(LineSource::Pair(1)));
     tap(&mut window, "Unpin");
     assert!(window.state().focus().pins().is_empty());
-    window.hover_at(egui::pos2(4.0, 796.0));
+    window.hover_at(egui::pos2(4.0, 844.0));
     settle(&mut window);
     // The profiles follow the selected pair, and the left line runs to the right.
     for name in ["p", "q"] {
@@ -199,7 +199,7 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
 #[test]
 fn a_place_in_the_profiles_is_a_sample_of_the_line() {
     let mut window = with_result();
-    press(&mut window, Key::Num1);
+    press(&mut window, Key::Num2);
     let title = window.get_by_label("Grey before warping").rect();
     window.hover_at(title.left_bottom() + vec2(150.0, 20.0));
     settle(&mut window);
@@ -282,8 +282,8 @@ fn the_start_shows_one_card_and_every_tab_says_what_will_appear() {
     click_at(&mut window, Side::Left, 0.1, 0.1);
     window.get_by_label_contains("Click the same scene point in the other image");
     for (key, says) in [
-        (Key::Num1, "Intensities along a line pair"),
-        (Key::Num2, "The costs of matching all lines through p and q"),
+        (Key::Num1, "Candidate geometries appear here"),
+        (Key::Num2, "Intensities along a line pair"),
         (Key::Num3, "Distances from the epipolar lines appear here"),
         (Key::Num4, "Distances from the epipolar lines appear here"),
     ] {
@@ -310,29 +310,30 @@ fn the_dock_folds_to_a_line_with_the_verdict_and_the_pictures_can_stand_alone() 
 }
 
 #[test]
-fn the_steps_are_followed_by_one_key_and_switch_their_overlays_on() {
+fn the_steps_are_followed_by_one_key_and_draw_over_the_pictures() {
     let mut window = with_result();
-    let forward = Color32::from_rgb(110, 205, 255).gamma_multiply(0.8);
-    let round_trips = |window: &Window| lines(window, Side::Right, forward).len();
-    press(&mut window, Key::N);
-    window.get_by_label("pencil matrix of p");
-    assert_eq!(round_trips(&window), 0);
+    let round_trip = Color32::from_rgb(143, 180, 255);
+    let drawn = |window: &Window| lines(window, Side::Right, round_trip).len();
     for (step, says) in [
-        ("Candidates", "A candidate is a line pair"),
-        ("Epipoles", "A candidate through p and one through q meet"),
-        ("Round trip", "H maps the epipolar lines from left to right"),
+        ("Pencils", "A line turns about p on the left."),
+        ("Candidates", "Candidates are line pairs of which each line is the best partner of the other."),
+        ("Features", "Distinctive places are matched by their surroundings"),
+        ("Epipoles", "A candidate of p and one of q cross."),
     ] {
         press(&mut window, Key::N);
-        assert_eq!(window.state().look().step.title(), step);
+        assert_eq!(window.state().model().replayed().unwrap().step.title(), step);
         window.get_by_label_contains(says);
+        assert_eq!(drawn(&window), 0, "{step}");
     }
-    assert_eq!(round_trips(&window), 5, "a few lines");
     press(&mut window, Key::N);
-    assert_eq!(round_trips(&window), 0, "with its step the overlay goes");
+    window.get_by_label_contains("H maps a line l to the other picture, and G maps it back.");
+    assert_eq!(drawn(&window), 1, "H l");
+    press(&mut window, Key::N);
+    assert_eq!(drawn(&window), 0, "with its step the drawing goes");
     press_with(&mut window, Modifiers::SHIFT, Key::N);
-    assert_eq!(round_trips(&window), 5);
-    press(&mut window, Key::Num1);
-    assert_eq!(round_trips(&window), 0);
+    assert_eq!(drawn(&window), 1);
+    press(&mut window, Key::End);
+    assert_eq!((drawn(&window), window.state().model().replayed()), (0, None));
 }
 
 #[test]
@@ -440,7 +441,7 @@ fn lines_look_like_the_verdict() {
         click_two_pairs(&mut window);
         window
     };
-    let amber = Color32::from_rgb(255, 190, 60);
+    let amber = Color32::from_rgb(240, 163, 32);
     let count = |window: &Window, color| lines(window, Side::Right, color).len();
     let reliable = judged(Verdict::Reliable);
     reliable.get_by_label("Reliable");
@@ -450,7 +451,7 @@ fn lines_look_like_the_verdict() {
     doubtful.get_by_label("Doubtful");
     assert_eq!(count(&doubtful, ESTIMATED), 0);
     assert!(count(&doubtful, amber) > 20, "dashes");
-    let red = Color32::from_rgb(255, 90, 80);
+    let red = Color32::from_rgb(240, 101, 91);
     let dots = |window: &Window| {
         let is_dot = |shape: &Shape| matches!(shape, Shape::Circle(circle) if circle.fill == red);
         window.output().shapes.iter().filter(|clipped| is_dot(&clipped.shape)).count()
@@ -481,7 +482,7 @@ fn the_rival_that_makes_the_margin_is_marked() {
     let mut window = window(Start::default(), services);
     click_two_pairs(&mut window);
     window.get_by_label("20 %");
-    show_step(&mut window, "Validation");
+    show_hypotheses(&mut window);
     window.get_by_label("Hypothesis 3, the rival");
     assert_eq!(window.query_all_by_label_contains("Hypothesis 3, the rival").count(), 1);
     // The margin can be followed from the rows.
@@ -603,7 +604,7 @@ fn a_small_window_has_all_its_tools() {
 fn the_key_sheet_is_grouped() {
     let mut window = sample();
     press(&mut window, Key::F1);
-    for group in ["Mouse", "Points", "Files", "Display", "Panels", "Result", "Program"] {
+    for group in ["Mouse", "Points", "Files", "Display", "Panels", "Result", "Replay", "Program"] {
         assert!(window.query_all_by_label(group).count() >= 1, "{group}");
     }
     // Keys stand as they are printed on a keyboard, and the plain one before that with Shift.
@@ -615,7 +616,7 @@ fn the_key_sheet_is_grouped() {
             "Save points, parameters, pinned lines and views in one JSON file",
             "Save the session in another file",
         ],
-        ["Show the next step of the method", "Show the previous step of the method"],
+        ["Replay the next step alone", "Replay the previous step alone"],
     ] {
         let top = |label: &str| window.get_by_label(label).rect().min.y;
         assert!(top(first) < top(second), "{first}");
@@ -675,7 +676,7 @@ fn figures_stand_on_their_scales_of_good_and_bad() {
     let of_p =
         window.get_by_label_contains("Distance of pair p on its scale: ").accesskit_node().label().unwrap();
     assert!(of_p.ends_with("Good up to 4.0 px, bad above 12.0 px."), "{of_p}");
-    show_step(&mut window, "Validation");
+    show_hypotheses(&mut window);
     tap(&mut window, "Hypothesis 3");
     window.get_by_label_contains("Support on its scale: ");
 }
@@ -684,19 +685,14 @@ fn figures_stand_on_their_scales_of_good_and_bad() {
 fn nothing_is_cut_in_a_narrow_dock_and_plots_without_room_say_so() {
     let mut window = with_result();
     run_command(&mut window, "Dock: at the right");
-    for step in ["Pencils", "Candidates", "Epipoles", "Round trip", "Validation", "Result"] {
+    for step in ["Pencils", "Candidates", "Features", "Epipoles", "Round trip", "Validation", "Refinement"] {
         show_step(&mut window, step);
         assert_eq!(cut_texts(&window), [""; 0], "step {step}");
     }
     show_step(&mut window, "Pencils");
     assert!(!painted(&window, "Enlarge the dock"));
-    // Rings on the rims of the maps do not touch.
-    show_step(&mut window, "Epipoles");
-    let [left, right] =
-        ["left", "right"].map(|side| window.get_by_label(&format!("epipole map of the {side} image")).rect());
-    assert!(right.min.x - left.max.x >= 16.0, "{left:?} {right:?}");
     // The row has both epipoles, and the table only one.
-    show_step(&mut window, "Validation");
+    show_hypotheses(&mut window);
     let row = window.get_by_label("Hypothesis 2").rect();
     window.hover_at(row.left_center() + vec2(30.0, 0.0));
     for _ in 0..30 {
@@ -760,7 +756,7 @@ fn no_text_is_cut_in_a_small_window() {
         press(&mut window, tab);
         assert_eq!(cut_texts(&window), [""; 0], "tab {tab:?}");
     }
-    for step in ["Pencils", "Candidates", "Epipoles", "Round trip", "Validation", "Result"] {
+    for step in ["Pencils", "Candidates", "Features", "Epipoles", "Round trip", "Validation", "Refinement"] {
         show_step(&mut window, step);
         assert_eq!(cut_texts(&window), [""; 0], "step {step}");
     }

@@ -192,7 +192,7 @@ fn forty_lines_are_pinned_numbered_and_found_in_a_list() {
     numbers.dedup();
     // Lines that miss the right image have no number there.
     assert!(numbers.len() > 30 && numbers.iter().all(|number| (1..=40).contains(number)), "{numbers:?}");
-    press(&mut window, Key::Num1);
+    press(&mut window, Key::Num2);
     tap(&mut window, "Line pair 40 of 40");
     let rows: Vec<_> = window.query_all_by_label_contains("Inspect: ").collect();
     assert_eq!(rows.len(), 40);

@@ -20,7 +20,7 @@ use epiline::rectify::{Limits, Rectification, RectifyMethod, rectify};
 use epiline::synthetic::Sample;
 use nalgebra::Vector3;
 
-const CURSOR: Color32 = Color32::from_rgb(240, 228, 66);
+const CURSOR: Color32 = Color32::from_rgb(244, 239, 110);
 const GUIDE: Color32 = Color32::from_rgba_premultiplied(118, 82, 0, 131);
 
 /// The estimator finds this F, whatever is clicked.
@@ -323,7 +323,7 @@ fn the_rectified_pair_follows_the_geometry_that_is_shown() {
         format!("{node:?}")
     };
     let result = line(&window);
-    show_step(&mut window, "Validation");
+    show_hypotheses(&mut window);
     tap(&mut window, "Hypothesis 3");
     press(&mut window, Key::Num6);
     assert_ne!(line(&window), result);
@@ -374,7 +374,7 @@ fn the_rectified_pair_follows_a_moved_point_while_the_search_is_held_up() {
 }
 
 /// The colour of pair q.
-const PAIR_Q: Color32 = Color32::from_rgb(240, 128, 190);
+const PAIR_Q: Color32 = Color32::from_rgb(216, 120, 180);
 
 /// Where the ring of pair q is in a picture.
 fn ring(window: &Window, name: &str) -> egui::Pos2 {
@@ -442,7 +442,7 @@ fn what_rows_that_lie_apart_mean_depends_on_whose_geometry_is_shown() {
         let pairs =
             vec![PointPair::new(150.0, 150.0, 130.0, 155.0), PointPair::new(600.0, 400.0, 560.0, 390.0)];
         let mut window = window(Start { pairs, ..Start::default() }, services);
-        show_step(&mut window, "Validation");
+        show_hypotheses(&mut window);
         tap(&mut window, "Hypothesis 3");
         press(&mut window, Key::Num6);
         window.get_by_label_contains(says);

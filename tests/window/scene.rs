@@ -150,7 +150,7 @@ fn without_a_determined_epipole_there_is_no_scene_and_no_pose() {
     assert!(window.state().model().scene().is_none() && !painted(&window, "±"));
     assert!(window.query_by_label("Rotation").is_none());
     press(&mut window, Key::Num5);
-    show_step(&mut window, "Validation");
+    show_hypotheses(&mut window);
     assert!(
         painted(&window, "not determined"),
         "the result in the table has no other epipole than the verdict"

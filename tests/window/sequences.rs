@@ -94,7 +94,7 @@ fn lines_are_compared_by_what_moves_in_the_frames_in_common() {
     let mut window = opened(recorded(&files, ThrownBalls { offset: 4, frames: 120, ..SMALL }), services);
     click_two_pairs(&mut window);
     assert_eq!(asked.lock().unwrap().last(), Some(&Some(0)));
-    press(&mut window, Key::Num1);
+    press(&mut window, Key::Num2);
     window.get_by_label_contains("Epipolar lines of q: c");
     let barcodes = window.get_by_label("Motion barcodes").rect();
     assert_eq!(window.state().model().inspected_barcodes().unwrap().barcodes[0].len(), 120);
@@ -121,10 +121,11 @@ fn a_result_of_sequences_without_clicks_has_lines_and_barcodes() {
     let model = window.state().model();
     assert!(model.standing_in().is_empty() && model.inspected().is_some());
     assert_eq!(model.unclicked_places().len(), 2);
-    press(&mut window, Key::Num1);
-    window.get_by_label("Motion barcodes");
     press(&mut window, Key::Num2);
-    window.get_by_label_contains("compares all lines of both images at once");
+    window.get_by_label("Motion barcodes");
+    tap(&mut window, "Step Epipoles");
+    window.get_by_label_contains("Three line pairs at a time give a hypothesis");
+    tap(&mut window, "Result");
     press(&mut window, Key::Num3);
     window.get_by_label_contains("Motion barcodes give no matches: click point pairs");
 }

@@ -15,6 +15,7 @@ use epiline::estimate::{
 };
 use epiline::geometry::{FundamentalMatrix, Point, PointPair};
 use epiline::internals::app::model::document::{PointRef, Side};
+use epiline::internals::app::model::look::Look;
 use epiline::internals::app::{Inspector, Opening, Services, Start, install_theme};
 use epiline::similarity::CostMatrix;
 use epiline::suggest::SuggestError;
@@ -151,9 +152,9 @@ pub fn lines(window: &Window, side: Side, color: Color32) -> Vec<[Pos2; 2]> {
 }
 
 /// The estimated lines' colour.
-pub const ESTIMATED: Color32 = Color32::from_rgb(26, 204, 140);
+pub const ESTIMATED: Color32 = Color32::from_rgb(31, 199, 152);
 /// Lines of a geometry that is shown in place of the result.
-pub const OTHER: Color32 = Color32::from_rgb(205, 178, 255);
+pub const OTHER: Color32 = Color32::from_rgb(184, 113, 242);
 
 /// Where an image position appears in a fitting image.
 pub fn screen_of(window: &Window, side: Side, point: Point) -> Pos2 {
@@ -182,11 +183,13 @@ pub type Window = Harness<'static, Inspector>;
 
 pub fn window(start: Start, services: Services) -> Window {
     let mut window = Harness::builder()
-        .with_size(vec2(1280.0, 800.0))
+        .with_size(vec2(1280.0, 848.0))
         .with_max_steps(30)
         .with_step_dt(0.05)
         .with_context_setup(install_theme)
         .build_ui_state(|ui, inspector: &mut Inspector| inspector.show(ui), Inspector::new(start, services));
+    // Tests of the replay play it; all others see the last moment of a step.
+    window.state_mut().set_look(Look { still_steps: true, ..Look::default() });
     settle(&mut window);
     window
 }
@@ -367,7 +370,7 @@ pub fn open(paths: [PathBuf; 2]) -> Window {
 }
 
 /// The colour of the line pair of the cursor.
-pub const HOVER: Color32 = Color32::from_rgb(240, 228, 66);
+pub const HOVER: Color32 = Color32::from_rgb(244, 239, 110);
 
 /// Saves the session in a file, by its dialog.
 pub fn save_as(window: &mut Window, path: &Path) {
@@ -414,10 +417,18 @@ pub fn choose(window: &mut Window, menu: &str, entry: &str) {
     tap(window, entry);
 }
 
-/// Shows a step of the method.
+/// Shows the last moment of a step of the search.
 pub fn show_step(window: &mut Window, step: &str) {
-    press(window, Key::Num2);
-    tap(window, step);
+    settle(window);
+    tap(window, &format!("Step {step}"));
+}
+
+/// Shows the result with the table of its hypotheses.
+pub fn show_hypotheses(window: &mut Window) {
+    if window.state().model().replayed().is_some() {
+        tap(window, "Result");
+    }
+    press(window, Key::Num1);
 }
 
 /// Shows a step of the method with its parameters.

@@ -13,7 +13,7 @@ use epiline::internals::app::{Opening, Services, Start};
 use epiline::io::TruthFolder;
 use nalgebra::{Matrix3, Matrix3x4, Point3, Rotation3, Vector3};
 
-const TRUE: Color32 = Color32::from_rgb(64, 132, 255);
+const TRUE: Color32 = Color32::from_rgb(255, 255, 255);
 
 /// A camera that walks to the right and turns a little, for images of 240 × 180 px.
 fn camera(view: usize) -> Camera {

@@ -44,10 +44,11 @@ fn a_geometry_is_found_without_a_click_and_its_matches_become_pairs() {
     assert!(model.inspected().is_some(), "lines to look at");
     window.get_by_label_contains("the images alone, without clicks");
     assert!(window.query_by_label("Find without clicks").is_none(), "found already");
-    press(&mut window, Key::Num2);
-    window.get_by_label_contains("F comes from matched features");
-    tap(&mut window, "Epipoles");
-    window.get_by_label_contains("Without clicks, matched features propose the hypotheses");
+    tap(&mut window, "Step Lines");
+    window.get_by_label_contains("As a test, lines through two matches are compared");
+    tap(&mut window, "Step Epipoles");
+    window.get_by_label_contains("Small samples of the matches give hypotheses.");
+    tap(&mut window, "Result");
 
     tap(&mut window, "Turn matches into point pairs");
     let document = window.state().document();

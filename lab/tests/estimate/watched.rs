@@ -4,7 +4,8 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use epiline::estimate::{
-    CancelFlag, EstimateError, Monitor, Parameters, Progress, Stage, estimate, estimate_prepared,
+    CancelFlag, EstimateError, Event, EventKind, Monitor, Parameters, Progress, Stage, estimate,
+    estimate_prepared,
 };
 
 use crate::support::{COURTYARD, mean_distance, paper};
@@ -34,7 +35,7 @@ fn time_to_stop(parameters: &Parameters, stage: Stage, delay: Duration) -> Optio
             }
         });
         let monitor = Monitor::new(cancel, move |news| {
-            if matches!(news, Progress::Started(s) if s == stage) {
+            if matches!(news, Progress::Happened(Event { kind: EventKind::Began(s), .. }) if s == stage) {
                 begun.send(()).unwrap();
                 if delay.is_zero() {
                     // Cancelled from within the callback.
@@ -103,10 +104,14 @@ fn tells_stages_in_order_and_a_first_geometry_before_the_result() {
         Preliminary(f64),
     }
     for parameters in [Parameters::default(), paper()] {
-        let heard = Mutex::new(Vec::new());
+        let (heard, events) = (Mutex::new(Vec::new()), Mutex::new(Vec::new()));
         let monitor = Monitor::new(CancelFlag::default(), |news| {
+            if let Progress::Happened(event) = &news {
+                events.lock().unwrap().push(event.clone());
+            }
             heard.lock().unwrap().push(match news {
-                Progress::Started(stage) => Heard::Stage(stage),
+                Progress::Happened(Event { kind: EventKind::Began(stage), .. }) => Heard::Stage(stage),
+                Progress::Happened(_) => return,
                 Progress::Pencils(pencils) => {
                     for (pencils, click) in pencils.iter().zip(&COURTYARD.show_me) {
                         assert_eq!(&pencils.click, click);
@@ -133,6 +138,7 @@ fn tells_stages_in_order_and_a_first_geometry_before_the_result() {
             heard.iter().filter_map(|h| if let Heard::Stage(s) = h { Some(*s) } else { None }).collect();
         assert_eq!(stages, ANNOUNCED, "each once, in order");
         let found = found.trace.expect("a search leaves a trace");
+        assert_eq!(events.into_inner().unwrap(), found.events, "the record, as it grew");
         let timed: Vec<_> = found.timings.iter().map(|t| t.stage).collect();
         let upright = &Stage::ALL[..Stage::ALL.len() - 1];
         assert_eq!(timed, upright, "each stage has its time, and features were not needed");

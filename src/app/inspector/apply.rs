@@ -14,7 +14,7 @@ use crate::app::model::pane_view::QuarterTurns;
 use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
-use crate::app::model::{Command, Document, LineSource, OverlayId, Side, StageId, TabId, pair_name};
+use crate::app::model::{Command, Document, LineSource, OverlayId, Side, StageId, pair_name};
 use crate::app::tasks::{Opening, Wanted};
 use crate::app::view::{Destination, WantedView};
 use crate::geometry::symmetric_epipolar_distance;
@@ -48,6 +48,7 @@ impl Inspector {
             Command::ShowMe => {
                 if let Some(pairs) = model.open.show_me {
                     model.edit(|document| document.set_pairs(pairs.to_vec(), PairOrigin::TrueMatch));
+                    model.open.replay.await_result();
                 }
             }
             Command::FindWithoutClicks => model.edit(Document::leave_to_the_images),
@@ -163,6 +164,7 @@ impl Inspector {
                 }
             }
             Command::Player(command) => model.apply_to_player(command),
+            Command::Replay(command) => model.apply_to_replay(command),
             Command::ToggleStacked => {
                 let now = self.view.placement.is_some_and(|placement| placement.stacked);
                 model.look.stacked = if model.look.stacked.is_some() { None } else { Some(!now) };
@@ -209,17 +211,6 @@ impl Inspector {
                 if model.look.stage == StageId::Rectified {
                     model.look.stage = StageId::Pictures;
                 }
-            }
-            Command::ShowStep(step) => {
-                model.look.step = step;
-                self.apply(ctx, Command::ShowTab(TabId::Method));
-            }
-            Command::StepMethod { forward } => {
-                // The first use opens the step that was open last.
-                let is_open = model.tab() == Some(TabId::Method);
-                let next = model.look.step.neighbour(forward).filter(|_| is_open);
-                let step = next.unwrap_or(model.look.step);
-                self.apply(ctx, Command::ShowStep(step));
             }
             Command::FoldDock => model.look.dock.folded = !model.look.dock.folded,
             Command::PlaceDock(edge) => model.look.dock = DockLook { edge, folded: false, ..model.look.dock },

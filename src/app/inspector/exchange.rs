@@ -243,8 +243,10 @@ impl Inspector {
     fn take_given(&mut self, name: String, matches: Vec<Match>) {
         let given = Given::new(name, matches);
         let count = given.matches.len();
-        let text =
-            format!("{count} matches from {}: blue rings fit to {GIVEN_FIT} px, red ones do not", given.file);
+        let text = format!(
+            "{count} matches from {}: violet rings fit to {GIVEN_FIT} px, red ones do not",
+            given.file
+        );
         self.model.open.done.tell(text);
         self.model.edit(|document| {
             document.unclicked |= document.parameters.search == Search::Patches;

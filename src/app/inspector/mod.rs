@@ -113,7 +113,10 @@ impl Inspector {
         self.take_dropped(&ctx);
         self.model.open.follow_imported(&self.model.document);
         self.capture(&ctx);
-        if self.model.play_on(f64::from(ctx.input(|input| input.stable_dt))) {
+        let passed = f64::from(ctx.input(|input| input.stable_dt));
+        let [played, replayed] = [self.model.play_on(passed), self.model.replay_on(passed)];
+        self.model.follow_replay();
+        if played || replayed {
             ctx.request_repaint();
         }
         self.note_activity();

@@ -8,11 +8,12 @@ use super::dock::DockEdge;
 use super::document::{PointRef, Role, Side};
 use super::exchange::ExportOrder;
 use super::focus::{LineSource, Target};
-use super::ids::{MethodStep, OverlayId, StageId, TabId};
+use super::ids::{OverlayId, StageId, TabId};
 use super::look::Tool;
 use super::point_table::PointsCommand;
 use super::recording::PlayerCommand;
 use super::rectified::RectifiedCommand;
+use super::replay::ReplayCommand;
 use super::scene::Orbit;
 use super::session::OpenSession;
 use super::tones::TonesCommand;
@@ -99,6 +100,7 @@ pub enum Command {
     ToggleLink,
     Tones(TonesCommand),
     Player(PlayerCommand),
+    Replay(ReplayCommand),
     ToggleStacked,
     ToggleLoupe,
     AcceptSuggestion,
@@ -120,11 +122,6 @@ pub enum Command {
     /// Show a match of the result in the middle of both pictures, and pin its lines.
     ShowMatch(usize),
     ShowTab(TabId),
-    ShowStep(MethodStep),
-    /// Show the next or the previous step of the method.
-    StepMethod {
-        forward: bool,
-    },
     FoldDock,
     /// Put the dock at an edge; `None` chooses the edge that shows the pictures largest.
     PlaceDock(Option<DockEdge>),
@@ -208,6 +205,7 @@ macro_rules! commands_about {
 commands_about!(
     Rectified(RectifiedCommand),
     Player(PlayerCommand),
+    Replay(ReplayCommand),
     Tones(TonesCommand),
     Points(PointsCommand),
     Session(SessionCommand),

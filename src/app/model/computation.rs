@@ -9,7 +9,7 @@ use super::recording::Synchronised;
 use super::revision;
 use super::shared::Shared;
 use crate::camera::ViewPair;
-use crate::estimate::{ComparedPencils, Estimate, EstimateError, Match, Parameters, Stage};
+use crate::estimate::{ComparedPencils, Estimate, EstimateError, Event, EventKind, Match, Parameters, Stage};
 use crate::geometry::PointPair;
 
 /// Inputs of an estimate. A new estimate is made only when they change.
@@ -39,7 +39,8 @@ pub enum EstimateFailure {
 /// News about a request.
 #[derive(Debug)]
 pub enum EstimateNews {
-    Started(Stage),
+    /// Something that the record of the search has now, too.
+    Happened(Event),
     /// The pencils through the anchors have been compared.
     Pencils(Vec<Arc<ComparedPencils>>),
     /// A result good enough to draw; better ones follow.
@@ -97,6 +98,8 @@ pub struct Computation {
     running: bool,
     /// Stages of the latest computation that have begun, with their start times.
     begun: Vec<(Stage, Instant)>,
+    /// Events of the latest computation so far.
+    events: Vec<Event>,
     /// Pencils compared last, for the current clicks or slightly earlier ones.
     pencils: Vec<Arc<ComparedPencils>>,
     pencils_revision: u64,
@@ -147,6 +150,11 @@ impl Computation {
             }
         }
         stages
+    }
+
+    /// Returns the events of the running search so far.
+    pub fn events_so_far(&self) -> Option<&[Event]> {
+        self.running.then_some(self.events.as_slice())
     }
 
     /// Returns whether there is a computation, running or finished.
@@ -212,6 +220,7 @@ impl Computation {
         self.failure = None;
         self.stopped = false;
         self.begun.clear();
+        self.events.clear();
         if !moved {
             self.give_up();
         }
@@ -279,7 +288,12 @@ impl Computation {
     pub fn take(&mut self, generation: u64, news: EstimateNews) {
         let current = generation == self.generation;
         match news {
-            EstimateNews::Started(stage) if current => self.begun.push((stage, Instant::now())),
+            EstimateNews::Happened(event) if current => {
+                if let EventKind::Began(stage) = event.kind {
+                    self.begun.push((stage, Instant::now()));
+                }
+                self.events.push(event);
+            }
             EstimateNews::Pencils(pencils) => self.set_pencils(&pencils),
             EstimateNews::Preliminary(estimate) => {
                 self.take_result(generation, estimate, Freshness::Preliminary);
@@ -296,7 +310,7 @@ impl Computation {
                 self.failure = (!self.stopped).then_some(failure);
             }
             // Progress and failure of an outdated search do not matter.
-            EstimateNews::Started(_) | EstimateNews::Finished(Err(_)) => {}
+            EstimateNews::Happened(_) | EstimateNews::Finished(Err(_)) => {}
         }
     }
 

@@ -1,4 +1,4 @@
-//! Names of the stages, of the tabs of the dock, of the steps of the method and of the overlays. The
+//! Names of the stages, of the tabs of the dock, of the steps of a search and of the overlays. The
 //! view knows their contents.
 
 named! {
@@ -22,10 +22,11 @@ named! {
     /// A tab of the dock, from left to right.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
     pub enum TabId {
+        /// The hypotheses of the result, or the chart of the step that is shown. It has the name of the step then.
+        Step = "Hypotheses",
         /// Intensities along the inspected line pair.
         #[default]
         Profiles = "Profiles",
-        Method = "Method",
         /// Distances of points from their epipolar lines.
         Residuals = "Residuals",
         /// The result beside other methods and the truth.
@@ -36,14 +37,16 @@ named! {
 named! {
     fn title;
 
-    /// A step of the method, as a person follows it.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    /// A step of a search, as a person follows it.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
     pub enum MethodStep {
         /// Comparison of all lines through a click with all lines through its match.
         #[default]
         Pencils = "Pencils",
         /// Line pairs that are each other's best match.
         Candidates = "Candidates",
+        /// Matches of features, found by appearance alone.
+        Features = "Features",
         /// Intersections of two candidates, which are possible epipoles.
         Epipoles = "Epipoles",
         /// Mapping of lines to the other image and back.
@@ -51,24 +54,8 @@ named! {
         /// Comparison of the best hypotheses over the whole of both images.
         Validation = "Validation",
         /// Fit of the best hypothesis to patches at full resolution.
-        Result = "Result",
+        Refinement = "Refinement",
     }
-}
-
-impl MethodStep {
-    /// Returns the neighbouring step; `None` at the ends.
-    pub fn neighbour(self, forward: bool) -> Option<Self> {
-        let place = self as usize;
-        let other = if forward { Some(place + 1) } else { place.checked_sub(1) };
-        Self::ALL.get(other?).copied()
-    }
-}
-
-/// A part of the dock that switches overlays on while it is open.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum OverlayPlace {
-    Tab(TabId),
-    Step(MethodStep),
 }
 
 /// Rule for showing an overlay.
@@ -93,7 +80,6 @@ named! {
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum OverlayGroup {
         Result = "Result",
-        Method = "Method",
         Data = "Data",
     }
 }
@@ -104,13 +90,9 @@ named! {
     /// An overlay over the images, from the lowest to the topmost. Each is explained where it is drawn.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum OverlayId {
-        Candidates = "Candidates",
-        RoundTrip = "Round trip",
         Uncertainty = "Uncertainty",
         Lines = "Epipolar lines",
         TrueLines = "True lines",
-        ChosenLines = "Chosen lines",
-        Bisectors = "Bisectors",
         CursorLine = "Cursor line",
         Pinned = "Pinned",
         Samples = "Matched samples",
@@ -134,35 +116,27 @@ impl OverlayId {
     pub fn visibility(self) -> Visibility {
         match self {
             Self::PointedAt | Self::Suggestion | Self::NextClick => Visibility::Always,
-            Self::Lines | Self::CursorLine | Self::Pinned | Self::Points => Visibility::AtFirst,
+            Self::Lines | Self::CursorLine | Self::Pinned | Self::Epipoles | Self::Points => {
+                Visibility::AtFirst
+            }
             Self::TrueLines | Self::TrueMatches => Visibility::WithTruth,
             Self::Given => Visibility::WithGiven,
             _ => Visibility::OnRequest,
         }
     }
 
-    /// Returns the parts of the dock that show the overlay while they are open.
-    pub fn places(self) -> &'static [OverlayPlace] {
-        use MethodStep::{Candidates, Epipoles, Result, RoundTrip, Validation};
-        use OverlayPlace::{Step, Tab};
+    /// Returns the tab that shows the overlay while it is open.
+    pub fn tab(self) -> Option<TabId> {
         match self {
-            Self::Candidates => &[Step(Candidates)],
-            Self::ChosenLines | Self::Bisectors | Self::Hypotheses => &[Step(Epipoles)],
-            Self::Epipoles => &[Step(Epipoles), Step(Result)],
-            Self::RoundTrip => &[Step(RoundTrip)],
-            Self::Uncertainty => &[Step(Result)],
-            Self::Matches => &[Step(Validation), Step(Result)],
-            Self::Samples => &[Tab(TabId::Profiles)],
-            Self::MagnifiedResiduals => &[Tab(TabId::Residuals)],
-            _ => &[],
+            Self::Hypotheses => Some(TabId::Step),
+            Self::Samples => Some(TabId::Profiles),
+            Self::MagnifiedResiduals => Some(TabId::Residuals),
+            _ => None,
         }
     }
 
     pub fn group(self) -> OverlayGroup {
         match self {
-            Self::Candidates | Self::RoundTrip | Self::ChosenLines | Self::Bisectors | Self::Hypotheses => {
-                OverlayGroup::Method
-            }
             Self::Points
             | Self::Samples
             | Self::Matches

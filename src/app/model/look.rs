@@ -7,8 +7,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::comparison::Subject;
 use super::dock::DockLook;
-use super::ids::{MethodStep, OverlayId, OverlayPlace, StageId, TabId, Visibility};
+use super::ids::{OverlayId, StageId, TabId, Visibility};
 use super::rectified::RectifiedLook;
+use super::replay::Speed;
 
 /// Effect of a click in an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -23,8 +24,9 @@ pub enum Tool {
 }
 
 /// Visible overlays, stage and tab, and the place of the dock.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
+#[expect(clippy::struct_excessive_bools, reason = "independent switches")]
 pub struct Look {
     /// Whether each overlay is kept on, in the order of their list.
     #[serde(serialize_with = "overlays_by_name", deserialize_with = "overlays_from_names")]
@@ -38,9 +40,10 @@ pub struct Look {
     pub stage: StageId,
     #[serde(serialize_with = "tab_by_title", deserialize_with = "tab_from_title")]
     pub tab: TabId,
-    /// The step shown by the tab of the method.
-    #[serde(skip)]
-    pub step: MethodStep,
+    /// Speed of the replay.
+    pub speed: Speed,
+    /// Whether the replay shows only the last moment of each step.
+    pub still_steps: bool,
     pub dock: DockLook,
     /// Whether the images of the folder are shown in a drawer over the stage.
     pub drawer: bool,
@@ -60,7 +63,8 @@ impl Default for Look {
             loupe: true,
             stage: StageId::default(),
             tab: TabId::default(),
-            step: MethodStep::default(),
+            speed: Speed::default(),
+            still_steps: false,
             dock: DockLook::default(),
             drawer: false,
             stacked: None,
@@ -71,16 +75,10 @@ impl Default for Look {
 }
 
 impl Look {
-    /// Returns whether an overlay is drawn: kept on, or switched on by the open part of the dock.
+    /// Returns whether an overlay is drawn: kept on, or switched on by its open tab.
     pub fn shows(&self, overlay: OverlayId) -> bool {
-        let is_open = |place: &OverlayPlace| {
-            !self.dock.folded
-                && match place {
-                    OverlayPlace::Tab(tab) => self.tab == *tab,
-                    OverlayPlace::Step(step) => self.tab == TabId::Method && self.step == *step,
-                }
-        };
-        self.overlays[overlay as usize] || overlay.places().iter().any(is_open)
+        let is_open = |tab: TabId| !self.dock.folded && self.tab == tab;
+        self.overlays[overlay as usize] || overlay.tab().is_some_and(is_open)
     }
 }
 
@@ -135,12 +133,12 @@ mod tests {
     #[test]
     fn a_look_is_restored_whatever_is_missing_or_unknown() {
         let dock = DockLook { folded: true, edge: Some(DockEdge::Right), ..DockLook::default() };
-        let mut look = Look { linked: true, tab: TabId::Method, dock, ..Look::default() };
+        let mut look = Look { linked: true, tab: TabId::Residuals, dock, ..Look::default() };
         look.overlays[OverlayId::Points as usize] = false;
         let text = serde_json::to_string(&look).unwrap();
         assert_eq!(serde_json::from_str::<Look>(&text).unwrap(), look);
         let partial = r#"{"overlays": {"Points": false, "Of another version": true}, "map": false, "linked": true,
-                "tab": "Method", "dock": {"edge": "right", "folded": true}}"#;
+                "tab": "Residuals", "dock": {"edge": "right", "folded": true}}"#;
         assert_eq!(serde_json::from_str::<Look>(partial).unwrap(), look);
         let unknown = serde_json::from_str::<Look>(r#"{"tab": "Of another version"}"#);
         assert_eq!(unknown.unwrap(), Look::default());

@@ -20,6 +20,7 @@
 //! | [`command`] | all commands |
 //! | [`questions`] | requests to the tasks, made from the current state |
 //! | [`verdict`], [`step`], [`guide`], [`residuals`] | the state in words and figures |
+//! | [`replay`] | the course of a search, drawn slowly |
 //! | [`recents`] | recently opened files |
 //! | [`session`], [`exchange`] | saved work; files from and for other programs |
 
@@ -51,6 +52,7 @@ pub mod recents;
 pub mod recording;
 pub mod rectified;
 mod repairing;
+pub mod replay;
 pub mod residuals;
 pub mod revision;
 pub mod sample;
@@ -177,6 +179,8 @@ impl Model {
         change(&mut self.document);
         if before.pairs != self.document.pairs || before.excluded != self.document.excluded {
             self.messages.settle(MessageKind::OfPair);
+            // The record is of the points before.
+            self.open.replay.stop();
         }
         self.history.record(before, &self.document, key);
     }

@@ -14,6 +14,7 @@ use super::pair_folder::PairFolder;
 use super::picture::{Opened, Pictures};
 use super::recording::Player;
 use super::rectified::{Rectified, Viewing};
+use super::replay::Replay;
 use super::scene::{Orbit, Scene};
 use super::suggesting::{LensQuestion, PlacesQuestion, Suggested};
 use super::tones::{Tones, TonesCommand};
@@ -50,6 +51,8 @@ pub struct OpenPair {
     pub done: LastDone,
     /// Progress and result of the estimate.
     pub computation: Computation,
+    /// The course of the search, as far as it is shown.
+    pub replay: Replay,
     /// The imported geometry as an estimate without a search.
     pub imported: Option<Estimate>,
     /// Comparison of the result with other methods and the truth. The old comparison stays until

@@ -264,6 +264,13 @@ impl Model {
     /// Returns the inspected line pair: the chosen pin, or else the lines of the selected pair or of the
     /// first one. The left line runs to the right, so its charts lie like the picture.
     pub fn inspected(&self) -> Option<InspectedLines> {
+        // The replay shows the profiles of its own lines, unless the user pins others meanwhile.
+        let replay = &self.open.replay;
+        let is_free = replay.is_playing() || self.open.focus.inspected().is_none();
+        if let Some(lines) = replay.moment().filter(|_| is_free).and_then(|moment| moment.lines) {
+            let source = LineSource::Through { side: Side::Left, point: lines[0].anchor };
+            return Some(InspectedLines { source, lines });
+        }
         let source = match self.open.focus.inspected() {
             Some(pin) => pin.source,
             None => match self.document.selected_pair().or_else(|| self.document.used().next()) {

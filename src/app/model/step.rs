@@ -2,6 +2,7 @@
 
 use super::computation::{Computation, Freshness};
 use super::document::{Document, pair_name};
+use super::ids::MethodStep;
 use super::verdict::line_score_text;
 use crate::estimate::Stage;
 use crate::features::FeatureViews;
@@ -35,6 +36,51 @@ pub fn progress(stage: Stage, computation: &Computation) -> StepProgress {
         _ if computation.is_running() => StepProgress::Running,
         _ if computation.failure().is_some() => StepProgress::Failed,
         _ => StepProgress::Stopped,
+    }
+}
+
+impl MethodStep {
+    /// Returns the stages of the computation that belong to the step.
+    pub fn stages(self) -> &'static [Stage] {
+        match self {
+            Self::Pencils => &[Stage::Pyramid, Stage::Pencils],
+            Self::Candidates | Self::RoundTrip => &[],
+            Self::Features => &[Stage::Features],
+            Self::Epipoles => &[Stage::Hypotheses],
+            Self::Validation => &[Stage::Validation],
+            Self::Refinement => &[Stage::Refinement],
+        }
+    }
+}
+
+/// Returns the progress of a step: of its last stage that has begun, or of the step before it.
+pub fn progress_of(step: MethodStep, computation: &Computation) -> StepProgress {
+    // A stage repeated by the wider search is not shown as running twice.
+    let of = |stages: &[Stage]| stages.iter().map(|stage| progress(*stage, computation)).reduce(later);
+    match step {
+        MethodStep::Candidates => without_time(progress(Stage::Pencils, computation)),
+        MethodStep::RoundTrip => without_time(progress(Stage::Hypotheses, computation)),
+        MethodStep::Pencils => progress(Stage::Pencils, computation),
+        _ => of(step.stages()).unwrap_or(StepProgress::Waiting),
+    }
+}
+
+/// Sums the times of two stages; a running or failed stage prevails.
+fn later(first: StepProgress, second: StepProgress) -> StepProgress {
+    use StepProgress::{Done, Failed, Running, Stopped, Waiting};
+    match (first, second) {
+        (Waiting, other) | (other, Waiting) => other,
+        (Done(a), Done(b)) => Done(a.zip(b).map(|(a, b)| a + b).or(a).or(b)),
+        (Running, _) | (_, Running) => Running,
+        (Failed, _) | (_, Failed) => Failed,
+        (Stopped, _) | (_, Stopped) => Stopped,
+    }
+}
+
+fn without_time(progress: StepProgress) -> StepProgress {
+    match progress {
+        StepProgress::Done(_) => StepProgress::Done(None),
+        other => other,
     }
 }
 
@@ -125,7 +171,11 @@ mod tests {
     use super::*;
     use crate::app::fake;
     use crate::app::model::computation::{EstimateFailure, EstimateNews};
-    use crate::estimate::EstimateError;
+    use crate::estimate::{EstimateError, Event, EventKind};
+
+    fn began(stage: Stage) -> EstimateNews {
+        EstimateNews::Happened(Event { seconds: 0.0, kind: EventKind::Began(stage) })
+    }
 
     fn after(stages: &[Stage], error: Option<EstimateError>) -> Computation {
         let mut computation = Computation::default();
@@ -133,7 +183,7 @@ mod tests {
         computation.adopt(Some(&request));
         computation.begin(1, false);
         for stage in stages {
-            computation.take(1, EstimateNews::Started(*stage));
+            computation.take(1, began(*stage));
         }
         let estimate = || Box::new(fake::result(&request.pairs, &request.parameters).unwrap());
         let result = error.map_or_else(|| Ok(estimate()), |error| Err(EstimateFailure::Estimate(error)));
@@ -163,13 +213,13 @@ mod tests {
         computation.adopt(Some(&fake::request(1.0)));
         computation.begin(1, false);
         for stage in [Stage::Pencils, Stage::Validation, Stage::Features, Stage::Validation] {
-            computation.take(1, EstimateNews::Started(stage));
+            computation.take(1, began(stage));
         }
         let state = |computation: &Computation, stage| progress(stage, computation);
         assert_eq!(state(&computation, Stage::Validation), StepProgress::Running);
         assert!(matches!(state(&computation, Stage::Features), StepProgress::Done(Some(_))));
         let first = computation.stages()[0];
-        computation.take(1, EstimateNews::Started(Stage::Refinement));
+        computation.take(1, began(Stage::Refinement));
         assert!(matches!(state(&computation, Stage::Validation), StepProgress::Done(Some(_))));
         let stages: Vec<Stage> = computation.stages().iter().map(|(stage, _)| *stage).collect();
         assert_eq!(stages, [Stage::Pencils, Stage::Validation, Stage::Features, Stage::Refinement]);

@@ -22,7 +22,7 @@ impl Estimating {
     pub fn new(mut estimate: Box<EstimateFn>, mut follow: Box<FollowFn>, waker: &Waker) -> Self {
         let search = Task::new("estimate", waker.clone(), Waiting::Newest, move |request, turn| {
             let monitor = Monitor::new(turn.cancel.clone(), |progress| match progress {
-                Progress::Started(stage) => turn.tell(EstimateNews::Started(stage)),
+                Progress::Happened(event) => turn.tell(EstimateNews::Happened(event)),
                 Progress::Pencils(pencils) => turn.tell(EstimateNews::Pencils(pencils)),
                 Progress::Preliminary(estimate) => {
                     turn.tell(EstimateNews::Preliminary(estimate));

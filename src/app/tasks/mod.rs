@@ -185,8 +185,11 @@ impl Tasks {
         self.straightening.follow(question, &mut model.open.lens);
         let question = model.places_question();
         self.checking.follow(question, &mut model.open.places);
-        let request = model.inspection_request(exports);
-        self.inspecting.follow(request, &mut model.open.inspection);
+        // A replay asks in every frame. Each question is answered, so that there is always something to show.
+        if model.open.replay.moment().is_none() || !self.inspecting.is_busy() {
+            let request = model.inspection_request(exports);
+            self.inspecting.follow(request, &mut model.open.inspection);
+        }
         let question = model.comparison_question();
         self.comparing.follow(question, &mut model.open.comparison);
         let question = model.wants_rectified().then(|| model.rectify_question()).flatten();

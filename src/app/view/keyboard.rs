@@ -2,7 +2,7 @@
 
 use egui::{Key, Modifiers};
 
-use super::actions::ACTIONS;
+use super::actions::{ACTIONS, Action};
 use crate::app::model::command::Command;
 use crate::app::model::point_table::PointsCommand;
 use crate::geometry::Vector;
@@ -24,6 +24,7 @@ pub fn pressed(ctx: &egui::Context, keyboard: KeyboardState) -> Vec<Command> {
     let typing = keyboard.dialog_open || ctx.text_edit_focused();
     // An open menu handles Escape itself.
     let menu_open = egui::Popup::is_any_open(ctx);
+    let is_focused = ctx.memory(|memory| memory.focused().is_some());
     let mut commands = Vec::new();
     ctx.input_mut(|input| {
         for action in ACTIONS.iter() {
@@ -35,6 +36,10 @@ pub fn pressed(ctx: &egui::Context, keyboard: KeyboardState) -> Vec<Command> {
                 continue;
             }
             for shortcut in &action.keys {
+                // Space presses a focused button, and pans when held.
+                if shortcut.logical_key == Key::Space {
+                    continue;
+                }
                 for _ in 0..input.count_and_consume_key(shortcut.modifiers, shortcut.logical_key) {
                     commands.push(command.clone());
                 }
@@ -66,7 +71,35 @@ pub fn pressed(ctx: &egui::Context, keyboard: KeyboardState) -> Vec<Command> {
             }
         }
     });
+    let tapped = tapped_space(ctx).filter(|_| !typing && !is_focused);
+    let by_space = tapped.and_then(|modifiers| {
+        let is_its = |action: &&Action| {
+            let mut keys = action.keys.iter();
+            keys.any(|key| key.logical_key == Key::Space && key.modifiers == modifiers)
+        };
+        ACTIONS.iter().find(is_its).map(|action| action.command.clone())
+    });
+    commands.extend(by_space);
     commands
+}
+
+/// Returns the modifiers of the space bar if it was released now, and nothing was dragged while it was down.
+fn tapped_space(ctx: &egui::Context) -> Option<Modifiers> {
+    let dragged = egui::Id::unique("dragged with the space bar");
+    let (is_dragging, released) = ctx.input(|input| {
+        let released = input.events.iter().find_map(|event| match event {
+            egui::Event::Key { key: Key::Space, pressed: false, modifiers, .. } => Some(*modifiers),
+            _ => None,
+        });
+        (input.key_down(Key::Space) && input.pointer.any_down(), released)
+    });
+    if is_dragging {
+        ctx.data_mut(|data| data.insert_temp(dragged, true));
+    }
+    let was_dragged = || ctx.data_mut(|data| data.remove_temp::<bool>(dragged)).unwrap_or(false);
+    released
+        .filter(|_| !was_dragged())
+        .map(|modifiers| Modifiers { shift: modifiers.shift, ..Modifiers::NONE })
 }
 
 /// Returns the first shortcut of a command as text, such as `Ctrl+Z`.

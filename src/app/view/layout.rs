@@ -142,7 +142,15 @@ impl View {
                 .show(ui, |ui| panels::status(ui, model, commands));
         }
         let room = ui.available_rect_before_wrap();
-        let (dock, mut stage) = self.split(&ctx, room, model);
+        let has_timeline = model.document.pictures.is_some() && !model.open.alone;
+        let timeline = if has_timeline { panels::timeline::height(ctx.content_rect().height()) } else { 0.0 };
+        let (dock, mut stage) = self.split(&ctx, room, timeline, model);
+        if has_timeline {
+            let (rest, place) = stage.split_top_bottom_at_y(stage.max.y - timeline);
+            let mut inside = ui.new_child(UiBuilder::new().max_rect(place).id_salt("timeline"));
+            panels::timeline::show(&mut inside, place, model, commands);
+            stage = rest;
+        }
         if let Some(dock) = dock {
             let edge = self.placement.map_or(DockEdge::Bottom, |placement| placement.edge);
             let mut inside = ui.new_child(UiBuilder::new().max_rect(dock).id_salt("dock"));
@@ -172,7 +180,7 @@ impl View {
     }
 
     /// Splits the room below the bars into dock and stage.
-    fn split(&mut self, ctx: &Context, room: Rect, model: &Model) -> (Option<Rect>, Rect) {
+    fn split(&mut self, ctx: &Context, room: Rect, timeline: f32, model: &Model) -> (Option<Rect>, Rect) {
         let window = ctx.content_rect().size();
         let frames = self.frames(model);
         // Rows are compared side by side.
@@ -186,7 +194,8 @@ impl View {
         }
         // The arrangement is kept while pictures load.
         let frames = frames.or(self.arranged).unwrap_or([FrameSize::new(4000, 3000); 2]);
-        self.placement = Some(placed(size(window), size(room.size()), frames, look, self.placement));
+        let beside_timeline = room.size() - vec2(0.0, timeline);
+        self.placement = Some(placed(size(window), size(beside_timeline), frames, look, self.placement));
         let Some(Placement { edge, size, .. }) = self.placement.filter(|_| !model.open.alone) else {
             return (None, room);
         };

@@ -1,9 +1,9 @@
 //! Design tokens: every colour, width and size of the window.
 //!
-//! Colours over the images follow the palette of Okabe and Ito, which people with any common colour
-//! vision can distinguish: estimated lines green, true lines blue, pairs orange, pink and sky blue.
-//! They are the same in both themes, as the images are. A dark halo keeps them legible on bright
-//! and dark pictures.
+//! One colour has one meaning, and no meaning has a colour alone: green lines are solid, amber ones dashed, red ones
+//! dotted, violet is not checked, white is the truth, yellow is the cursor and what the user looks at. Buttons and
+//! selections are grey. Colours over the images are the same in both themes, as the images are. A dark halo keeps
+//! them legible on bright and dark pictures.
 
 use egui::{
     Color32, CornerRadius, FontDefinitions, FontFamily, FontId, Margin, Shadow, Stroke, TextStyle, Theme,
@@ -13,27 +13,29 @@ use egui::{
 use crate::app::model::verdict::LineLook;
 
 /// Lines of a reliable geometry.
-pub const ESTIMATED: Color32 = Color32::from_rgb(26, 204, 140);
+pub const ESTIMATED: Color32 = Color32::from_rgb(31, 199, 152);
 /// Lines of a doubtful geometry.
-pub const DOUBTFUL: Color32 = Color32::from_rgb(255, 190, 60);
+pub const DOUBTFUL: Color32 = Color32::from_rgb(240, 163, 32);
 /// Lines of an unreliable geometry.
-pub const UNRELIABLE: Color32 = Color32::from_rgb(255, 90, 80);
+pub const UNRELIABLE: Color32 = Color32::from_rgb(240, 101, 91);
 /// Uncertainty bands around the lines.
 pub const BAND: Color32 = Color32::from_rgb(30, 130, 96);
 /// Lines and matches of the true geometry.
-pub const TRUE: Color32 = Color32::from_rgb(64, 132, 255);
+pub const TRUE: Color32 = Color32::from_rgb(255, 255, 255);
 /// Line pair of the cursor.
-pub const HOVER: Color32 = Color32::from_rgb(240, 228, 66);
+pub const HOVER: Color32 = Color32::from_rgb(244, 239, 110);
 /// Dark edge around everything drawn over an image.
 pub const HALO: Color32 = Color32::from_black_alpha(150);
 /// Background of a label over an image.
 pub const LABEL_FILL: Color32 = Color32::from_black_alpha(190);
+/// Tint of the pictures during a replay.
+pub const DIMMED: Color32 = Color32::from_gray(191);
 /// Edge of the selected handle.
 pub const SELECTED: Color32 = Color32::WHITE;
 /// Radius of a handle, screen points.
 pub const HANDLE_RADIUS: f32 = 6.5;
 /// Lines of an inspected pair that is not pinned.
-pub const INSPECTED: Color32 = Color32::WHITE;
+pub const INSPECTED: Color32 = Color32::from_rgb(244, 239, 110);
 /// Colours of pinned line pairs in both images and in the plots; see [`pin_color`].
 pub const PINNED: [Color32; 8] = [
     Color32::from_rgb(230, 110, 40),
@@ -47,25 +49,25 @@ pub const PINNED: [Color32; 8] = [
 ];
 
 /// Epipoles of hypotheses.
-pub const HYPOTHESIS: Color32 = Color32::from_rgb(205, 178, 255);
+pub const HYPOTHESIS: Color32 = Color32::from_rgb(184, 113, 242);
 /// Bisector of image 1 with its match, and lines mapped by H.
-pub const FORWARD: Color32 = Color32::from_rgb(110, 205, 255);
+pub const FORWARD: Color32 = Color32::from_rgb(143, 180, 255);
 /// Bisector of image 2 with its match, and lines mapped back by G.
 pub const BACKWARD: Color32 = Color32::from_rgb(255, 142, 98);
 /// Magnified residuals: a colour absent from brick and foliage.
 pub const RESIDUAL: Color32 = Color32::from_rgb(255, 110, 235);
 /// Matches found by the refinement.
-pub const MATCH: Color32 = Color32::from_rgb(190, 255, 150);
+pub const MATCH: Color32 = Color32::from_rgb(184, 113, 242);
 /// Matches from elsewhere that fit the shown geometry, and others.
-pub const GIVEN: Color32 = Color32::from_rgb(120, 230, 255);
-pub const GIVEN_OFF: Color32 = Color32::from_rgb(255, 80, 70);
+pub const GIVEN: Color32 = Color32::from_rgb(184, 113, 242);
+pub const GIVEN_OFF: Color32 = Color32::from_rgb(240, 101, 91);
 /// Motion in a frame of a sequence.
 pub const MOVING: Color32 = Color32::from_rgb(255, 120, 0);
 /// Places suggested by a patch comparison.
 pub const SUGGESTED: Color32 = Color32::from_rgb(255, 255, 255);
 
 /// Left and right camera of the scene.
-pub const CAMERAS: [Color32; 2] = [Color32::from_rgb(240, 128, 90), Color32::from_rgb(86, 180, 233)];
+pub const CAMERAS: [Color32; 2] = [Color32::from_rgb(226, 174, 142), Color32::from_rgb(141, 181, 227)];
 
 /// Guide lines over rectified pictures.
 pub const GUIDE: Color32 = Color32::from_rgba_premultiplied(118, 82, 0, 131);
@@ -93,12 +95,11 @@ pub const CAPTION: f32 = 11.5;
 /// Size of the word of the verdict.
 pub const VERDICT: f32 = 18.0;
 
-/// The pairs `p`, `q` and `r`.
-pub const PAIRS: [Color32; 3] =
-    [Color32::from_rgb(240, 160, 0), Color32::from_rgb(240, 128, 190), Color32::from_rgb(86, 180, 233)];
-const OTHERS: Color32 = Color32::from_rgb(225, 225, 225);
+/// The pairs `p` and `q`.
+pub const PAIRS: [Color32; 2] = [Color32::from_rgb(127, 239, 252), Color32::from_rgb(216, 120, 180)];
+const OTHERS: Color32 = Color32::from_rgb(228, 228, 228);
 
-/// Returns the colour of a pair: one each for `p`, `q` and `r`, and one for all others.
+/// Returns the colour of a pair: one each for `p` and `q`, and one for all others.
 pub fn pair_color(pair: usize) -> Color32 {
     PAIRS.get(pair).copied().unwrap_or(OTHERS)
 }
@@ -136,21 +137,21 @@ pub fn palette(visuals: &Visuals) -> Palette {
     if visuals.dark_mode {
         Palette {
             canvas: Color32::from_gray(17),
-            accent: Color32::from_rgb(64, 156, 255),
-            on_accent: Color32::from_rgb(4, 18, 36),
-            good: Color32::from_rgb(52, 208, 148),
-            caution: Color32::from_rgb(245, 180, 60),
-            bad: Color32::from_rgb(255, 120, 105),
+            accent: Color32::from_rgb(228, 228, 228),
+            on_accent: Color32::from_rgb(27, 28, 31),
+            good: Color32::from_rgb(31, 199, 152),
+            caution: Color32::from_rgb(240, 163, 32),
+            bad: Color32::from_rgb(240, 101, 91),
             message_fill: Color32::from_rgb(52, 34, 32),
         }
     } else {
         Palette {
             canvas: Color32::from_gray(206),
-            accent: Color32::from_rgb(0, 92, 190),
-            on_accent: Color32::WHITE,
-            good: Color32::from_rgb(0, 116, 78),
-            caution: Color32::from_rgb(148, 88, 0),
-            bad: Color32::from_rgb(184, 32, 20),
+            accent: Color32::from_rgb(28, 28, 28),
+            on_accent: Color32::from_rgb(247, 247, 247),
+            good: Color32::from_rgb(20, 87, 63),
+            caution: Color32::from_rgb(146, 101, 16),
+            bad: Color32::from_rgb(122, 26, 18),
             message_fill: Color32::from_rgb(255, 240, 237),
         }
     }
@@ -196,14 +197,14 @@ pub fn install(ctx: &egui::Context) {
 fn visuals(theme: Theme) -> Visuals {
     let mut visuals = theme.default_visuals();
     let palette = palette(&visuals);
-    let (text, weak, panel, edge) = match theme {
-        Theme::Dark => {
-            (Color32::from_gray(222), Color32::from_gray(160), Color32::from_gray(30), Color32::from_gray(56))
-        }
-        Theme::Light => {
-            (Color32::from_gray(28), Color32::from_gray(92), Color32::from_gray(247), Color32::from_gray(200))
-        }
+    let greys = match theme {
+        Theme::Dark => [[228; 3], [163, 165, 168], [27, 28, 31], [56, 57, 60], [74, 76, 81]],
+        Theme::Light => [[28; 3], [92, 94, 97], [247; 3], [200; 3], [196, 198, 202]],
     };
+    let [text, weak, panel, edge, chosen] = greys.map(|[r, g, b]| Color32::from_rgb(r, g, b));
+    // Hue belongs to data: selections are grey.
+    visuals.selection.bg_fill = chosen;
+    visuals.selection.stroke.color = text;
     visuals.widgets.noninteractive.fg_stroke.color = text;
     visuals.widgets.noninteractive.bg_stroke = Stroke::new(1.0, edge);
     visuals.widgets.inactive.fg_stroke.color = text;

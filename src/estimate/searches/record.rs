@@ -53,20 +53,30 @@ impl<'a> SearchRecord<'a> {
         self.begun.elapsed().as_secs_f64()
     }
 
-    /// Writes an event.
+    /// Writes an event, and reports it.
     pub fn note(&mut self, kind: EventKind) {
         self.events.push(self.seconds(), kind);
+        self.report();
+    }
+
+    /// Reports the last event.
+    fn report(&self) {
+        if let Some(event) = self.events.events().last() {
+            self.monitor.report(Progress::Happened(event.clone()));
+        }
     }
 
     /// Writes that features were matched.
     pub fn note_matches(&mut self, matches: &[FeatureMatch]) {
         let found = matches.iter().map(|m| DistinctMatch { pair: m.pair, ratio: m.ratio });
         self.events.matched(self.seconds(), found);
+        self.report();
     }
 
     /// Writes proposals, best first, and the number of combinations or samples that were examined.
     pub fn note_proposals(&mut self, examined: usize, proposals: &[HypothesisNote]) {
         self.events.proposed(self.seconds(), examined, proposals);
+        self.report();
     }
 
     /// Writes the best different hypotheses, best first, with the course of their support at this size, if they
@@ -79,6 +89,7 @@ impl<'a> SearchRecord<'a> {
             Some(RankedHypothesis { hypothesis, course })
         };
         self.events.ranked(self.seconds(), hypotheses.iter().filter_map(ranked));
+        self.report();
     }
 
     /// Returns the flag that stops the search.
@@ -91,7 +102,6 @@ impl<'a> SearchRecord<'a> {
         self.end_stage();
         self.stage = stage;
         self.note(EventKind::Began(stage));
-        self.monitor.report(Progress::Started(stage));
         Ok(self.monitor.cancel().check()?)
     }
 

@@ -6,6 +6,7 @@ use super::action::{Action, action, tab};
 use crate::app::model::look::Tool;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
+use crate::app::model::replay::ReplayCommand;
 use crate::app::model::{Command, ExchangeCommand, Model, SessionCommand, StageId, TabId};
 
 const NONE: Modifiers = Modifiers::NONE;
@@ -14,7 +15,7 @@ const SHIFT: Modifiers = Modifiers::SHIFT;
 const COMMAND_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
 /// Groups of actions, in the order of the list of keys.
-pub const GROUPS: [&str; 6] = ["Points", "Result", "Files", "Display", "Panels", "Program"];
+pub const GROUPS: [&str; 7] = ["Points", "Result", "Replay", "Files", "Display", "Panels", "Program"];
 
 /// Returns the actions with shortcuts, in the order of the list of keys. A shortcut with Shift
 /// comes before the same key without Shift, which would consume both.
@@ -56,7 +57,7 @@ pub fn with_keys() -> Vec<Action> {
         action(
             Command::ToggleTruth,
             "Ground truth",
-            "Compare with the true geometry: its lines and matches in blue, and the error of the result.",
+            "Compare with the true geometry: its lines and matches in white, and the error of the result.",
         )
         .key(NONE, Key::G)
         .listed(|model| {
@@ -73,6 +74,48 @@ pub fn with_keys() -> Vec<Action> {
         )
         .key(NONE, Key::R)
         .when(Model::shows_another),
+    ];
+    let replay = vec![
+        action(ReplayCommand::PlaySlowly, "Play slowly", "Replay the search at half speed, or pause.")
+            .key(SHIFT, Key::Space)
+            .listed(|_| "Replay: play at half speed")
+            .when(Model::has_record),
+        action(ReplayCommand::TogglePlay, "Play or pause", "Replay how the lines were found, or pause.")
+            .key(NONE, Key::Space)
+            .listed(|_| "Replay: play or pause how the lines were found")
+            .when(Model::has_record),
+        action(ReplayCommand::Step { forward: false }, "Previous step", "Replay the previous step alone.")
+            .key(SHIFT, Key::N)
+            .listed(|_| "Replay: previous step")
+            .when(|model| model.document.pictures.is_some()),
+        action(ReplayCommand::Step { forward: true }, "Next step", "Replay the next step alone.")
+            .key(NONE, Key::N)
+            .listed(|_| "Replay: next step")
+            .when(|model| model.document.pictures.is_some()),
+        action(
+            ReplayCommand::Nudge { forward: false },
+            "Back a little",
+            "Go back by one line or crossing of the replay, or by one frame of sequences.",
+        )
+        .key(NONE, Key::Comma)
+        .listed(|_| "Replay: back by one line, crossing or frame")
+        .when(|model| model.has_record() || model.has_sequences()),
+        action(
+            ReplayCommand::Nudge { forward: true },
+            "On a little",
+            "Go on by one line or crossing of the replay, or by one frame of sequences.",
+        )
+        .key(NONE, Key::Period)
+        .listed(|_| "Replay: on by one line, crossing or frame")
+        .when(|model| model.has_record() || model.has_sequences()),
+        action(ReplayCommand::Begin, "Beginning", "Show the beginning of the search.")
+            .key(NONE, Key::Home)
+            .listed(|_| "Replay: beginning")
+            .when(Model::has_record),
+        action(ReplayCommand::Finish, "Result", "Leave the replay and show the result.")
+            .key(NONE, Key::End)
+            .listed(|_| "Replay: result")
+            .when(|model| model.replayed().is_some()),
     ];
     let files = vec![
         action(
@@ -156,14 +199,6 @@ pub fn with_keys() -> Vec<Action> {
             .key(NONE, Key::K)
             .listed(|_| "Sequences: play or pause")
             .when(Model::has_sequences),
-        action(PlayerCommand::Step(-1), "Previous frame", "Show the previous frame.")
-            .key(NONE, Key::Comma)
-            .listed(|_| "Sequences: previous frame")
-            .when(Model::has_sequences),
-        action(PlayerCommand::Step(1), "Next frame", "Show the next frame.")
-            .key(NONE, Key::Period)
-            .listed(|_| "Sequences: next frame")
-            .when(Model::has_sequences),
         action(
             PlayerCommand::ToggleSilhouettes,
             "Show motion",
@@ -206,8 +241,8 @@ pub fn with_keys() -> Vec<Action> {
         )
         .key(NONE, Key::A)
         .when(Model::has_strip),
-        tab(TabId::Profiles, Key::Num1, "Intensities along one line pair, and the matching of its samples."),
-        tab(TabId::Method, Key::Num2, "The steps of the method on these pictures, one by one."),
+        tab(TabId::Step, Key::Num1, "The hypotheses of the search, or the chart of the step that is shown."),
+        tab(TabId::Profiles, Key::Num2, "Intensities along one line pair, and the matching of its samples."),
         tab(TabId::Residuals, Key::Num3, "Distances of points from their epipolar lines."),
         tab(
             TabId::Compare,
@@ -231,16 +266,6 @@ pub fn with_keys() -> Vec<Action> {
         .key(NONE, Key::Num7)
         .listed(|_| "3-D: cameras and triangulated matches")
         .when(|model| model.can_rectify() && !model.compares_barcodes()),
-        action(
-            Command::StepMethod { forward: false },
-            "Previous step",
-            "Show the previous step of the method.",
-        )
-        .key(SHIFT, Key::N)
-        .listed(|_| "Method: previous step"),
-        action(Command::StepMethod { forward: true }, "Next step", "Show the next step of the method.")
-            .key(NONE, Key::N)
-            .listed(|_| "Method: next step"),
     ];
     let program = vec![
         action(Command::TogglePalette, "Commands", "Search for any command by name and run it.")
@@ -262,7 +287,7 @@ pub fn with_keys() -> Vec<Action> {
             .listed(|_| "List of keys"),
         action(Command::Quit, "Quit", "Close the window.").key(COMMAND, Key::Q).while_typing(),
     ];
-    let groups = [points, result, files, display, panels, program];
+    let groups = [points, result, replay, files, display, panels, program];
     let named = GROUPS.into_iter().zip(groups);
     named.flat_map(|(group, own)| own.into_iter().map(move |action| Action { group, ..action })).collect()
 }

@@ -7,6 +7,7 @@ use crate::app::model::dock::DockEdge;
 use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::{RectifiedCommand, RectifiedLayout};
+use crate::app::model::replay::ReplayCommand;
 use crate::app::model::tones::TonesCommand;
 use crate::app::model::verdict::USE_LENS;
 use crate::app::model::{Command, ExchangeCommand, Model, Side};
@@ -177,6 +178,14 @@ pub fn by_name() -> Vec<Action> {
             |model| if model.open.lines_anyway { "Hide unreliable lines" } else { "Show unreliable lines" },
         )
         .when(|model| model.lines_switch().is_some()),
+        action(ReplayCommand::NextSpeed, "Speed", "Change the speed of the replay: ¼, ½, 1, 2 or 4 times.")
+            .listed(|_| "Replay: next speed"),
+        action(
+            ReplayCommand::ToggleStill,
+            "Still steps",
+            "Show only the last moment of each step, without motion, or play the steps again.",
+        )
+        .listed(|model| if model.look.still_steps { "Replay: play the steps" } else { "Replay: still steps" }),
         dock(None).listed(|_| "Dock: automatic place"),
         dock(Some(DockEdge::Bottom)).listed(|_| "Dock: at the bottom"),
         dock(Some(DockEdge::Right)).listed(|_| "Dock: at the right"),

@@ -3,7 +3,7 @@
 
 use egui::{CursorIcon, Rect, Sense, Stroke, Ui, UiBuilder, Vec2, vec2};
 
-use super::{card, pairs, tabs};
+use super::{card, pairs, step_words, tabs};
 use crate::app::model::dock::DockEdge;
 use crate::app::model::{Command, Model, StageId};
 use crate::app::view::theme;
@@ -41,11 +41,14 @@ pub fn show(ui: &mut Ui, area: Rect, edge: DockEdge, model: &Model, commands: &m
         DockEdge::Bottom => columns(area),
         DockEdge::Right => rows(area, model),
     };
-    if model.is_at_start() {
+    if model.is_at_start() && model.replayed().is_none() {
         // Nothing but the next step.
         part(ui, area.shrink2(INSET), "card", |ui| card::show(ui, model, commands));
     } else {
-        part(ui, card.shrink2(INSET), "card", |ui| card::show(ui, model, commands));
+        part(ui, card.shrink2(INSET), "card", |ui| match model.replayed() {
+            Some(place) => step_words::show(ui, place.step, model, commands),
+            None => card::show(ui, model, commands),
+        });
         for rect in [tab, pairs] {
             if rect.min.x > area.min.x {
                 ui.painter().vline(rect.min.x, rect.y_range(), line);

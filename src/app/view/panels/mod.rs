@@ -23,8 +23,10 @@ mod relocate_dialog;
 mod save_dialog;
 mod shortcuts;
 mod status;
+mod step_words;
 mod table;
 pub mod tabs;
+pub mod timeline;
 mod tones;
 mod top_bar;
 

@@ -42,9 +42,9 @@ pub fn show(ctx: &egui::Context, open: &mut bool) {
                 let groups: Vec<_> = std::iter::once(("Mouse", mouse.to_vec())).chain(groups).collect();
                 // A narrow window has fewer columns.
                 let ends: &[usize] = match width {
-                    _ if width > THREE_COLUMNS => &[3, 5, 7],
-                    _ if width > TWO_COLUMNS => &[4, 7],
-                    _ => &[7],
+                    _ if width > THREE_COLUMNS => &[4, 6, 8],
+                    _ if width > TWO_COLUMNS => &[5, 8],
+                    _ => &[8],
                 };
                 ui.columns(ends.len(), |columns| {
                     let mut first = 0;

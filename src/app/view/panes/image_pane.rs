@@ -4,7 +4,9 @@ use egui::{Align2, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Strok
 
 use super::chip::Chip;
 use super::loupe;
-use super::overlays::{Canvas, Labels, OVERLAYS, draw_measurement, pinned_at, pointed_at, suggested_places};
+use super::overlays::{
+    Canvas, Labels, OVERLAYS, draw_measurement, pinned_at, pointed_at, replay, suggested_places,
+};
 use super::texture::PictureTexture;
 use super::transform::{Transform, zoom_asked};
 use crate::app::model::look::Tool;
@@ -210,7 +212,14 @@ impl ImagePane {
             }
             None => image.texture.set_rendition(rendition, changing),
         }
-        image.texture.draw(&painter, &transform);
+        let moment = model.open.replay.moment();
+        if let Some(zoom) = moment.map(|moment| moment.zoom).filter(|zoom| *zoom > 1.0) {
+            // Epipoles far outside come into view.
+            let whole = image.view.fitted(image.shown).transform(image.shown, rect);
+            transform = whole.at(rect, whole.scale / zoom).through(image.lens.as_ref());
+        }
+        let tint = moment.map_or(egui::Color32::WHITE, |_| theme::DIMMED);
+        image.texture.draw_tinted(&painter, &transform, tint);
         let labels = Labels::default();
         labels.take(self.chip);
         let canvas = Canvas {
@@ -222,9 +231,7 @@ impl ImagePane {
             labels: Some(&labels),
             is_figure: false,
         };
-        for overlay in OVERLAYS.iter().filter(|overlay| model.look.shows(overlay.id)) {
-            (overlay.draw)(&canvas);
-        }
+        draw_overlays(&canvas);
         if response.secondary_clicked() && self.menu.is_none() && model.look.shows(OverlayId::Pinned) {
             let under = response.interact_pointer_pos().and_then(|at| pinned_at(&canvas, at));
             self.menu = under.map(Menu::Pin);
@@ -435,6 +442,23 @@ impl ImagePane {
                 "Point {name}: drag it, or use the arrow keys. Right-click for more."
             ));
         }
+    }
+}
+
+/// Draws the moment of the replay, with the points alone, or else all visible overlays.
+fn draw_overlays(canvas: &Canvas) {
+    let (look, moment) = (&canvas.model.look, canvas.model.open.replay.moment());
+    if let Some(moment) = moment {
+        replay::draw(canvas, moment);
+    }
+    let is_paused = !canvas.model.open.replay.is_playing();
+    let is_part = |id: OverlayId| match id {
+        OverlayId::Points | OverlayId::PointedAt => true,
+        OverlayId::Pinned => moment.is_none() || is_paused,
+        _ => moment.is_none(),
+    };
+    for overlay in OVERLAYS.iter().filter(|overlay| is_part(overlay.id) && look.shows(overlay.id)) {
+        (overlay.draw)(canvas);
     }
 }
 

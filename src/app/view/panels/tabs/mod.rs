@@ -3,19 +3,20 @@
 mod barcodes;
 mod compare;
 mod inspected;
-mod method;
 mod profiles;
 pub mod rectified;
 mod residuals;
+mod step;
 
 use egui::{Align, Button, Label, Layout, RichText, Ui};
 
-use super::{busy, finish_button, main_button};
+use super::{busy, finish_button, main_button, timeline};
 use crate::app::model::{Command, Model, TabId};
 use crate::app::view::theme;
 
 pub use inspected::describe as describe_lines;
 pub use rectified::forget_textures;
+pub use step::{duration, parameters};
 
 pub struct Tab {
     pub id: TabId,
@@ -25,7 +26,7 @@ pub struct Tab {
 }
 
 /// The tabs from left to right.
-static TABS: [Tab; TabId::ALL.len()] = [profiles::TAB, method::TAB, residuals::TAB, compare::TAB];
+static TABS: [Tab; TabId::ALL.len()] = [step::TAB, profiles::TAB, residuals::TAB, compare::TAB];
 
 /// Room beside the headings from which the tools are in the same line, screen points.
 const ROOM_FOR_TOOLS: f32 = 110.0;
@@ -37,7 +38,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui.spacing_mut().item_spacing.x = 2.0;
         ui.spacing_mut().button_padding.x = 7.0;
         for tab in &TABS {
-            let title = Button::selectable(model.look.tab == tab.id, tab.id.title());
+            let title = Button::selectable(model.look.tab == tab.id, title(tab.id, model));
             let response = ui.add(title);
             finish_button(ui, response, Command::ShowTab(tab.id), commands);
         }
@@ -50,13 +51,19 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(tab) = tab else { return };
     let has_tools = match tab.id {
         TabId::Profiles => !model.open.focus.pins().is_empty(),
-        TabId::Method => model.open.computation.is_behind(),
+        TabId::Step => model.open.computation.is_behind(),
         TabId::Residuals | TabId::Compare => true,
     };
     if has_tools && !has_room.inner {
         ui.horizontal(|ui| tools(ui, tab, model, commands));
     }
     ui.push_id(tab.id.title(), |ui| (tab.show)(ui, model, commands));
+}
+
+/// Returns the heading of a tab. The first one has the name of the step that is shown.
+fn title(tab: TabId, model: &Model) -> &'static str {
+    let step = model.replayed().filter(|_| tab == TabId::Step);
+    step.map_or(tab.title(), |place| timeline::title(place.step, model.document.search_plan()))
 }
 
 /// Shows the tools of a tab from right to left.

@@ -20,8 +20,8 @@ use crate::app::view::{heat, theme};
 pub const TAB: Tab = Tab { id: TabId::Profiles, tools, show };
 
 /// Colours of the curves.
-const LEFT: Color32 = theme::PAIRS[2];
-const RIGHT: Color32 = theme::PAIRS[0];
+const LEFT: Color32 = theme::CAMERAS[0];
+const RIGHT: Color32 = theme::CAMERAS[1];
 
 /// Height below which the plots scroll, screen points, since lower plots would overlap.
 const LEAST_HEIGHT: f32 = 176.0;
@@ -259,6 +259,53 @@ impl Titled<'_> {
     }
 }
 
+/// Shows the profiles of the inspected lines as they are, and the right one on its way to its place: `slide` of 0
+/// before warping, 1 after it.
+pub(super) fn sliding(ui: &mut Ui, model: &Model, slide: f64) {
+    let Some(inspection) =
+        model.open.inspection.as_ref().filter(|inspection| !inspection.samples().is_empty())
+    else {
+        empty(ui, "The two lines are being compared.");
+        return;
+    };
+    let area = ui.available_rect_before_wrap();
+    let (upper, lower) = area.split_top_bottom_at_fraction(0.5);
+    let matching = &inspection.warped.matching;
+    for (rect, title, slide) in [(upper, "as they are", 0.0), (lower, "warped", slide)] {
+        let mut child = ui.new_child(UiBuilder::new().max_rect(rect.shrink2(vec2(4.0, 1.0))).id_salt(title));
+        child.spacing_mut().item_spacing.y = 0.0;
+        child.label(RichText::new(title).size(theme::CAPTION).weak());
+        chart(&child, title)
+            .link_axis(Id::unique("sliding profiles"), [true, false])
+            .show_axes([false, false])
+            .set_margin_fraction(vec2(0.0, 0.06))
+            .show(&mut child, |plot| {
+                if title == "warped" {
+                    let moved = |k: usize| {
+                        let value = inspection.warped.warped2.get(k).copied().flatten()?;
+                        let away = f64::from(*matching.disparities.get(k)?) * (1.0 - slide);
+                        Some([away * inspection.step, f64::from(value)])
+                    };
+                    draw_curve(plot, "right", moved_curve(inspection, moved), RIGHT);
+                    left_intensities(plot, inspection);
+                } else {
+                    profiles_before(plot, inspection);
+                }
+            });
+    }
+}
+
+/// Returns the points of a curve whose samples are moved along the line.
+fn moved_curve(inspection: &Inspection, moved: impl Fn(usize) -> Option<[f64; 2]>) -> Vec<Vec<[f64; 2]>> {
+    let own = |k: usize| moved(k).map(|[_, value]| value);
+    let mut pieces = curve(inspection, own);
+    let mut shifts = (0..inspection.samples().len()).filter_map(|k| moved(k).map(|[away, _]| away));
+    for point in pieces.iter_mut().flatten() {
+        point[0] += shifts.next().unwrap_or(0.0);
+    }
+    pieces
+}
+
 /// Creates a plot in the look of the window, at first without movement.
 pub(super) fn chart<'a>(ui: &Ui, name: &str) -> Plot<'a> {
     Plot::new(name)
@@ -312,6 +359,10 @@ fn left_intensities(plot: &mut PlotUi, inspection: &Inspection) {
 }
 
 fn before(plot: &mut PlotUi, inspection: &Inspection, _: &TextureHandle) {
+    profiles_before(plot, inspection);
+}
+
+fn profiles_before(plot: &mut PlotUi, inspection: &Inspection) {
     let first = inspection.warped.profile1.first;
     let value = |k: usize| inspection.warped.profile2.get(first + k as i32).map(f64::from);
     draw_curve(plot, "right", curve(inspection, value), RIGHT);

@@ -15,6 +15,7 @@ const DRAWN: usize = 20;
 pub fn draw(canvas: &Canvas) {
     let Some((shown, opacity)) = canvas.shown() else { return };
     let drawn = shown.estimate.hypotheses().len().min(DRAWN);
+    let epipole = |hypothesis: &Estimate| canvas.side.epipole(hypothesis.fundamental());
     let lit = match canvas.at_hand(canvas.model.open.focus.hovered()) {
         Some(Target::Hypothesis(number)) => Some(number),
         _ => None,
@@ -23,14 +24,14 @@ pub fn draw(canvas: &Canvas) {
         let bright = 1.0 - rank as f32 / drawn as f32;
         mark(
             canvas,
-            hypothesis,
+            &epipole(hypothesis),
             theme::HYPOTHESIS.gamma_multiply(opacity * (0.15 + 0.7 * bright * bright)),
             1.0,
         );
     }
     for number in shown.hypothesis.map(|(number, _)| number).into_iter().chain(lit) {
         if let Some(hypothesis) = shown.estimate.hypotheses().get(number) {
-            mark(canvas, hypothesis, theme::SELECTED, 1.5);
+            mark(canvas, &epipole(hypothesis), theme::SELECTED, 1.5);
         }
     }
 }
@@ -39,12 +40,15 @@ pub fn draw(canvas: &Canvas) {
 pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
     let (shown, _) = canvas.shown()?;
     let hypotheses = shown.estimate.hypotheses().iter().take(DRAWN).enumerate();
-    let places = hypotheses.map(|(number, hypothesis)| (number, place(canvas, hypothesis).0));
+    let places = hypotheses.map(|(number, hypothesis)| {
+        (number, place(canvas, &canvas.side.epipole(hypothesis.fundamental())).0)
+    });
     Pointing::nearest(places, position, theme::GRAB_RADIUS, Target::Hypothesis)
 }
 
-fn mark(canvas: &Canvas, hypothesis: &Estimate, color: Color32, size: f32) {
-    let (at, outwards) = place(canvas, hypothesis);
+/// Draws the mark of an epipole: a diamond, or an arrow at the edge.
+pub(super) fn mark(canvas: &Canvas, epipole: &HomogeneousPoint, color: Color32, size: f32) {
+    let (at, outwards) = place(canvas, epipole);
     // Arrows belong to the window; in a figure they would be marks in the picture.
     if canvas.is_figure && outwards.is_some() {
         return;
@@ -67,16 +71,15 @@ fn mark(canvas: &Canvas, hypothesis: &Estimate, color: Color32, size: f32) {
 }
 
 /// Returns the position of the mark, with a direction if it is an arrow at the edge.
-fn place(canvas: &Canvas, hypothesis: &Estimate) -> (Pos2, Option<Vec2>) {
-    let epipole = canvas.side.epipole(hypothesis.fundamental());
+pub(super) fn place(canvas: &Canvas, epipole: &HomogeneousPoint) -> (Pos2, Option<Vec2>) {
     let visible = canvas.sight();
-    if let Some(at) = finite_point(&epipole).map(|point| canvas.transform.screen_from_image(point))
+    if let Some(at) = finite_point(epipole).map(|point| canvas.transform.screen_from_image(point))
         && visible.contains(at)
     {
         return (at, None);
     }
     let centre = visible.center();
-    let towards = direction(&epipole, canvas.transform.image_from_screen(centre));
+    let towards = direction(epipole, canvas.transform.image_from_screen(centre));
     let along = vec2(towards.x as f32, towards.y as f32);
     let room = visible.shrink(9.0).size() * 0.5;
     let reach = (room.x / along.x.abs().max(1e-6)).min(room.y / along.y.abs().max(1e-6));

@@ -1,8 +1,5 @@
 //! Overlays of the images, one file each, registered in [`OVERLAYS`].
 
-mod bisectors;
-mod candidates;
-mod chosen;
 mod epipoles;
 mod given;
 mod hover;
@@ -14,8 +11,8 @@ mod next_click;
 mod pinned;
 mod pointed;
 mod points;
+pub mod replay;
 mod residuals;
-mod round_trip;
 mod rows;
 mod samples;
 mod suggestion;
@@ -40,7 +37,7 @@ use crate::app::model::shown::ShownGeometry;
 use crate::app::model::verdict::LineLook;
 use crate::app::model::{Model, OverlayId, Side, Target};
 use crate::app::view::theme;
-use crate::geometry::{Frame, FundamentalMatrix, Line, LinePair, Point, PointPair};
+use crate::geometry::{Frame, FundamentalMatrix, Line, Point, PointPair};
 
 /// An item under the cursor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,7 +73,11 @@ pub fn pointed_at(canvas: &Canvas, position: Pos2) -> Option<Target> {
         (OverlayId::TrueMatches, true_matches::at),
         (OverlayId::Given, given::at),
     ];
-    let found = finders.iter().filter(|(overlay, _)| canvas.model.look.shows(*overlay));
+    // The replay draws only the points of these.
+    let replayed = canvas.model.open.replay.moment().is_some();
+    let is_drawn =
+        |overlay: OverlayId| canvas.model.look.shows(overlay) && (!replayed || overlay == OverlayId::Points);
+    let found = finders.iter().filter(|(overlay, _)| is_drawn(*overlay));
     let found = found.filter_map(|(_, at)| at(canvas, position));
     // The plot marks the sample under the cursor even if its overlay is off.
     let found = found.chain(samples::at(canvas, position));
@@ -197,13 +198,6 @@ impl Canvas<'_> {
         }
     }
 
-    /// Draws the part of a line on the image, without an edge, for the many lines of a pencil.
-    fn thin_line(&self, line: &Line, width: f32, color: Color32) {
-        if let Some(segment) = self.frame.clip(line) {
-            self.stroke(&self.transform.curve(segment.start, segment.end), width, color);
-        }
-    }
-
     /// Draws the visible part of a line dashed, with a dark edge.
     fn dashed_line(&self, line: &Line, width: f32, color: Color32) {
         // Dashes out of view would cost time: many thousands when magnified.
@@ -254,14 +248,6 @@ impl Canvas<'_> {
             _ => {
                 self.painter.line(path.to_vec(), Stroke::new(width, color));
             }
-        }
-    }
-
-    /// Returns the line of a pair that lies in this image.
-    fn own(&self, lines: &LinePair) -> Line {
-        match self.side {
-            Side::Left => lines.line1,
-            Side::Right => lines.line2,
         }
     }
 

@@ -3,9 +3,8 @@
 use egui::Color32;
 
 use super::{
-    Canvas, bisectors, candidates, chosen, epipoles, given, hover, hypotheses, lines, matches, next_click,
-    pinned, pointed, points, residuals, round_trip, rows, samples, suggestion, true_lines, true_matches,
-    uncertainty,
+    Canvas, epipoles, given, hover, hypotheses, lines, matches, next_click, pinned, pointed, points,
+    residuals, rows, samples, suggestion, true_lines, true_matches, uncertainty,
 };
 use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
@@ -22,22 +21,6 @@ pub struct Overlay {
 
 /// All overlays from bottom to top, in the order of [`OverlayId`].
 pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
-    Overlay {
-        id: OverlayId::Candidates,
-        tooltip: "Candidate epipolar lines through p and q: the most similar line pairs, from yellow (best) to \
-                  violet, as in the step Pencils.",
-        color: Color32::from_rgb(92, 200, 99),
-        magnified: false,
-        draw: candidates::draw,
-    },
-    Overlay {
-        id: OverlayId::RoundTrip,
-        tooltip: "Left: lines l, and GH l (dashed) after mapping them to the right image and back. Right: H l. \
-                  The smaller the filled area, the better both directions agree.",
-        color: theme::BACKWARD,
-        magnified: false,
-        draw: round_trip::draw,
-    },
     Overlay {
         id: OverlayId::Uncertainty,
         tooltip: "Uncertainty of each epipolar line and epipole: two standard deviations, from the matches. \
@@ -60,22 +43,6 @@ pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
         color: theme::TRUE,
         magnified: true,
         draw: true_lines::draw,
-    },
-    Overlay {
-        id: OverlayId::ChosenLines,
-        tooltip: "The two candidate line pairs, one through each click, from which the hypothesis shown was \
-                  built. They meet in its epipoles.",
-        color: theme::PAIRS[0],
-        magnified: false,
-        draw: chosen::draw,
-    },
-    Overlay {
-        id: OverlayId::Bisectors,
-        tooltip: "H: the bisector of the left lines and its most similar right line. G: the same from right to \
-                  left. They determine the line maps H and G.",
-        color: theme::FORWARD,
-        magnified: false,
-        draw: bisectors::draw,
     },
     Overlay {
         id: OverlayId::CursorLine,
@@ -109,7 +76,7 @@ pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
     },
     Overlay {
         id: OverlayId::Given,
-        tooltip: "Imported matches: bright rings fit the geometry to 1 px, red ones do not. At most 2,000 are drawn.",
+        tooltip: "Imported matches: violet rings fit the geometry to 1 px, red ones do not. At most 2,000 are drawn.",
         color: theme::GIVEN,
         magnified: false,
         draw: given::draw,
@@ -147,7 +114,7 @@ pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
     },
     Overlay {
         id: OverlayId::Epipoles,
-        tooltip: "Position of the other camera in this image, where all epipolar lines meet. Blue: epipole of \
+        tooltip: "Position of the other camera in this image, where all epipolar lines meet. White: epipole of \
                   the ground truth.",
         color: theme::ESTIMATED,
         magnified: false,
@@ -178,7 +145,7 @@ pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
     },
     Overlay {
         id: OverlayId::Points,
-        tooltip: "The clicked points: p orange, q pink, r blue, others light. Squares only check, and ! marks a \
+        tooltip: "The clicked points: p cyan, q pink, others light. Squares only check, and ! marks a \
                   pair that the images contradict.",
         color: theme::PAIRS[0],
         magnified: false,

@@ -7,7 +7,7 @@ use super::super::empty;
 use crate::app::model::verdict::{
     HypothesisFigure, HypothesisScales, Standing, epipole_text, line_score_text, short_epipole_text,
 };
-use crate::app::model::{Command, MethodStep, Model, Side, Target};
+use crate::app::model::{Command, Model, Side, Target};
 use crate::estimate::Estimate;
 use crate::geometry::{Point, finite_point};
 use crate::presentation::origin_in_words;
@@ -20,9 +20,8 @@ const ROOM_FOR_ALL: f32 = 400.0;
 const RESULT: &str = "Hypotheses are ranked by their support in reduced images. The result is fitted to patches at \
                       full resolution, so a hypothesis may have more support.";
 
-/// Shows the table of the hypotheses with the figures of a step. The margin follows from a pair of
-/// rows; pointing at a row explains it.
-pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Command>) {
+/// Shows the table of the hypotheses. The margin follows from a pair of rows; pointing at a row explains it.
+pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let listed = Listed::new(model);
     if listed.rows() == 0 {
         empty(ui, "Candidate geometries appear here during the estimate.");
@@ -67,14 +66,14 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
     let is_narrow = ui.available_width() < ROOM_FOR_ALL;
     let epipoles = Side::BOTH.map(|side| epipole(listed, model, side, is_narrow));
     let mut columns: Vec<Column> =
-        std::iter::once(rank).chain(of_step(step, listed, figure)).chain(epipoles).collect();
+        std::iter::once(rank).chain(known_figures(listed, figure)).chain(epipoles).collect();
     if is_narrow {
         columns.pop();
     }
     let is_open = model.epipole_is_open();
     let tells_epipoles = |row: usize| is_narrow && (number(row).is_some() || !is_open);
     let touched = Table {
-        name: if step == MethodStep::RoundTrip { "round trips" } else { "validation" },
+        name: "hypotheses",
         columns: &columns,
         rows: listed.rows(),
         revision: model.open.computation.revision(),
@@ -111,52 +110,38 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
     }
 }
 
-/// Returns the columns with the figures of a step. A search of sequences has none of some kinds.
-fn of_step<'a>(
-    step: MethodStep,
+/// Returns the columns with the figures that the search has.
+fn known_figures<'a>(
     listed: &Listed,
     figure: impl Fn(&'static str, f32, &'static str, HypothesisFigure, usize) -> Column<'a>,
 ) -> impl Iterator<Item = Column<'a>> {
-    let columns = if step == MethodStep::RoundTrip {
-        [
-            (
-                "Round trip",
-                100.0,
-                "Distance, px, between a line and its image after the maps H (to the other image) and G (back). A small \
-                 distance means that both directions agree. A good result may have a large distance, and a wrong \
-                 result a small one.",
-                HypothesisFigure::RoundTrip,
-                2,
-            ),
-            (
-                "Stretch",
-                72.0,
-                "Stretch κ of the line map H (left to right) divided by that of G (right to left). 1 means that \
-                 both directions agree.",
-                HypothesisFigure::ThereBack,
-                3,
-            ),
-        ]
-    } else {
-        [
-            (
-                "Support",
-                74.0,
-                "Image corners that find a match along their epipolar line, weighted by similarity. Higher is better; \
-                 compare rows.",
-                HypothesisFigure::Support,
-                1,
-            ),
-            (
-                "Line cost",
-                84.0,
-                "How unlike corresponding lines are, over both images. Lower is better. The preset Robust gives the \
-                 cost relative to mismatched lines, As published in grey² per sample.",
-                HypothesisFigure::LineScore,
-                1,
-            ),
-        ]
-    };
+    let columns = [
+        (
+            "Support",
+            74.0,
+            "Image corners that find a match along their epipolar line, weighted by similarity. Higher is better; \
+             compare rows.",
+            HypothesisFigure::Support,
+            1,
+        ),
+        (
+            "Line cost",
+            84.0,
+            "How unlike corresponding lines are, over both images. Lower is better. The preset Robust gives the \
+             cost relative to mismatched lines, As published in grey² per sample.",
+            HypothesisFigure::LineScore,
+            1,
+        ),
+        (
+            "Round trip",
+            100.0,
+            "Distance, px, between a line and its image after the maps H (to the other image) and G (back). A small \
+             distance means that both directions agree. A good result may have a large distance, and a wrong \
+             result a small one.",
+            HypothesisFigure::RoundTrip,
+            2,
+        ),
+    ];
     let is_known = |figure: HypothesisFigure| {
         (0..listed.rows()).any(|row| figure.of(listed.hypothesis(row)).is_finite())
     };

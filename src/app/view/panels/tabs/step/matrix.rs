@@ -137,6 +137,13 @@ impl<'a> PencilMatrix<'a> {
         )
     }
 
+    /// Covers the part of the matrix that has not been compared yet: the lines of the left picture from this row on.
+    pub fn cover(&self, ui: &Ui, plot: Rect, row: usize) {
+        let Some(angle) = self.pencils.angles1.get(row) else { return };
+        let begin = self.place(plot, [*angle, *angle]).x;
+        ui.painter().rect_filled(plot.with_min_x(begin), 0.0, theme::palette(ui.visuals()).canvas);
+    }
+
     /// Draws the matrix with axes, candidates, the cell under the cursor, and the lines of the
     /// geometry shown.
     pub fn draw(&self, ui: &Ui, plot: Rect, lit: Option<[usize; 2]>, shown: Option<(Line, Line)>) {

@@ -3,6 +3,7 @@
 use egui::{Rect, RichText, Ui, UiBuilder, Vec2, pos2, vec2};
 
 use super::super::empty;
+use super::super::profiles::sliding;
 use super::matrix::PencilMatrix;
 use super::{NO_PENCILS, NO_ROOM, has_no_pencils};
 use crate::app::model::{Command, LineSource, Model, Target, pair_name};
@@ -69,6 +70,9 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         empty(ui, if has_no_pencils(model) { NO_PENCILS } else { text });
         return;
     };
+    if playing(ui, model, commands) {
+        return;
+    }
     let area = ui.available_rect_before_wrap();
     let (area, below) = area.split_top_bottom_at_y(area.max.y - LEGEND);
     let (left, right) = area.split_left_right_at_fraction(0.5);
@@ -83,6 +87,28 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
     ui.scope_builder(UiBuilder::new().max_rect(below), |ui| ui.horizontal_centered(legend));
     ui.advance_cursor_after_rect(area);
+}
+
+/// Shows the matrix as it fills, beside the profiles of the lines that are compared. Returns whether the replay is
+/// under way.
+fn playing(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
+    let replay = &model.open.replay;
+    let Some((moment, filled)) = replay.moment().and_then(|moment| Some((moment, moment.filled?))) else {
+        return false;
+    };
+    let pencils = model.record().and_then(|record| record.pencils.get(filled.pencil));
+    let is_last = model.record().is_some_and(|record| filled.pencil + 1 == record.pencils.len());
+    let is_over = is_last && moment.slide >= 1.0 && !replay.is_playing();
+    let Some(own) = pencils.filter(|_| !is_over) else { return false };
+    let area = ui.available_rect_before_wrap();
+    let (matrix, profiles) = area.split_left_right_at_fraction(0.42);
+    let mut child = ui.new_child(UiBuilder::new().max_rect(matrix).id_salt("filling"));
+    one(&mut child, model, filled.pencil, &own.compared, commands);
+    let right = profiles.with_min_x(profiles.min.x + theme::GAP);
+    ui.scope_builder(UiBuilder::new().max_rect(right).id_salt("profiles"), |ui| {
+        sliding(ui, model, moment.slide);
+    });
+    true
 }
 
 fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, commands: &mut Vec<Command>) {
@@ -103,15 +129,22 @@ fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, com
         (None, Some(Target::Cell { pair: other, row, column })) if other == number => Some([row, column]),
         _ => None,
     };
-    let shown = model.construction().map(|construction| {
+    let moment = model.open.replay.moment();
+    let filled = moment.and_then(|moment| moment.filled).filter(|filled| filled.pencil == number);
+    let shown = model.construction().filter(|_| filled.is_none()).map(|construction| {
         let lines = if number == 0 { construction.p() } else { construction.q() };
         (lines.line1, lines.line2)
     });
+    // The lines that are being compared.
+    let compared = filled.and_then(|_| moment?.lines).map(|[line1, line2]| (line1.line(), line2.line()));
     let title = if plot.width() < ROOM_FOR_WORDS { name } else { format!("Lines through {name}") };
     let heading = RichText::new(title).size(theme::CAPTION);
     let top = Rect::from_min_max(pos2(plot.min.x, area.min.y), pos2(area.max.x, area.min.y + TITLE));
     ui.put(top, egui::Label::new(heading.weak()).truncate().halign(egui::Align::Min));
-    matrix.draw(ui, plot, lit, shown);
+    matrix.draw(ui, plot, lit, shown.or(compared));
+    if let Some(filled) = filled {
+        matrix.cover(ui, plot, filled.rows);
+    }
     let Some([row, column]) = hovered else { return };
     commands.push(Command::PointAt(Target::Cell { pair: number, row, column }));
     if response.clicked()

@@ -1,0 +1,282 @@
+//! What a search left behind, in the form for drawing.
+
+use std::sync::Arc;
+
+use super::fan;
+use crate::app::model::{MethodStep, Model, Side, pair_name};
+use crate::estimate::{
+    ComparedPencils, Construction, DistinctMatch, Estimate, EventKind, HypothesisNote, Origin, ProposedBy,
+    RankedHypothesis, RoundTrip, SearchPlan,
+};
+use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair, area_between_lines, sampson_distance};
+
+/// Ratio below which a match of features is distinctive.
+const DISTINCTIVE: f64 = 0.8;
+/// Share of the longer side within which a match agrees with the lines of the result.
+const AGREES: f64 = 0.005;
+/// Number of lines of a construction among which its typical round trip is sought.
+const TRIPS: usize = 9;
+
+/// All lines through a click, compared.
+#[derive(Debug)]
+pub struct RecordedPencils {
+    pub compared: Arc<ComparedPencils>,
+    /// Name of the click, or of the match in its place.
+    pub name: String,
+    /// Number of the point pair, for its colour.
+    pub pair: usize,
+    /// Column of the best partner of each row, and its cost.
+    pub partners: Vec<Option<(usize, f32)>>,
+    /// Place of the candidate that led to the result, or of the candidate nearest to the result's lines.
+    pub winner: Option<usize>,
+}
+
+/// A match of features.
+#[derive(Debug)]
+pub struct RecordedMatch {
+    pub found: DistinctMatch,
+    /// Whether it agrees with the lines of the result.
+    pub agrees: bool,
+}
+
+/// A line on its way to the other picture and back.
+#[derive(Debug)]
+pub struct Trip {
+    pub lines: RoundTrip,
+    /// Mean distance between the line and its return, px.
+    pub gap: f64,
+    pub name: String,
+}
+
+/// What a search left behind.
+#[derive(Debug)]
+pub struct Record {
+    pub plan: SearchPlan,
+    /// Sizes of both pictures.
+    pub frames: [Frame; 2],
+    pub pencils: Vec<RecordedPencils>,
+    /// Matches of features, in the order of use.
+    pub matches: Vec<RecordedMatch>,
+    /// Number of all tentative matches.
+    pub tentative: usize,
+    /// Proposed geometries, in order.
+    pub hypotheses: Vec<HypothesisNote>,
+    /// Number of all combinations that were examined.
+    pub examined: usize,
+    /// Place of the hypothesis that led to the result, or of the best one so far.
+    pub winner: Option<usize>,
+    /// A typical hypothesis and the result, from one picture to the other and back.
+    pub trips: Vec<Trip>,
+    /// Gaps of all hypotheses with a round trip, px.
+    pub gaps: Vec<f64>,
+    /// Best different hypotheses with the course of their support.
+    pub race: Vec<RankedHypothesis>,
+    /// The fits from the best hypothesis to the result, in order.
+    pub swing: Vec<FundamentalMatrix>,
+    /// Number of matches of each fit.
+    pub fitted: Vec<usize>,
+    /// Places of the left picture whose lines are drawn.
+    pub fan: Vec<Point>,
+    /// Matches of the result.
+    pub matched: Vec<PointPair>,
+    pub result: Option<FundamentalMatrix>,
+}
+
+impl Record {
+    fn empty(plan: SearchPlan, frames: [Frame; 2]) -> Self {
+        Self {
+            plan,
+            frames,
+            pencils: Vec::new(),
+            matches: Vec::new(),
+            tentative: 0,
+            hypotheses: Vec::new(),
+            examined: 0,
+            winner: None,
+            trips: Vec::new(),
+            gaps: Vec::new(),
+            race: Vec::new(),
+            swing: Vec::new(),
+            fitted: Vec::new(),
+            fan: Vec::new(),
+            matched: Vec::new(),
+            result: None,
+        }
+    }
+
+    /// Collects the record of the running search, or else of the shown result.
+    pub fn new(model: &Model) -> Self {
+        let computation = &model.open.computation;
+        let searched = computation.searched();
+        let running = computation.events_so_far();
+        let frames = Side::BOTH.map(|side| model.document.frame(side).unwrap_or(Frame::new(1, 1)));
+        let mut record = Self::empty(model.document.search_plan(), frames);
+        let events = match (running, searched.and_then(|searched| searched.trace.as_deref())) {
+            (Some(events), _) => events,
+            (None, Some(trace)) => &trace.events,
+            (None, None) => return record,
+        };
+        let found = searched.filter(|_| running.is_none());
+        for event in events {
+            record.take(&event.kind);
+        }
+        if let Some(found) = found {
+            record.take_result(found);
+        }
+        record.find_winner();
+        let led = record.result.or(record.winner.map(|winner| record.hypotheses[winner].fundamental));
+        record.fan = led.map_or_else(Vec::new, |f| fan::places(&f, record.frames[0]));
+        let pencils = computation.pencils().unwrap_or_default();
+        record.pencils = pencils.iter().enumerate().map(|(k, own)| record.pencil(model, k, own)).collect();
+        record
+    }
+
+    fn take(&mut self, event: &EventKind) {
+        match event {
+            EventKind::Matched { all, best } => {
+                // A wider search matches again. Its matches replace the earlier ones.
+                self.tentative = *all;
+                self.matches =
+                    best.iter().map(|found| RecordedMatch { found: *found, agrees: false }).collect();
+            }
+            EventKind::Proposed { examined, hypotheses } => {
+                self.examined += examined;
+                self.hypotheses.extend(hypotheses);
+            }
+            EventKind::Ranked(best) => self.race.clone_from(best),
+            EventKind::Refined { selected, steps, .. } => {
+                self.swing = steps.iter().map(|step| step.fundamental).collect();
+                self.fitted = steps.iter().map(|step| step.matches).collect();
+                self.result = Some(selected.fundamental);
+            }
+            EventKind::Selected(selected) => self.result = Some(selected.fundamental),
+            EventKind::Began(_) | EventKind::Pencils { .. } | EventKind::Judged { .. } => {}
+        }
+    }
+
+    /// Adds what only the end of a search knows.
+    fn take_result(&mut self, found: &Estimate) {
+        let f = *found.fundamental();
+        self.result = Some(f);
+        if !self.swing.is_empty() {
+            self.swing.push(f);
+            self.fitted.push(found.matches().len());
+        }
+        self.matched = found.matches().iter().map(|own| own.pair).collect();
+        let limit = AGREES * self.frames[0].width.max(self.frames[0].height) as f64;
+        for own in &mut self.matches {
+            own.agrees = sampson_distance(&f, &own.found.pair) <= limit;
+        }
+        let frame1 = self.frames[0];
+        let mut tripped: Vec<(f64, &Construction, Option<Origin>)> = found
+            .hypotheses()
+            .iter()
+            .filter_map(|own| {
+                let lines = own.assessment.lines.as_ref()?;
+                Some((lines.round_trip_area?, &lines.construction, own.origin))
+            })
+            .collect();
+        tripped.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.gaps = tripped.iter().map(|(gap, ..)| *gap).collect();
+        let typical = tripped.get(tripped.len() / 2).map(|(gap, lines, origin)| {
+            (*gap, *lines, origin.map_or_else(|| "a hypothesis".to_owned(), |origin| short_origin(&origin)))
+        });
+        let own = found.assessment.lines.as_ref();
+        let own = own
+            .and_then(|lines| Some((lines.round_trip_area?, &lines.construction, "the result".to_owned())));
+        self.trips = typical
+            .into_iter()
+            .chain(own)
+            .filter_map(|(gap, construction, name)| {
+                // The line whose return is about as far away as usual.
+                let mut trips = construction.round_trips(frame1, TRIPS);
+                let area = |trip: &RoundTrip| area_between_lines(&trip.line1, &trip.back1, frame1);
+                trips.sort_by(|a, b| area(a).total_cmp(&area(b)));
+                Some(Trip { lines: *trips.get(trips.len() / 2)?, gap, name })
+            })
+            .collect();
+    }
+
+    /// Finds the hypothesis that led to the result: the one with its origin, or else the best-supported one.
+    fn find_winner(&mut self) {
+        let leader = self.race.first().map(|best| best.hypothesis.origin.source);
+        let same = leader.and_then(|leader| {
+            self.hypotheses.iter().position(|own| {
+                own.origin.source == leader && {
+                    // All matches of features have one origin; the first proposal is the best of them.
+                    own.origin.then.is_none()
+                }
+            })
+        });
+        self.winner = same.or((!self.hypotheses.is_empty()).then_some(0));
+    }
+
+    fn pencil(&self, model: &Model, number: usize, compared: &Arc<ComparedPencils>) -> RecordedPencils {
+        let pair = model.document.pair_of_pencils(number, &compared.click);
+        let name = pair.map_or_else(|| format!("match {}", number + 1), pair_name);
+        let partner = |row: usize| {
+            let costs = (0..compared.angles2.len()).map(|column| (column, compared.costs.at(row, column)));
+            costs.filter(|(_, cost)| cost.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1))
+        };
+        let partners = (0..compared.angles1.len()).map(partner).collect();
+        let ranks = self.winner.and_then(|winner| match self.hypotheses[winner].origin.source {
+            ProposedBy::LinePairs { ranks } => ranks.get(number).copied(),
+            _ => None,
+        });
+        let winner = ranks.map(|rank| rank - 1).filter(|place| *place < compared.candidates.len());
+        let winner = winner.or_else(|| self.nearest(compared));
+        RecordedPencils { compared: compared.clone(), name, pair: pair.unwrap_or(number), partners, winner }
+    }
+
+    /// Returns the candidate nearest to the lines of the result.
+    fn nearest(&self, compared: &ComparedPencils) -> Option<usize> {
+        let f = self.result?;
+        let PointPair { point1, point2 } = compared.click;
+        let (own1, own2) = (f.line1_from_point2(point2)?, f.line2_from_point1(point1)?);
+        let away = |place: &usize| {
+            let [line1, line2] =
+                crate::estimate::lines_at(&compared.click, compared.candidates[*place].angles);
+            own1.angle_to(&line1.line()).max(own2.angle_to(&line2.line()))
+        };
+        (0..compared.candidates.len()).min_by(|a, b| away(a).total_cmp(&away(b)))
+    }
+
+    /// Returns whether a step has something to show.
+    pub fn has(&self, step: MethodStep) -> bool {
+        match step {
+            MethodStep::Pencils => !self.pencils.is_empty(),
+            MethodStep::Candidates => self.pencils.iter().any(|own| !own.compared.candidates.is_empty()),
+            MethodStep::Features => !self.matches.is_empty(),
+            MethodStep::Epipoles => !self.hypotheses.is_empty(),
+            MethodStep::RoundTrip => !self.trips.is_empty(),
+            MethodStep::Validation => self.race.iter().any(|one| !one.course.is_empty()),
+            MethodStep::Refinement => self.swing.len() > 1,
+        }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        !MethodStep::ALL.into_iter().any(|step| self.has(step))
+    }
+
+    pub fn has_result(&self) -> bool {
+        self.result.is_some()
+    }
+
+    /// Returns the number of distinctive matches, and of those that agree with the result.
+    pub fn matches_that_count(&self) -> [usize; 2] {
+        let distinctive = self.matches.iter().filter(|own| own.found.ratio < DISTINCTIVE).count();
+        [distinctive, self.matches.iter().filter(|own| own.agrees).count()]
+    }
+}
+
+/// Names the origin of a hypothesis in two or three words.
+pub fn short_origin(origin: &Origin) -> String {
+    match origin.source {
+        ProposedBy::LinePairs { ranks: [p, q] } => format!("p {p} × q {q}"),
+        ProposedBy::Features => "features".into(),
+        ProposedBy::KnownCameras => "features, cameras".into(),
+        ProposedBy::GivenMatches => "given matches".into(),
+        ProposedBy::AllLines => "all lines".into(),
+        ProposedBy::Clicks => "clicks alone".into(),
+    }
+}

@@ -1,0 +1,192 @@
+//! Tests of the replay on a real search of the sample.
+
+use std::sync::LazyLock;
+
+use super::course::{Course, Place, StepState};
+use super::moment::{Ink, Moment, Shape};
+use super::record::Record;
+use super::{ReplayCommand, fan};
+use crate::app::model::computation::{EstimateNews, EstimateRequest};
+use crate::app::model::sample::sample_pair;
+use crate::app::model::{MethodStep, Model, Side};
+use crate::estimate::{Event, Monitor, Progress, estimate};
+use crate::geometry::PointPair;
+use crate::io::PairOrigin;
+
+/// Returns a model with the result of a search of the sample, and the events that the search reported.
+fn searched(clicked: bool) -> (Model, Vec<Event>) {
+    let sample = sample_pair();
+    let pairs = if clicked { sample.show_me.to_vec() } else { Vec::new() };
+    let mut model = Model::default();
+    model.open(sample.pictures, None, false, Some(sample.show_me));
+    model.document.set_pairs(pairs.clone(), PairOrigin::Clicked);
+    model.document.unclicked = !clicked;
+    let pictures = model.open.pictures().unwrap();
+    let parameters = model.document.search_parameters();
+    let events = std::sync::Mutex::new(Vec::new());
+    let monitor = Monitor::new(crate::cancel::CancelFlag::default(), |progress| {
+        if let Progress::Happened(event) = progress {
+            events.lock().unwrap().push(event);
+        }
+    });
+    let found = estimate(&pictures[0].gray, &pictures[1].gray, &pairs, &parameters, &monitor).unwrap();
+    drop(monitor);
+    let request = EstimateRequest { pictures, recordings: None, views: None, pairs, given: None, parameters };
+    model.open.computation.adopt(Some(&request));
+    model.open.computation.begin(1, false);
+    model.open.computation.take(1, EstimateNews::Finished(Ok(Box::new(found))));
+    (model, events.into_inner().unwrap())
+}
+
+static CLICKED: LazyLock<Record> = LazyLock::new(|| Record::new(&searched(true).0));
+static UNCLICKED: LazyLock<Record> = LazyLock::new(|| Record::new(&searched(false).0));
+
+/// Returns ten moments of each step that ran.
+fn moments(record: &Record) -> Vec<Place> {
+    let course = Course::of(record.plan, record);
+    let ran = course.steps.into_iter().filter(|step| step.state == StepState::Ran);
+    ran.flat_map(|step| {
+        (0..=10).map(move |k| Place { step: step.step, seconds: step.seconds * f64::from(k) / 10.0 })
+    })
+    .collect()
+}
+
+#[test]
+fn a_moment_depends_on_nothing_but_record_and_time() {
+    for record in [&*CLICKED, &*UNCLICKED] {
+        let places = moments(record);
+        let forwards: Vec<Moment> = places.iter().map(|place| Moment::of(record, *place)).collect();
+        for (place, before) in places.iter().zip(&forwards).rev() {
+            assert_eq!(Moment::of(record, *place), *before);
+            assert!(!before.figures.is_empty() && before.zoom >= 1.0, "{place:?}");
+            let is_drawn = |opacity: f32| (0.0..=1.0).contains(&opacity);
+            assert!(before.marks.iter().all(|mark| is_drawn(mark.opacity)), "{place:?}");
+        }
+    }
+}
+
+#[test]
+fn every_search_has_its_own_steps() {
+    let ran = |record: &Record| -> Vec<MethodStep> {
+        let course = Course::of(record.plan, record);
+        course.steps.into_iter().filter(|step| step.state == StepState::Ran).map(|step| step.step).collect()
+    };
+    use MethodStep::{Candidates, Epipoles, Features, Pencils, Refinement, RoundTrip, Validation};
+    let clicked = ran(&CLICKED);
+    for step in [Pencils, Candidates, Epipoles, RoundTrip, Validation, Refinement] {
+        assert!(clicked.contains(&step), "{step:?}");
+    }
+    assert_eq!(ran(&UNCLICKED), [Features, Epipoles, Validation, Refinement, Pencils]);
+}
+
+#[test]
+fn the_replay_ends_with_the_lines_of_the_result() {
+    for record in [&*CLICKED, &*UNCLICKED] {
+        let result = record.result.unwrap();
+        let end = Course::of(record.plan, record).end_of(MethodStep::Refinement).unwrap();
+        let moment = Moment::of(record, end);
+        let drawn: Vec<_> = moment
+            .marks
+            .iter()
+            .filter_map(|mark| match &mark.shape {
+                Shape::Lines { lines, .. } if mark.ink == Ink::Verdict => Some(lines),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(drawn.len(), record.fan.len());
+        for (lines, place) in drawn.into_iter().zip(&record.fan) {
+            let own = fan::lines(&result, *place);
+            for (line, own) in lines.iter().zip(own) {
+                assert!(line.as_ref().unwrap().angle_to(&own.unwrap()) < 1e-9);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sweep_compares_every_line_once_and_holds_the_winner() {
+    let record = &*CLICKED;
+    let at = |seconds: f64| Moment::of(record, Place { step: MethodStep::Pencils, seconds }).filled.unwrap();
+    let rows = |k: usize| record.pencils[k].compared.angles1.len();
+    assert_eq!((at(0.0).pencil, at(0.0).rows), (0, 1));
+    assert_eq!((at(1.2).pencil, at(1.2).rows), (0, rows(0)));
+    assert_eq!((at(2.2).pencil, at(2.2).rows), (1, rows(1)));
+    let held = Moment::of(record, Place { step: MethodStep::Pencils, seconds: 1.35 });
+    let own = &record.pencils[0];
+    let candidate = own.compared.candidates[own.winner.unwrap()];
+    assert!((held.lines.unwrap()[0].angle() - candidate.angles[0]).abs() < 1e-9);
+    assert!(held.slide > 0.0);
+}
+
+#[test]
+fn a_growing_record_has_the_steps_that_have_happened() {
+    let (model, events) = searched(false);
+    let whole = Record::new(&model);
+    let mut model = model;
+    model.open.computation.restart();
+    let pictures = model.open.pictures().unwrap();
+    let parameters = model.document.search_parameters();
+    let request = EstimateRequest {
+        pictures,
+        recordings: None,
+        views: None,
+        pairs: Vec::new(),
+        given: None,
+        parameters,
+    };
+    model.open.computation.adopt(Some(&request));
+    model.open.computation.begin(2, false);
+    let mut known = 0;
+    for event in events {
+        model.open.computation.take(2, EstimateNews::Happened(event));
+        let record = Record::new(&model);
+        let has = MethodStep::ALL
+            .into_iter()
+            .filter(|step| *step != MethodStep::Pencils && record.has(*step))
+            .count();
+        assert!(has >= known, "a step does not go again");
+        known = has;
+    }
+    assert!(known >= 3);
+    let grown = Record::new(&model);
+    assert_eq!((grown.hypotheses.len(), grown.tentative), (whole.hypotheses.len(), whole.tentative));
+}
+
+#[test]
+fn the_record_belongs_to_the_points_it_was_made_from() {
+    let (mut model, _) = searched(true);
+    model.follow_replay();
+    assert!(model.has_record());
+    model.apply_to_replay(ReplayCommand::Play(MethodStep::Epipoles));
+    model.follow_replay();
+    assert!(model.open.replay.is_playing() && model.open.replay.moment().is_some());
+    assert!(model.replay_on(0.1));
+    model.edit(|document| document.pairs[0] = PointPair::new(300.0, 300.0, 310.0, 300.0));
+    model.follow_replay();
+    assert_eq!(model.replayed(), None);
+    assert!(model.open.replay.moment().is_none() && !model.replay_on(0.1));
+    // Other pictures have no record yet.
+    let sample = sample_pair();
+    model.open(sample.pictures, None, false, None);
+    model.follow_replay();
+    assert!(!model.has_record());
+    assert!(model.document.frame(Side::Left).is_some());
+}
+
+#[test]
+fn still_steps_do_not_move() {
+    let (mut model, _) = searched(true);
+    model.look.still_steps = true;
+    model.follow_replay();
+    model.apply_to_replay(ReplayCommand::TogglePlay);
+    let place = model.replayed().unwrap();
+    assert_eq!(Some(place), model.course().end_of(place.step));
+    assert!(!model.replay_on(0.1));
+    while model.replayed().is_some() {
+        model.apply_to_replay(ReplayCommand::Step { forward: true });
+    }
+    model.apply_to_replay(ReplayCommand::Seek(3.0));
+    assert!((model.course().at(model.replayed().unwrap()) - 3.0).abs() < 1e-9);
+    model.apply_to_replay(ReplayCommand::Finish);
+    assert_eq!(model.replayed(), None);
+}

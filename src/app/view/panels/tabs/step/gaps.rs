@@ -1,0 +1,62 @@
+//! The gaps of the round trips of all hypotheses, on one axis.
+
+use egui::{Align2, FontId, Sense, Stroke, Ui, WidgetInfo, pos2};
+
+use super::super::empty;
+use crate::app::model::Model;
+use crate::app::view::theme;
+
+/// Least gap on the axis, px. Smaller ones are as good as none.
+const LEAST: f64 = 0.1;
+
+pub fn show(ui: &mut Ui, model: &Model) {
+    let Some(record) = model.record().filter(|record| !record.gaps.is_empty()) else {
+        empty(ui, "The gaps between lines and their returns appear here. This search has none.");
+        return;
+    };
+    let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, "gaps of the round trips"));
+    let visuals = ui.visuals();
+    let painter = ui.painter_at(area);
+    let plot = area.shrink2(egui::vec2(16.0, 0.0)).with_max_y(area.max.y - 20.0);
+    let most = record.gaps.iter().copied().fold(10.0 * LEAST, f64::max).log10().ceil();
+    let least = LEAST.log10();
+    let x = |gap: f64| {
+        let share = (gap.max(LEAST).log10() - least) / (most - least);
+        egui::lerp(plot.x_range(), share as f32)
+    };
+    let weak = visuals.weak_text_color();
+    let edge = visuals.widgets.noninteractive.bg_stroke.color;
+    painter.hline(plot.x_range(), plot.max.y, Stroke::new(1.0, edge));
+    for power in least as i32..=most as i32 {
+        let gap = 10f64.powi(power);
+        painter.vline(x(gap), plot.y_range(), Stroke::new(1.0, edge.gamma_multiply(0.6)));
+        let text = if gap < 1.0 { format!("{gap:.1} px") } else { format!("{gap:.0} px") };
+        painter.text(
+            pos2(x(gap), plot.max.y + 3.0),
+            Align2::CENTER_TOP,
+            text,
+            FontId::proportional(11.0),
+            weak,
+        );
+    }
+    for (k, gap) in record.gaps.iter().enumerate() {
+        // Dots side by side would hide each other.
+        let row = (k * 7 % 11) as f32 / 11.0;
+        let y = egui::lerp(plot.min.y + 24.0..=plot.max.y - 8.0, row);
+        painter.circle_filled(pos2(x(*gap), y), 3.0, theme::HYPOTHESIS.gamma_multiply(0.8));
+    }
+    if let Some(gap) = model.open.replay.moment().and_then(|moment| moment.gap) {
+        painter.vline(x(gap), plot.y_range(), Stroke::new(2.0, theme::FORWARD));
+        let align = if x(gap) > plot.center().x { Align2::RIGHT_TOP } else { Align2::LEFT_TOP };
+        let beside = if x(gap) > plot.center().x { -6.0 } else { 6.0 };
+        let at = pos2(x(gap) + beside, plot.min.y + 2.0);
+        painter.text(
+            at,
+            align,
+            format!("{gap:.1} px apart"),
+            FontId::proportional(13.0),
+            visuals.text_color(),
+        );
+    }
+}

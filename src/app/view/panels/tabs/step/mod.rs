@@ -1,0 +1,56 @@
+//! The first tab: the hypotheses of the result, or the chart of the step that is shown.
+
+mod candidates;
+mod crossings;
+mod features;
+mod fit;
+mod gaps;
+mod hypotheses;
+mod matrix;
+pub mod parameters;
+mod pencils;
+mod race;
+
+use egui::Ui;
+
+use super::{Tab, pale_earlier, say_earlier};
+use crate::app::model::{Command, MethodStep, Model, TabId};
+use crate::estimate::SearchPlan;
+
+pub use fit::duration;
+
+/// Registered in [`super::TABS`].
+pub const TAB: Tab = Tab { id: TabId::Step, tools, show };
+
+/// Words in place of the plots of pencils that a search does not have.
+const NO_PENCILS: &str = "This search has no line pencils.";
+/// Words in place of plots without room.
+const NO_ROOM: &str = "Enlarge the dock to see the plots.";
+
+fn tools(ui: &mut Ui, model: &Model, _: &mut Vec<Command>) {
+    say_earlier(ui, model.open.computation.is_behind());
+}
+
+fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    pale_earlier(ui, model.open.computation.is_behind());
+    let Some(place) = model.replayed() else {
+        hypotheses::show(ui, model, commands);
+        return;
+    };
+    match place.step {
+        MethodStep::Pencils => pencils::show(ui, model, commands),
+        MethodStep::Candidates => candidates::show(ui, model, commands),
+        MethodStep::Features => features::show(ui, model),
+        MethodStep::Epipoles => crossings::show(ui, model),
+        MethodStep::RoundTrip => gaps::show(ui, model),
+        MethodStep::Validation => race::show(ui, model),
+        MethodStep::Refinement => fit::show(ui, model),
+    }
+}
+
+/// Returns whether the search compares all lines at once, in place of pencils.
+fn has_no_pencils(model: &Model) -> bool {
+    let plan = model.document.search_plan();
+    let all_lines = matches!(plan, SearchPlan::Barcodes | SearchPlan::LinesAlone { .. });
+    all_lines && model.document.is_unclicked()
+}

@@ -1,0 +1,70 @@
+//! The race of the hypotheses: bars of their support, counted place by place.
+
+use egui::{Align2, Color32, FontId, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+
+use super::super::empty;
+use crate::app::model::Model;
+use crate::app::view::theme;
+
+/// Largest height of a row, screen points.
+const ROW: f32 = 24.0;
+/// Widths of the names and of the figures beside the bars.
+const NAME: f32 = 118.0;
+const VALUE: f32 = 52.0;
+
+/// A bar with its name and its figure.
+pub struct Bar {
+    pub name: String,
+    pub value: String,
+    /// Length, a share of the longest possible.
+    pub share: f64,
+    /// Place from the top, in rows.
+    pub row: f64,
+    pub color: Color32,
+}
+
+pub fn show(ui: &mut Ui, model: &Model) {
+    let moment = model.open.replay.moment().filter(|moment| !moment.race.is_empty());
+    let Some(moment) = moment else {
+        empty(ui, "The best hypotheses race here. This search has no race to show.");
+        return;
+    };
+    let most = moment.race.iter().map(|own| own.at_end).fold(1e-9, f64::max);
+    let bar = |own: &crate::app::model::replay::moment::Racer| Bar {
+        name: own.name.clone(),
+        value: format!("{:.0}", own.support),
+        share: own.support / most,
+        row: own.row,
+        color: theme::HYPOTHESIS.gamma_multiply(if own.row < 0.5 { 1.0 } else { 0.6 }),
+    };
+    bars(ui, "race of the hypotheses", &moment.race.iter().map(bar).collect::<Vec<_>>());
+}
+
+/// Shows bars, one below the other.
+pub fn bars(ui: &mut Ui, name: &str, bars: &[Bar]) {
+    let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, name));
+    let height = (area.height() / bars.len().max(1) as f32).min(ROW);
+    let visuals = ui.visuals();
+    let painter = ui.painter_at(area);
+    let font = FontId::proportional((height * 0.62).clamp(9.0, 13.0));
+    for bar in bars {
+        let top = area.min.y + height * bar.row as f32;
+        let middle = top + height / 2.0;
+        let track = Rect::from_min_max(
+            pos2(area.min.x + NAME, top + 0.18 * height),
+            pos2((area.max.x - VALUE).max(area.min.x + NAME + 20.0), top + 0.82 * height),
+        );
+        let text = |at, align, text: &str, color| {
+            painter.text(at, align, text, font.clone(), color);
+        };
+        text(pos2(area.min.x, middle), Align2::LEFT_CENTER, &bar.name, visuals.text_color());
+        painter.rect_filled(track, 3.0, visuals.faint_bg_color);
+        let filled = Rect::from_min_size(
+            track.min,
+            vec2(track.width() * bar.share.clamp(0.0, 1.0) as f32, track.height()),
+        );
+        painter.rect_filled(filled, 3.0, bar.color);
+        text(pos2(area.max.x, middle), Align2::RIGHT_CENTER, &bar.value, visuals.weak_text_color());
+    }
+}
