@@ -99,13 +99,12 @@ static WEIGHTS: LazyLock<Weights> = LazyLock::new(|| {
 pub(super) fn orientations(plane: &GrayPlane, centre: Point, sigma: f64) -> Vec<f64> {
     let spacing = ORIENTATION_REACH * sigma / (SIDE / 2) as f64;
     let gradients = gradients(plane, centre, &(Matrix2::identity() * spacing));
+    let votes = votes(&gradients, &WEIGHTS.orientation);
     let mut histogram = [0f32; BINS];
-    for (k, weight) in WEIGHTS.orientation[..SIDE * SIDE].iter().enumerate() {
-        let position = gradients.turns[k] * BINS as f32;
-        let (bin, share) = (position as usize % BINS, position.fract());
-        let vote = weight * gradients.lengths[k];
-        histogram[bin] += vote * (1.0 - share);
-        histogram[(bin + 1) % BINS] += vote * share;
+    for k in 0..SIDE * SIDE {
+        let bin = votes.bins[k] as usize % BINS;
+        histogram[bin] += votes.shares[0][k];
+        histogram[(bin + 1) % BINS] += votes.shares[1][k];
     }
     let at = |h: &[f32; BINS], k: usize, d: usize| h[(k + BINS + d - 2) % BINS];
     let smooth: [f32; BINS] = std::array::from_fn(|k| {
@@ -122,6 +121,26 @@ pub(super) fn orientations(plane: &GrayPlane, centre: Point, sigma: f64) -> Vec<
             peak.then(|| f64::from((k as f32 + offset) / BINS as f32 * TAU).rem_euclid(f64::from(TAU)))
         })
         .collect()
+}
+
+/// Votes of gradients for the orientation of a blob.
+struct Votes {
+    bins: [u32; PADDED],
+    /// Weights in the bin and in the next one.
+    shares: [[f32; PADDED]; 2],
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
+fn votes(gradients: &Gradients, weights: &[f32; PADDED]) -> Votes {
+    let mut votes = Votes { bins: [0; PADDED], shares: [[0.0; PADDED]; 2] };
+    for k in 0..PADDED {
+        let position = gradients.turns[k] * BINS as f32;
+        let bin = position.floor();
+        let (share, vote) = (position - bin, weights[k] * gradients.lengths[k]);
+        votes.bins[k] = bin as u32;
+        (votes.shares[0][k], votes.shares[1][k]) = (vote * (1.0 - share), vote * share);
+    }
+    votes
 }
 
 /// Returns the descriptor of a blob with the local frame `frame`, which maps offsets in units of σ

@@ -1,6 +1,6 @@
 //! Mutual nearest neighbours of two sets of features.
 //!
-//! Descriptor distances are Euclidean, computed in integers so that every machine ranks alike. A
+//! Descriptor distances are Euclidean and exact integers, so that every machine ranks alike. A
 //! match joins two features that are each other's nearest neighbour.
 //!
 //! The **ratio** of a match is the distance to the nearest neighbour over the distance to the next
@@ -11,13 +11,11 @@
 
 use std::collections::HashMap;
 
-use multiversion::multiversion;
 use rayon::prelude::*;
 
-use super::descriptor::{Descriptor, ENTRIES};
+use super::neighbours::{KEPT, NONE, Neighbours, add, insert, nearest_neighbours, squared_distances};
 use super::{Feature, FeatureSet};
 use crate::geometry::{Point, PointPair};
-use crate::lanes::{LANES, SetLanes};
 
 /// Two features that are each other's nearest neighbour.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,29 +30,52 @@ pub struct FeatureMatch {
     pub ratio: f64,
 }
 
-/// Neighbours kept per feature: enough that one lies at another place.
-const KEPT: usize = 8;
 /// Largest distance between two features at the same place, in units of the larger scale.
 const SAME_PLACE: f64 = 3.0;
 /// Largest distance of repeated matches, px.
 const REPEATED: f64 = 8.0;
-/// Features of set 1 matched by one task. Each task starts a new list of neighbours for set 2.
-const CHUNK: usize = 512;
 
-type Neighbours = [(i32, u32); KEPT];
-const NONE: Neighbours = [(i32::MAX, u32::MAX); KEPT];
-type Wide = [i16; ENTRIES];
+/// Nearest neighbours of the features of two sets, from which larger sets are matched later.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct KnownNeighbours {
+    /// Neighbours in set 2 of each feature of set 1.
+    near2: Vec<Neighbours>,
+    /// Neighbours in set 1 of each feature of set 2.
+    near1: Vec<Neighbours>,
+}
 
 /// Returns all mutual nearest neighbours, lowest ratio first. Keeps the first of several matches at
 /// the same two places.
 pub fn match_features(set1: &FeatureSet, set2: &FeatureSet) -> Vec<FeatureMatch> {
-    let [near2, near1] = neighbours(set1.descriptors(), set2.descriptors());
-    let mut matches = mutual([set1, set2], &near2, &near1);
-    matches.sort_by(|a, b| a.ratio.total_cmp(&b.ratio).then(a.feature1.cmp(&b.feature1)));
-    // A blob with several orientations is matched once for each.
-    let mut seen = std::collections::HashSet::new();
-    matches.retain(|m| seen.insert(m.pair.numbers().map(f64::to_bits)));
-    matches
+    KnownNeighbours::default().extended(set1, set2).matches([set1, set2])
+}
+
+impl KnownNeighbours {
+    /// Returns the neighbours of two sets that begin with the features of the known ones.
+    pub fn extended(&self, set1: &FeatureSet, set2: &FeatureSet) -> Self {
+        let (known1, known2) = (self.near2.len(), self.near1.len());
+        let all2 = set2.descriptors();
+        let (old1, new1) = set1.descriptors().split_at(known1);
+        let [more2, of_new2] = nearest_neighbours(old1, &all2[known2..]);
+        let [of_new1, more1] = nearest_neighbours(new1, all2);
+        let Self { mut near2, mut near1 } = self.clone();
+        // Neighbours are added in their order, so that the first of equal ones stays first.
+        add(&mut near2, &more2, known2);
+        near2.extend(of_new1);
+        near1.extend(of_new2);
+        add(&mut near1, &more1, known1);
+        Self { near2, near1 }
+    }
+
+    /// Returns the features of these sets that are each other's nearest neighbour, as [`match_features`] does.
+    pub fn matches(&self, sets: [&FeatureSet; 2]) -> Vec<FeatureMatch> {
+        let mut matches = mutual(sets, &self.near2, &self.near1);
+        matches.sort_by(|a, b| a.ratio.total_cmp(&b.ratio).then(a.feature1.cmp(&b.feature1)));
+        // A blob with several orientations is matched once for each.
+        let mut seen = std::collections::HashSet::new();
+        matches.retain(|m| seen.insert(m.pair.numbers().map(f64::to_bits)));
+        matches
+    }
 }
 
 /// Removes repeated matches, those within the smaller scale of an earlier match at both ends. A
@@ -129,30 +150,6 @@ fn mutual(sets: [&FeatureSet; 2], near2: &[Neighbours], near1: &[Neighbours]) ->
     found.collect()
 }
 
-/// Returns the squared distances of a descriptor to some descriptors of a set.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx2", "x86_64+avx2", "aarch64+neon"))]
-fn squared_distances(own: &Descriptor, set: &[Descriptor], some: &[usize]) -> Vec<i32> {
-    let mut distances = Vec::with_capacity(some.len());
-    for &j in some {
-        let other = &set[j];
-        let mut sum = 0;
-        for k in 0..ENTRIES {
-            let apart = i32::from(i16::from(own[k]) - i16::from(other[k]));
-            sum += apart * apart;
-        }
-        distances.push(sum);
-    }
-    distances
-}
-
-fn insert(neighbours: &mut Neighbours, distance: i32, index: u32) {
-    if distance < neighbours[KEPT - 1].0 {
-        let place = neighbours.iter().position(|n| distance < n.0).unwrap_or(KEPT - 1);
-        neighbours[place..].rotate_right(1);
-        neighbours[place] = (distance, index);
-    }
-}
-
 /// Returns the distance to the nearest neighbour over the distance to the next neighbour at another
 /// place.
 fn ratio(neighbours: &Neighbours, features: &[Feature]) -> f64 {
@@ -167,78 +164,11 @@ fn ratio(neighbours: &Neighbours, features: &[Feature]) -> f64 {
     (f64::from(neighbours[0].0.max(0)) / f64::from(next.max(1))).sqrt().min(1.0)
 }
 
-/// Returns the nearest neighbours of each descriptor of set 1 and of set 2: squared distance and
-/// index.
-fn neighbours(set1: &[Descriptor], set2: &[Descriptor]) -> [Vec<Neighbours>; 2] {
-    let wide = |set: &[Descriptor]| -> Vec<Wide> { set.iter().map(|d| d.map(i16::from)).collect() };
-    let set2 = wide(set2);
-    let lengths2: Vec<i32> = set2.iter().map(|d| dot(d, d)).collect();
-    let found: Vec<[Vec<Neighbours>; 2]> = set1
-        .par_chunks(CHUNK)
-        .enumerate()
-        .map(|(k, chunk)| nearest(&wide(chunk), k * CHUNK, &set2, &lengths2))
-        .collect();
-    let mut near2 = Vec::with_capacity(set1.len());
-    let mut near1 = vec![NONE; set2.len()];
-    // Merged in the order of set 1, so that the first of equal neighbours stays first.
-    for [of_chunk, of_set2] in found {
-        near2.extend(of_chunk);
-        for (all, more) in near1.iter_mut().zip(of_set2) {
-            for (distance, index) in more {
-                insert(all, distance, index);
-            }
-        }
-    }
-    [near2, near1]
-}
-
-#[inline]
-fn dot(a: &Wide, b: &Wide) -> i32 {
-    a.iter().zip(b).map(|(x, y)| i32::from(*x) * i32::from(*y)).sum()
-}
-
-/// Descriptors of set 2 that stay in the cache while a chunk of set 1 is processed.
-const BLOCK: usize = 4 * LANES;
-
-/// Returns the nearest neighbours between all of set 2 and a chunk of set 1 that starts at index
-/// `first`.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
-fn nearest(chunk: &[Wide], first: usize, set2: &[Wide], lengths2: &[i32]) -> [Vec<Neighbours>; 2] {
-    let mut near2 = vec![NONE; chunk.len()];
-    let mut near1 = vec![NONE; set2.len()];
-    let lengths1: Vec<i32> = chunk.iter().map(|d| dot(d, d)).collect();
-    for (block, (set2, lengths2)) in set2.chunks(BLOCK).zip(lengths2.chunks(BLOCK)).enumerate() {
-        let near1 = &mut near1[block * BLOCK..][..set2.len()];
-        let mut farthest1 = [i32::MAX; BLOCK];
-        for (i, (own, near2)) in chunk.iter().zip(&mut near2).enumerate() {
-            // Missing descriptors of the last block are infinitely far.
-            let mut distances = [i32::MAX; BLOCK];
-            for (distance, (other, length2)) in distances.iter_mut().zip(set2.iter().zip(lengths2)) {
-                *distance = lengths1[i] + length2 - 2 * dot(own, other);
-            }
-            let farthest2 = near2[KEPT - 1].0;
-            for group in (0..BLOCK).step_by(LANES) {
-                let mut is_near = [0u8; LANES];
-                for lane in 0..LANES {
-                    is_near[lane] =
-                        u8::from(distances[group + lane] < farthest1[group + lane].max(farthest2));
-                }
-                for lane in SetLanes::of(is_near) {
-                    let k = group + lane;
-                    insert(near2, distances[k], (block * BLOCK + k) as u32);
-                    insert(&mut near1[k], distances[k], (first + i) as u32);
-                    farthest1[k] = near1[k][KEPT - 1].0;
-                }
-            }
-        }
-    }
-    [near2, near1]
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::descriptor::{Descriptor, ENTRIES};
+    use super::super::neighbours::CHUNK;
     use super::*;
-    use crate::geometry::Point;
 
     /// Returns distinct descriptors, each at its own place.
     fn set(count: usize, seed: usize) -> FeatureSet {
@@ -258,13 +188,28 @@ mod tests {
     }
 
     #[test]
+    fn larger_sets_are_matched_like_at_once() {
+        let (a, b) = (set(CHUNK + 61, 1), set(131, 60));
+        let first = |all: &FeatureSet, count: usize| FeatureSet {
+            features: all.features[..count].to_vec(),
+            descriptors: all.descriptors[..count].to_vec(),
+        };
+        let all = match_features(&a, &b);
+        assert!(!all.is_empty());
+        for [few, some] in [[0, 0], [0, 40], [300, 0], [300, 40], [a.len(), b.len()]] {
+            let known = KnownNeighbours::default().extended(&first(&a, few), &first(&b, some));
+            assert_eq!(known.extended(&a, &b).matches([&a, &b]), all, "{few} and {some} known");
+        }
+    }
+
+    #[test]
     fn finds_the_same_neighbours_as_the_definition() {
         // The first set takes two chunks, the second a partial block.
         let (a, b) = (set(CHUNK + 61, 1), set(131, 60));
         let distance = |x: &Descriptor, y: &Descriptor| -> i32 {
             x.iter().zip(y).map(|(a, b)| (i32::from(*a) - i32::from(*b)).pow(2)).sum()
         };
-        let [near2, near1] = neighbours(a.descriptors(), b.descriptors());
+        let [near2, near1] = nearest_neighbours(a.descriptors(), b.descriptors());
         for (from, to, near) in [(&a, &b, near2), (&b, &a, near1)] {
             assert_eq!(near.len(), from.len());
             for (from, found) in from.descriptors().iter().zip(near) {

@@ -28,6 +28,7 @@
 mod descriptor;
 mod extrema;
 mod matching;
+mod neighbours;
 mod scale_space;
 mod slanted;
 
@@ -38,6 +39,7 @@ use crate::geometry::{Point, Vector};
 use crate::image::GrayPlane;
 pub use descriptor::Descriptor;
 use extrema::{Extremum, find_extrema};
+pub(crate) use matching::KnownNeighbours;
 pub use matching::{FeatureMatch, match_candidates, match_features, without_repeats};
 use scale_space::{INTERVALS, Octave, for_each_octave, sigma_at};
 pub use slanted::{FeatureViews, find_slanted_features};

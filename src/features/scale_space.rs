@@ -151,64 +151,57 @@ const BLOCK: usize = 32;
 fn smooth_rows(plane: &GrayPlane, kernel: &[f32], first: usize, out: &mut [f32]) {
     let Frame { width, height } = plane.frame();
     let reach = kernel.len() - 1;
-    // Whole blocks: sums behind the mirrored border are computed but not used.
-    let mut padded = vec![0f32; width.next_multiple_of(BLOCK) + 2 * reach];
+    let mut weights = kernel.to_vec();
+    // The middle row and the middle pixel are added twice.
+    weights[0] *= 0.5;
+    let mut padded = vec![0f32; width + 2 * reach];
+    let mut rows: Vec<[&[f32]; 2]> = Vec::with_capacity(weights.len());
+    // The last block overlaps the one before, so that every block is whole.
+    let length = BLOCK.min(width);
     for (k, out) in out.chunks_exact_mut(width).enumerate() {
         let y = first + k;
-        // The two rows at the same distance above and below, mirrored into the picture.
-        let rows = |d: usize| {
-            let above = y.abs_diff(d);
+        rows.clear();
+        for d in 0..=reach {
+            // The two rows at the same distance above and below, mirrored into the picture.
             let below = if y + d < height { y + d } else { 2 * (height - 1) - (y + d) };
-            [plane.row(above), plane.row(below)]
-        };
-        let down = &mut padded[reach..reach + width];
-        for (block, sums) in down.chunks_mut(BLOCK).enumerate() {
-            let from = block * BLOCK;
+            rows.push([plane.row(y.abs_diff(d)), plane.row(below)]);
+        }
+        for block in (0..width).step_by(BLOCK) {
+            let from = block.min(width - length);
             let mut total = [0f32; BLOCK];
-            for (d, weight) in kernel.iter().enumerate() {
-                let weight = if d == 0 { 0.5 * weight } else { *weight };
-                let [above, below] = rows(d);
-                if let (Some(above), Some(below)) =
-                    (above.get(from..from + BLOCK), below.get(from..from + BLOCK))
-                {
-                    for i in 0..BLOCK {
-                        total[i] += weight * (above[i] + below[i]);
-                    }
-                } else {
-                    for i in 0..sums.len() {
-                        total[i] += weight * (above[from + i] + below[from + i]);
-                    }
-                }
+            for (weight, [above, below]) in weights.iter().zip(&rows) {
+                add(&mut total, *weight, &above[from..from + length], &below[from..from + length]);
             }
-            store(sums, &total);
+            padded[reach + from..][..length].copy_from_slice(&total[..length]);
         }
         for d in 1..=reach {
             padded[reach - d] = padded[reach + d];
             padded[reach + width - 1 + d] = padded[reach + width - 1 - d];
         }
-        for (block, out) in out.chunks_mut(BLOCK).enumerate() {
-            let from = block * BLOCK;
+        for block in (0..width).step_by(BLOCK) {
+            let from = block.min(width - length);
+            let around = &padded[from..from + 2 * reach + length];
             let mut total = [0f32; BLOCK];
-            for (d, weight) in kernel.iter().enumerate() {
-                let weight = if d == 0 { 0.5 * weight } else { *weight };
-                let left = &padded[from + reach - d..][..BLOCK];
-                let right = &padded[from + reach + d..][..BLOCK];
-                for i in 0..BLOCK {
-                    total[i] += weight * (left[i] + right[i]);
-                }
+            for (d, weight) in weights.iter().enumerate() {
+                add(&mut total, *weight, &around[reach - d..][..length], &around[reach + d..][..length]);
             }
-            store(out, &total);
+            out[from..from + length].copy_from_slice(&total[..length]);
         }
     }
 }
 
-/// Stores a block of sums: whole blocks as vectors, the last block of a row as a partial copy.
-#[inline]
-fn store(out: &mut [f32], block: &[f32; BLOCK]) {
-    if let Ok(whole) = <&mut [f32; BLOCK]>::try_from(&mut *out) {
-        *whole = *block;
+/// Adds the weighted sums of two rows of pixels to the totals of a block.
+#[expect(clippy::inline_always, reason = "it must take on the target features of its caller")]
+#[inline(always)]
+fn add(total: &mut [f32; BLOCK], weight: f32, one: &[f32], other: &[f32]) {
+    if let (Some(one), Some(other)) = (one.first_chunk::<BLOCK>(), other.first_chunk::<BLOCK>()) {
+        for i in 0..BLOCK {
+            total[i] += weight * (one[i] + other[i]);
+        }
     } else {
-        out.copy_from_slice(&block[..out.len()]);
+        for i in 0..one.len() {
+            total[i] += weight * (one[i] + other[i]);
+        }
     }
 }
 

@@ -14,12 +14,11 @@
 //! - Weakly textured patches do not determine the affine map, and patches with one texture
 //!   direction slide along it. [`Hold`] therefore penalises changes of the affine map.
 
-use std::ops::Range;
-
 use multiversion::multiversion;
-use nalgebra::{Cholesky, SMatrix, SVector, U8};
 
 use super::GrayPlane;
+use super::alignment_equations::{Equations, PADDED, SampledOffsets};
+use super::alignment_settings::{Alignment, Hold};
 use super::patch::{HALF, Warp, offsets};
 use super::plane::interpolate_all;
 use crate::geometry::{Point, Vector};
@@ -30,78 +29,6 @@ pub(crate) struct Placement {
     pub at: Point,
     pub affine: Warp,
 }
-
-/// Settings of an alignment.
-#[derive(Debug)]
-pub(crate) struct Alignment {
-    /// Pixels of the patch on each side of its centre.
-    half: usize,
-    iterations: usize,
-    /// Convergence threshold: a shorter step ends the iteration, px.
-    settled: f64,
-    /// Whether a patch that has not converged is rejected.
-    must_settle: bool,
-    /// Largest accepted distance from the start, px.
-    largest_move: f64,
-    /// Accepted determinants of the affine map; `None` accepts all.
-    determinants: Option<Range<f64>>,
-    /// Minimum fraction of the samples inside both images; samples outside, or where there is no
-    /// picture, are ignored. `None` keeps all samples and repeats the border intensities outside.
-    least_inside: Option<f64>,
-    hold: Hold,
-    /// Grey level subtracted from the intensities. `unit` is the unit of offsets from the centre,
-    /// px. Both condition the equations.
-    middle: f64,
-    unit: f64,
-}
-
-/// Regularisation of the affine map.
-#[derive(Debug)]
-enum Hold {
-    /// Penalty on each step of the affine map, squared grey levels.
-    Step(f64),
-    /// Penalty on the distance from the start, as a fraction of the sum of squared image gradients.
-    Start(f64),
-}
-
-impl Alignment {
-    /// Settings for pairs of similar corners, from starts within about a pixel. The patch is larger than
-    /// the compared one, because the error of a position falls with the side of the patch.
-    pub(crate) const STRICT: Self = Self {
-        half: LARGEST,
-        iterations: 25,
-        settled: 0.01,
-        must_settle: true,
-        largest_move: 1.5,
-        determinants: Some(0.2..4.0),
-        least_inside: None,
-        // About the texture of one grey level per pixel over a whole patch.
-        hold: Hold::Step(500.0),
-        middle: 0.0,
-        unit: HALF as f64,
-    };
-
-    /// Settings for any place of an image, borders included, from starts found at a coarser level.
-    pub(crate) const LENIENT: Self = Self {
-        half: HALF,
-        iterations: 8,
-        settled: 0.02,
-        must_settle: false,
-        largest_move: 2.5,
-        determinants: None,
-        least_inside: Some(LEAST_INSIDE),
-        hold: Hold::Start(0.1),
-        middle: 128.0,
-        unit: 1.0,
-    };
-}
-
-/// Minimum fraction of a patch inside the image. A patch in the corner of an image is a little more
-/// than a quarter inside.
-pub(crate) const LEAST_INSIDE: f64 = 0.25;
-
-type Vector8 = SVector<f64, 8>;
-type Matrix8 = SMatrix<f64, 8, 8>;
 
 /// Finds the placement near `start` that best aligns the surroundings of `point1` in the first
 /// plane with the second plane. Returns `None` when the placement diverges, does not converge, or
@@ -119,22 +46,24 @@ pub(crate) fn align(
     let clear = if how.least_inside.is_none() { HALF as f64 } else { 0.0 };
     let area = (2 * how.half + 1).pow(2);
     let least = how.least_inside.unwrap_or(0.0) * area as f64;
-    let samples: Vec<Vector> = offsets(how.half).filter(|x| counts(0, point1 + x)).collect();
+    let samples: SampledOffsets = offsets(how.half).filter(|x| counts(0, point1 + x)).collect();
     let mut sampler = Sampler::new(planes[1]);
     let mut placed = start;
     let mut equations: Option<Equations> = None;
     let mut gain = 1.0;
     for _ in 0..how.iterations {
-        let used = sampler.sample(&samples, &placed, |q| counts(1, q));
+        sampler.sample(&samples, &placed);
+        if how.least_inside.is_some() {
+            sampler.count(&samples, |offset| counts(1, placed.at + placed.affine * offset));
+        }
+        let used = sampler.used(&samples);
         if (used as f64) < least {
             return None;
         }
         let equations = if let Some(same) = equations.take().filter(|equations| equations.used == used) {
             equations.insert(same)
         } else {
-            let row = |x: &Vector| row(planes[0], point1, x, how);
-            let rows = samples.iter().zip(&sampler.counts).map(|(x, counts)| counts.then(|| row(x)));
-            equations.insert(Equations::new(rows, used, how)?)
+            equations.insert(Equations::new(planes[0], point1, &samples, &sampler.counts, how)?)
         };
         let mut right = equations.right(&sampler.values, how.middle);
         if let Hold::Start(_) = how.hold {
@@ -167,51 +96,13 @@ pub(crate) fn align(
     (!how.must_settle).then_some(placed)
 }
 
-/// Returns the bilinear value at a point and its central differences in x and in y. Outside the
-/// image the nearest border value counts.
-fn value_and_slopes(plane: &GrayPlane, p: Point) -> [f64; 3] {
-    let frame = plane.frame();
-    if !(p.x >= 1.0 && p.y >= 1.0 && p.x < frame.right() - 1.0 && p.y < frame.bottom() - 1.0) {
-        let value = |dx: f64, dy: f64| f64::from(plane.sample(Point::new(p.x + dx, p.y + dy)));
-        let slopes = [value(1.0, 0.0) - value(-1.0, 0.0), value(0.0, 1.0) - value(0.0, -1.0)];
-        return [value(0.0, 0.0), 0.5 * slopes[0], 0.5 * slopes[1]];
-    }
-    // All five samples share their position between pixels, so twelve pixels and one set of weights
-    // suffice.
-    let (x, y) = (p.x as usize, p.y as usize);
-    let (fx, fy) = ((p.x - x as f64) as f32, (p.y - y as f64) as f32);
-    let row = |k: usize| &plane.row(y + k - 1)[x - 1..x + 3];
-    let across = |row: &[f32], k: usize| row[k] + (row[k + 1] - row[k]) * fx;
-    let down = |above: f32, below: f32| above + (below - above) * fy;
-    let [before, top, below, after] = [row(0), row(1), row(2), row(3)];
-    let [left, middle, right] = [0, 1, 2].map(|k| down(across(top, k), across(below, k)));
-    let upper = down(across(before, 1), across(top, 1));
-    let lower = down(across(below, 1), across(after, 1));
-    [f64::from(middle), 0.5 * f64::from(right - left), 0.5 * f64::from(lower - upper)]
-}
-
-/// Coefficients of the equation of one sample: gain·(I1 + ∇I1·(shift + change·x)) + offset.
-fn row(plane1: &GrayPlane, point1: Point, x: &Vector, how: &Alignment) -> [f64; 8] {
-    let [value, gx, gy] = value_and_slopes(plane1, point1 + x);
-    let (x, y) = (x.x / how.unit, x.y / how.unit);
-    [gx, gy, gx * x, gx * y, gy * x, gy * y, value - how.middle, 1.0]
-}
-
-/// Largest `half` of an alignment.
-const LARGEST: usize = 10;
-/// Samples of the largest patch.
-const AREA: usize = (2 * LARGEST + 1) * (2 * LARGEST + 1);
-/// Numbers added in parallel.
-const LANES: usize = 8;
-/// A length that [`interpolate_all`] accepts.
-const PADDED: usize = AREA.next_multiple_of(16);
-
 /// Values of the second plane under the current placement.
 struct Sampler<'a> {
     plane: &'a GrayPlane,
     x: [f32; PADDED],
     y: [f32; PADDED],
     values: [f32; PADDED],
+    /// Whether each sample counts. Empty if all do.
     counts: Vec<bool>,
 }
 
@@ -220,94 +111,44 @@ impl<'a> Sampler<'a> {
         Self { plane, x: [0.0; PADDED], y: [0.0; PADDED], values: [0.0; PADDED], counts: Vec::new() }
     }
 
-    /// Samples around the placement and returns the number of samples that count. Outside the plane, the
-    /// nearest border value is taken.
-    fn sample(&mut self, offsets: &[Vector], placed: &Placement, counts: impl Fn(Point) -> bool) -> usize {
+    /// Samples around the placement. Outside the plane, the nearest border value is taken.
+    fn sample(&mut self, samples: &SampledOffsets, placed: &Placement) {
         let frame = self.plane.frame();
-        let (right, bottom) = (frame.right().max(0.0) as f32, frame.bottom().max(0.0) as f32);
+        let ends = [frame.right().max(0.0) as f32, frame.bottom().max(0.0) as f32];
+        let padded = samples.padded();
+        let (x, y) = (&mut self.x[..padded], &mut self.y[..padded]);
+        positions(samples, placed, ends, x, y);
+        interpolate_all(self.plane, x, y, &mut self.values[..padded]);
+    }
+
+    /// Finds out which samples count.
+    fn count(&mut self, samples: &SampledOffsets, counts: impl Fn(Vector) -> bool) {
         self.counts.clear();
-        for (k, offset) in offsets.iter().enumerate() {
-            let q = placed.at + placed.affine * offset;
-            self.x[k] = (q.x as f32).clamp(0.0, right);
-            self.y[k] = (q.y as f32).clamp(0.0, bottom);
-            self.counts.push(counts(q));
+        self.counts.extend(samples.iter().map(counts));
+    }
+
+    /// Returns the number of samples that count.
+    fn used(&self, samples: &SampledOffsets) -> usize {
+        if self.counts.is_empty() {
+            samples.len()
+        } else {
+            self.counts.iter().filter(|counts| **counts).count()
         }
-        let padded = offsets.len().next_multiple_of(16);
-        interpolate_all(self.plane, &self.x[..padded], &self.y[..padded], &mut self.values[..padded]);
-        self.counts.iter().filter(|counts| **counts).count()
     }
 }
 
-/// Normal equations of the steps, which stay the same while the samples do.
-struct Equations {
-    /// Number of samples that count.
-    used: usize,
-    /// Coefficients of each unknown, zero for samples that do not count.
-    columns: Vec<[f64; PADDED]>,
-    /// Length of the columns that is used, a multiple of [`LANES`].
-    padded: usize,
-    cholesky: Cholesky<f64, U8>,
-    /// Penalty on the affine map.
-    penalty: f64,
-}
-
-impl Equations {
-    fn new(rows: impl Iterator<Item = Option<[f64; 8]>>, used: usize, how: &Alignment) -> Option<Self> {
-        let mut columns = vec![[0.0; PADDED]; 8];
-        let mut length = 0;
-        for (k, row) in rows.enumerate() {
-            for (column, value) in columns.iter_mut().zip(row.unwrap_or_default()) {
-                column[k] = value;
-            }
-            length = k + 1;
-        }
-        let padded = length.next_multiple_of(LANES);
-        let products = products(&columns, padded);
-        let mut normal = Matrix8::from_fn(|row, column| products[row.max(column)][row.min(column)]);
-        let penalty = match how.hold {
-            Hold::Step(penalty) => penalty,
-            Hold::Start(share) => {
-                share * (normal[(0, 0)] + normal[(1, 1)]) * (how.half as f64 / how.unit).powi(2)
-            }
-        };
-        for k in 2..6 {
-            normal[(k, k)] += penalty;
-        }
-        Some(Self { used, columns, padded, cholesky: normal.cholesky()?, penalty })
-    }
-
-    /// Returns the right-hand sides for the values of the second image.
-    fn right(&self, values: &[f32; PADDED], middle: f64) -> Vector8 {
-        let values = values.map(|value| f64::from(value) - middle);
-        Vector8::from_fn(|k, _| dot(&self.columns[k][..self.padded], &values[..self.padded]))
-    }
-}
-
-/// Returns the product of each column with itself and every earlier column, over the first
-/// `padded` entries.
+/// Computes the positions of samples under a placement, moved to the nearest position up to `ends`.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx2", "x86_64+avx2", "aarch64+neon"))]
-fn products(columns: &[[f64; PADDED]], padded: usize) -> [[f64; 8]; 8] {
-    let mut products = [[0.0; 8]; 8];
-    for i in 0..8 {
-        for j in 0..=i {
-            products[i][j] = dot(&columns[i][..padded], &columns[j][..padded]);
-        }
+fn positions(samples: &SampledOffsets, placed: &Placement, ends: [f32; 2], x: &mut [f32], y: &mut [f32]) {
+    let Placement { at, affine } = placed;
+    let (across, down) = (&samples.x[..x.len()], &samples.y[..x.len()]);
+    let y = &mut y[..x.len()];
+    for k in 0..x.len() {
+        let moved_x = at.x + (affine.m11 * across[k] + affine.m12 * down[k]);
+        let moved_y = at.y + (affine.m21 * across[k] + affine.m22 * down[k]);
+        x[k] = (moved_x as f32).clamp(0.0, ends[0]);
+        y[k] = (moved_y as f32).clamp(0.0, ends[1]);
     }
-    products
-}
-
-/// Returns the sum of products of two slices of a length divisible by `LANES`.
-#[expect(clippy::inline_always, reason = "it must take on the target features of its caller")]
-#[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0f64; LANES];
-    for (a, b) in a.chunks_exact(LANES).zip(b.chunks_exact(LANES)) {
-        for k in 0..LANES {
-            sums[k] += a[k] * b[k];
-        }
-    }
-    let [a, b, c, d, e, f, g, h] = sums;
-    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
 #[cfg(test)]
@@ -348,23 +189,6 @@ mod tests {
         let Placement { at, affine } = align([&plane1, &plane2], from, start, &Alignment::STRICT).unwrap();
         assert!((at - to).norm() < 0.03, "{at}");
         assert!((affine - truth).norm() < 0.05, "{affine}");
-    }
-
-    #[test]
-    fn values_and_slopes_are_those_of_interpolation() {
-        let plane = GrayPlane::from_fn(Frame::new(30, 20), |x, y| texture(x as f64, y as f64));
-        for (x, y) in [(8.3, 9.7), (1.0, 1.0), (28.2, 9.0), (27.9, 17.9), (0.4, 19.5), (-3.0, 40.0)] {
-            let value = |dx: f64, dy: f64| f64::from(plane.sample(Point::new(x + dx, y + dy)));
-            let expected = [
-                value(0.0, 0.0),
-                0.5 * (value(1.0, 0.0) - value(-1.0, 0.0)),
-                0.5 * (value(0.0, 1.0) - value(0.0, -1.0)),
-            ];
-            let found = value_and_slopes(&plane, Point::new(x, y));
-            // Single precision at some hundred grey levels.
-            let apart = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            assert!(apart < 1e-3, "{x} {y}: {found:?} {expected:?}");
-        }
     }
 
     #[test]

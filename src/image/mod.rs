@@ -1,6 +1,8 @@
 //! Pictures in memory: loading, grey planes, pyramids and samples along lines.
 
 mod alignment;
+mod alignment_equations;
+mod alignment_settings;
 #[cfg(feature = "pictures")]
 mod brightness;
 mod corners;
@@ -48,7 +50,8 @@ mod webp;
 #[cfg(feature = "pictures")]
 mod whole;
 
-pub(crate) use alignment::{Alignment, LEAST_INSIDE, Placement, align};
+pub(crate) use alignment::{Placement, align};
+pub(crate) use alignment_settings::{Alignment, LEAST_INSIDE};
 pub use corners::find_corners;
 pub use interpretation::Interpretation;
 #[cfg(feature = "pictures")]

@@ -1,5 +1,6 @@
 //! Square patches of intensities around image points, with zero mean and unit norm.
 
+use multiversion::multiversion;
 use nalgebra::Matrix2;
 
 use super::GrayPlane;
@@ -101,20 +102,12 @@ impl<'a> PatchSampler<'a> {
         if !self.plane.is_clear(centre, self.reach[0].max(self.reach[1])) {
             return None;
         }
-        let mut patch = [0.0; PADDED];
         if let Some(pixels) = self.pixels(centre) {
-            let width = self.plane.frame().width;
-            for (k, value) in patch.iter_mut().take(AREA).enumerate() {
-                let offset = self.offsets[k];
-                let (top, below) = (&pixels[offset..offset + 2], &pixels[offset + width..offset + width + 2]);
-                let a = top[0] + (top[1] - top[0]) * self.right[k];
-                let b = below[0] + (below[1] - below[0]) * self.right[k];
-                *value = a + (b - a) * self.down[k];
-            }
-        } else {
-            for (value, offset) in patch.iter_mut().zip(offsets(HALF)) {
-                *value = self.plane.sample(centre + self.warp * offset);
-            }
+            return sampled(self, pixels, self.plane.frame().width);
+        }
+        let mut patch = [0.0; PADDED];
+        for (value, offset) in patch.iter_mut().zip(offsets(HALF)) {
+            *value = self.plane.sample(centre + self.warp * offset);
         }
         normalised(&patch)
     }
@@ -134,29 +127,69 @@ impl<'a> PatchSampler<'a> {
     }
 }
 
+/// Samples a patch from the pixels that begin with the first one needed.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
+fn sampled(sampler: &PatchSampler, pixels: &[f32], width: usize) -> Option<Patch> {
+    // The pixels of a row and those below them, in slices of one length: one check serves both.
+    let count = pixels.len() - width;
+    let (upper, lower) = (&pixels[..count], &pixels[width..][..count]);
+    let (mut tops, mut belows) = ([[0f32; 2]; AREA], [[0f32; 2]; AREA]);
+    for k in 0..AREA {
+        let first = sampler.offsets[k];
+        let (top, below) = (&upper[first..first + 2], &lower[first..first + 2]);
+        (tops[k], belows[k]) = ([top[0], top[1]], [below[0], below[1]]);
+    }
+    let mut patch = [0.0; PADDED];
+    for k in 0..AREA {
+        let a = tops[k][0] + (tops[k][1] - tops[k][0]) * sampler.right[k];
+        let b = belows[k][0] + (belows[k][1] - belows[k][0]) * sampler.right[k];
+        patch[k] = a + (b - a) * sampler.down[k];
+    }
+    normalised(&patch)
+}
+
 /// Returns the correlation of two patches, −1 to 1.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
 pub(crate) fn correlation(a: &Patch, b: &Patch) -> f32 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let mut products = [0f32; PADDED];
+    for k in 0..PADDED {
+        products[k] = a[k] * b[k];
+    }
+    sum(&products)
 }
 
 /// Normalises a patch to zero mean and unit norm. Returns `None` when the patch is flat.
+#[inline]
 fn normalised(patch: &Patch) -> Option<Patch> {
-    let sum = |values: &Patch| -> f32 {
-        let mut sums = [0f32; LANES];
-        for chunk in values.chunks_exact(LANES) {
-            for (sum, value) in sums.iter_mut().zip(chunk) {
-                *sum += value;
-            }
-        }
-        sums.iter().sum()
-    };
     let mean = sum(patch) / AREA as f32;
-    let mut centred = [0.0; PADDED];
-    for (value, own) in centred.iter_mut().zip(&patch[..AREA]) {
-        *value = own - mean;
+    let (mut centred, mut squares) = ([0.0; PADDED], [0.0; PADDED]);
+    for k in 0..AREA {
+        centred[k] = patch[k] - mean;
+        squares[k] = centred[k] * centred[k];
     }
-    let norm = sum(&centred.map(|v| v * v)).sqrt();
-    (norm > 1e-3).then(|| centred.map(|v| v / norm))
+    let norm = sum(&squares).sqrt();
+    if norm <= 1e-3 || norm.is_nan() {
+        return None;
+    }
+    for value in &mut centred {
+        *value /= norm;
+    }
+    Some(centred)
+}
+
+#[inline]
+fn sum(values: &Patch) -> f32 {
+    let mut sums = [0f32; LANES];
+    for group in 0..PADDED / LANES {
+        for lane in 0..LANES {
+            sums[lane] += values[group * LANES + lane];
+        }
+    }
+    let mut total = 0.0;
+    for sum in sums {
+        total += sum;
+    }
+    total
 }
 
 #[cfg(test)]

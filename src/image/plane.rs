@@ -152,7 +152,10 @@ impl GrayPlane {
 /// conversion that vectorises.
 const SHIFT: f32 = 8_388_608.0;
 
-/// Interpolates at many positions, sixteen at a time, like [`GrayPlane::interpolate`]. All but the
+/// Positions that are interpolated together: the pixels of the first are stored when those of the last are looked up.
+const AT_ONCE: usize = 4 * LANES;
+
+/// Interpolates at many positions, like [`GrayPlane::interpolate`]. All but the
 /// pixel look-up is vectorised.
 ///
 /// # Panics
@@ -170,25 +173,28 @@ pub(crate) fn interpolate_all(plane: &GrayPlane, x: &[f32], y: &[f32], found: &m
         return;
     }
     let (right, bottom) = ((width - 2) as f32, (height - 2) as f32);
-    let groups = x.as_chunks::<LANES>().0.iter().zip(y.as_chunks::<LANES>().0);
-    for ((x, y), found) in groups.zip(found.as_chunks_mut::<LANES>().0) {
-        let mut pixels = [0u32; LANES];
-        let (mut fx, mut fy) = ([0f32; LANES], [0f32; LANES]);
-        for k in 0..LANES {
+    // The pixels of a row and those below them, in slices of one length: one check serves both.
+    let count = plane.values.len() - width;
+    let (upper, lower) = (&plane.values[..count], &plane.values[width..][..count]);
+    let (mut fx, mut fy) = ([0f32; AT_ONCE], [0f32; AT_ONCE]);
+    let mut pixels = [0u32; AT_ONCE];
+    let (mut tops, mut belows) = ([[0f32; 2]; AT_ONCE], [[0f32; 2]; AT_ONCE]);
+    for ((x, y), found) in x.chunks(AT_ONCE).zip(y.chunks(AT_ONCE)).zip(found.chunks_mut(AT_ONCE)) {
+        let few = found.len();
+        let (x, y) = (&x[..few], &y[..few]);
+        for k in 0..few {
             let (left, up) = (x[k].floor().min(right), y[k].floor().min(bottom));
             (fx[k], fy[k]) = (x[k] - left, y[k] - up);
             pixels[k] = whole(up) * width as u32 + whole(left);
         }
-        let mut corners = [[0f32; LANES]; 4];
-        for k in 0..LANES {
-            let top = &plane.values[pixels[k] as usize..];
-            let below = &top[width..width + 2];
-            (corners[0][k], corners[1][k]) = (top[0], top[1]);
-            (corners[2][k], corners[3][k]) = (below[0], below[1]);
+        for k in 0..few {
+            let first = pixels[k] as usize;
+            let (top, below) = (&upper[first..first + 2], &lower[first..first + 2]);
+            (tops[k], belows[k]) = ([top[0], top[1]], [below[0], below[1]]);
         }
-        for k in 0..LANES {
-            let a = corners[0][k] + (corners[1][k] - corners[0][k]) * fx[k];
-            let b = corners[2][k] + (corners[3][k] - corners[2][k]) * fx[k];
+        for k in 0..few {
+            let a = tops[k][0] + (tops[k][1] - tops[k][0]) * fx[k];
+            let b = belows[k][0] + (belows[k][1] - belows[k][0]) * fx[k];
             found[k] = a + (b - a) * fy[k];
         }
     }

@@ -22,6 +22,11 @@ impl<T> Default for Lazy<T> {
 }
 
 impl<T> Lazy<T> {
+    /// Returns the value if it is made already.
+    pub fn get(&self) -> Option<&T> {
+        self.value.get()
+    }
+
     pub fn get_or_make(&self, make: impl FnOnce() -> T) -> &T {
         if let Some(made) = self.value.get() {
             return made;

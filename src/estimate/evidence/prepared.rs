@@ -203,7 +203,7 @@ impl PreparedPair {
     /// Returns the matches of covariant features as observations for a fit. They were found without any
     /// geometry, and many may be wrong.
     pub fn putative_matches(&self) -> Vec<Match> {
-        let MatchedFeatures { sets, matches } = self.features(FeatureViews::Frontal);
+        let MatchedFeatures { sets, matches, .. } = self.features(FeatureViews::Frontal);
         putative(sets.each_ref(), matches, self.frames())
     }
 
@@ -214,9 +214,10 @@ impl PreparedPair {
         of: FeatureViews,
         seed: u64,
     ) -> Option<(FundamentalMatrix, Vec<PointPair>)> {
-        let MatchedFeatures { sets, matches } = self.features(of);
+        let calibrations = self.calibrations?;
+        let MatchedFeatures { sets, matches, .. } = self.features(of);
         let putative = putative(sets.each_ref(), matches, self.frames());
-        let fit = estimate_essential(&putative, self.frames(), self.calibrations?, seed).ok()?;
+        let fit = estimate_essential(&putative, self.frames(), calibrations, seed).ok()?;
         let right = putative.iter().zip(&fit.inlier_probabilities).filter(|(_, right)| **right > 0.5);
         Some((fit.fundamental, right.map(|(m, _)| m.pair).collect()))
     }

@@ -267,9 +267,14 @@ pub(in crate::estimate) fn strong_lens_is_likelier(
             let found = estimate_fundamental(&straight, frames, seed).ok()?.fundamental;
             Some(fitter.fitted(&found, lambdas)?.log_likelihood)
         };
-        let near_start = fitter.fitted(start, [0.0; 2]).map(|bent| bent.log_likelihood);
+        let bent = behind([lambda; 2])?;
+        let near_start = fitter.fitted(start, [0.0; 2]).map(|straight| straight.log_likelihood);
+        // Most pairs end here: no other search without a lens is needed if `start` is as likely.
+        if near_start.is_some_and(|straight| bent - straight <= CLEAR_GAIN) {
+            return None;
+        }
         let without = near_start.into_iter().chain(behind([0.0; 2])).max_by(f64::total_cmp)?;
-        Some(behind([lambda; 2])? - without)
+        Some(bent - without)
     };
     STRONG.iter().filter_map(|lambda| gain(*lambda)).any(|gain| gain > CLEAR_GAIN)
 }

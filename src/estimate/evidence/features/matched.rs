@@ -2,8 +2,8 @@
 
 use crate::estimate::evidence::patches::FeatureSupport;
 use crate::features::{
-    FeatureMatch, FeatureParameters, FeatureSet, SIGMA_PER_SCALE, find_features, find_slanted_features,
-    match_features, without_repeats,
+    FeatureMatch, FeatureParameters, FeatureSet, KnownNeighbours, SIGMA_PER_SCALE, find_features,
+    find_slanted_features, without_repeats,
 };
 use crate::image::PyramidPair;
 
@@ -12,6 +12,8 @@ use crate::image::PyramidPair;
 pub(in crate::estimate) struct MatchedFeatures {
     pub sets: [FeatureSet; 2],
     pub matches: Vec<FeatureMatch>,
+    /// Neighbours of all features, from which the features of slanted views go on.
+    neighbours: KnownNeighbours,
 }
 
 impl MatchedFeatures {
@@ -22,11 +24,11 @@ impl MatchedFeatures {
         let (first, second) =
             rayon::join(|| find_features(planes[0], &parameters), || find_features(planes[1], &parameters));
         let sets = without_fixed([first, second], pyramids);
-        let matches = match_features(&sets[0], &sets[1]);
-        Self { sets, matches }
+        let neighbours = KnownNeighbours::default().extended(&sets[0], &sets[1]);
+        Self { matches: neighbours.matches(sets.each_ref()), sets, neighbours }
     }
 
-    /// Adds the features of slanted views and matches all features again.
+    /// Adds the features of slanted views and matches all features.
     pub fn with_slanted(&self, pyramids: &PyramidPair) -> Self {
         let parameters = FeatureParameters::default();
         let planes = pyramids.level(f64::INFINITY).planes;
@@ -36,9 +38,10 @@ impl MatchedFeatures {
         for (set, more) in sets.iter_mut().zip(without_fixed(slanted, pyramids)) {
             set.append(more);
         }
-        let mut matches = match_features(&sets[0], &sets[1]);
+        let neighbours = self.neighbours.extended(&sets[0], &sets[1]);
+        let mut matches = neighbours.matches(sets.each_ref());
         without_repeats(&mut matches, sets.each_ref());
-        Self { sets, matches }
+        Self { sets, matches, neighbours }
     }
 
     /// Returns the weights of the matches as patch support.

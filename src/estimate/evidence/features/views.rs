@@ -1,5 +1,7 @@
 //! Relative rotation and scale of the two images, from the features that a geometry explains.
 
+use std::f64::consts::TAU;
+
 use crate::estimate::PreparedPair;
 use crate::estimate::evidence::features::MatchedFeatures;
 use crate::features::{FeatureMatch, FeatureViews};
@@ -65,8 +67,9 @@ fn view_shared(relations: &[(f64, f64)], agreeing: f64, frames: [Frame; 2]) -> O
     let apart = |a: f64, b: f64| wrapped(a - b);
     let near_to =
         |turn: f64| relations.iter().filter(move |(other, _)| apart(*other, turn).abs() < SAME_TURN);
-    let (mode, _) = relations.iter().max_by_key(|(turn, _)| near_to(*turn).count())?;
-    if (near_to(*mode).count() as f64) < agreeing * relations.len() as f64 {
+    let counts = numbers_of_near(relations.iter().map(|(turn, _)| wrapped(*turn)));
+    let (number, (mode, _)) = counts.into_iter().zip(relations).max_by_key(|(number, _)| *number)?;
+    if (number as f64) < agreeing * relations.len() as f64 {
         return None;
     }
     let turn = mode + median(near_to(*mode).map(|(turn, _)| apart(*turn, *mode)));
@@ -75,6 +78,22 @@ fn view_shared(relations: &[(f64, f64)], agreeing: f64, frames: [Frame; 2]) -> O
     let view = RelativeView { scale: Some(scale), rotation: apart(turn, 0.0) };
     let upright = RelativeView { scale: Some(like_sizes), rotation: 0.0 };
     Some(if is_same_view(&view, &upright) { RelativeView::UPRIGHT } else { view })
+}
+
+/// Returns for each angle the number of angles within [`SAME_TURN`] of it, its own included. Angles are wrapped.
+fn numbers_of_near(angles: impl Iterator<Item = f64> + Clone) -> Vec<usize> {
+    let mut sorted: Vec<f64> = angles.clone().collect();
+    sorted.sort_by(f64::total_cmp);
+    let count = sorted.len();
+    // Once more after a whole turn on either side: an angle near half a turn has neighbours there.
+    let around: Vec<f64> =
+        [-TAU, 0.0, TAU].iter().flat_map(|turn| sorted.iter().map(move |angle| angle + turn)).collect();
+    let near = |angle: f64| {
+        let [first, end] =
+            [-SAME_TURN, SAME_TURN].map(|by| around.partition_point(|other| other - angle < by));
+        (end - first).min(count)
+    };
+    angles.map(near).collect()
 }
 
 /// Ratio of best to second-best distance below which a feature votes for a view when no geometry is

@@ -2,6 +2,8 @@
 
 use rayon::prelude::*;
 
+use super::feature_support::FLOOR;
+use crate::estimate::evidence::lazy::Lazy;
 use crate::geometry::Point;
 use crate::image::{
     GrayPlane, HALF, PairLevel, Patch, PatchBlock, PatchSampler, Sketch, Warp, correlations, may_correlate,
@@ -19,10 +21,11 @@ pub(in crate::estimate) struct CornerPatches {
     pub points2: Vec<Point>,
     blocks2: Vec<PatchBlock>,
     pub warps: Vec<Warp>,
+    look_alikes: Lazy<Vec<Vec<(u32, Likeness)>>>,
 }
 
 /// Correlation of two corners under the best warp, and the index of that warp.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::estimate) struct Likeness {
     pub correlation: f32,
     pub warp: u8,
@@ -30,7 +33,7 @@ pub(in crate::estimate) struct Likeness {
 
 impl Likeness {
     /// Likeness of corners that do not match. Their correlation is not computed.
-    const NONE: Self = Self { correlation: -1.0, warp: 0 };
+    pub(super) const NONE: Self = Self { correlation: -1.0, warp: 0 };
 
     fn best(correlations: &[f32]) -> Self {
         let mut best = Self::NONE;
@@ -65,27 +68,40 @@ impl CornerPatches {
             warps.iter().map(|warp| PatchSampler::new(planes[1], warp)).collect();
         let block = |point: &Point| PatchBlock::new(samplers.iter().map(|s| s.patch(*point)));
         let blocks2 = points2.par_iter().map(block).collect();
-        Self { sketches1: Sketch::of_all(patches1.iter()), points1, patches1, points2, blocks2, warps }
+        let sketches1 = Sketch::of_all(patches1.iter());
+        Self { points1, patches1, sketches1, points2, blocks2, warps, look_alikes: Lazy::default() }
     }
 
     /// Returns the likeness of corner `i` of image 1 and corner `j` of image 2; [`Likeness::NONE`]
     /// if an upper bound on the correlation is not above `least`.
     pub fn likeness(&self, i: usize, j: usize, least: f32) -> Likeness {
-        let block = &self.blocks2[j];
-        let mut may_be = false;
-        for most in most_correlations(&self.sketches1[i], block) {
-            may_be |= most > least;
-        }
-        if may_be { self.exact(i, block) } else { Likeness::NONE }
+        if self.may_be_alike(i, j, least) { self.exact(i, &self.blocks2[j]) } else { Likeness::NONE }
     }
 
-    /// Returns the corners of image 1 that correlate with corner `j` of image 2 by more than
-    /// `least`, in ascending order, with their correlations. `room` is a buffer for candidates.
-    pub fn alike(&self, j: usize, least: f32, room: &mut Vec<u32>) -> Vec<(u32, f32)> {
-        let block = &self.blocks2[j];
-        may_correlate(&self.sketches1, block, least, room);
-        let of_corner = |i: &u32| (*i, self.exact(*i as usize, block).correlation);
-        room.iter().map(of_corner).filter(|(_, correlation)| *correlation > least).collect()
+    /// Returns whether an upper bound on the correlation of two corners is above `least`.
+    pub fn may_be_alike(&self, i: usize, j: usize, least: f32) -> bool {
+        let mut may_be = false;
+        for most in most_correlations(&self.sketches1[i], &self.blocks2[j]) {
+            may_be |= most > least;
+        }
+        may_be
+    }
+
+    /// Returns the corners of image 1 that may correlate with each corner of image 2 by more than [`FLOOR`], in
+    /// ascending order, with their likeness. All others correlate less.
+    pub fn look_alikes(&self) -> &[Vec<(u32, Likeness)>] {
+        self.look_alikes.get_or_make(|| {
+            let of_corner = |room: &mut Vec<u32>, block: &PatchBlock| {
+                may_correlate(&self.sketches1, block, FLOOR, room);
+                room.iter().map(|i| (*i, self.exact(*i as usize, block))).collect()
+            };
+            self.blocks2.par_iter().map_init(Vec::new, of_corner).collect()
+        })
+    }
+
+    /// Returns [`Self::look_alikes`] if they are known.
+    pub fn known_look_alikes(&self) -> Option<&[Vec<(u32, Likeness)>]> {
+        self.look_alikes.get().map(Vec::as_slice)
     }
 
     fn exact(&self, i: usize, block: &PatchBlock) -> Likeness {

@@ -22,25 +22,41 @@ const CORNERS: usize = 6000;
 /// pixels, and noise moves a corner by about as much again.
 const CORNER_ERROR: f64 = 1.5;
 
+/// Corners of a level, found when they are first needed.
+#[derive(Debug)]
+pub(super) struct DenseCorners {
+    corners1: Vec<Point>,
+    places2: Places,
+    patches2: Vec<Patch>,
+}
+
+impl DenseCorners {
+    pub fn new(level: &PairLevel) -> Self {
+        let corners = |image: usize| level.corners(image, CORNERS, HALF + 1);
+        let (corners1, corners2) = rayon::join(|| corners(0), || corners(1));
+        let sampler2 = PatchSampler::new(level.planes[1], &Warp::identity());
+        let (points2, patches2): (Vec<Point>, Vec<Patch>) =
+            corners2.into_iter().filter_map(|p| Some((p, sampler2.patch(p)?))).unzip();
+        Self { corners1, places2: Places::new(points2), patches2 }
+    }
+}
+
 /// Returns `known` with further matches within `band` px of the epipolar lines of `f`, all in
 /// pixels of the level.
 pub(super) fn densified(
     level: &PairLevel,
+    corners: &DenseCorners,
     known: Vec<LevelMatch>,
     f: &FundamentalMatrix,
     band: f64,
 ) -> Vec<LevelMatch> {
+    let DenseCorners { corners1, places2, patches2 } = corners;
     let key = |p: Point| [p.x.to_bits(), p.y.to_bits()];
     let matched: HashSet<[u64; 2]> = known.iter().map(|m| key(m.found.pair.point1)).collect();
-    let corners = |image: usize| level.corners(image, CORNERS, HALF + 1);
-    let (mut corners1, corners2) = rayon::join(|| corners(0), || corners(1));
-    corners1.retain(|p| !matched.contains(&key(*p)));
-    let sampler2 = PatchSampler::new(level.planes[1], &Warp::identity());
-    let (points2, patches2): (Vec<Point>, Vec<Patch>) =
-        corners2.into_iter().filter_map(|p| Some((p, sampler2.patch(p)?))).unzip();
     let places: Vec<Vector2<f32>> = known.iter().map(|m| m.found.pair.point1.coords.cast()).collect();
     let (points1, patches1): (Vec<(Point, Warp)>, Vec<Patch>) = corners1
         .par_iter()
+        .filter(|p| !matched.contains(&key(**p)))
         .filter_map(|p| {
             let affine = known.get(nearest(&places, *p)?)?.affine;
             let patch = PatchSampler::new(level.planes[0], &affine.try_inverse()?).patch(*p)?;
@@ -48,7 +64,6 @@ pub(super) fn densified(
         })
         .unzip();
     let (points1, affines): (Vec<Point>, Vec<Warp>) = points1.into_iter().unzip();
-    let places2 = Places::new(points2);
     let find = places2.mutually_near(f, band.max(CORNER_ERROR));
     let likeness =
         |i: usize, j: usize| Likeness { correlation: correlation(&patches1[i], &patches2[j]), warp: 0 };
@@ -102,7 +117,8 @@ mod tests {
             })
             .collect();
         let f = scene.fundamental();
-        let found = densified(&level, known.clone(), &f, 0.5);
+        let corners = DenseCorners::new(&level);
+        let found = densified(&level, &corners, known.clone(), &f, 0.5);
         assert_eq!(found[..20], known);
         let further = &found[20..];
         assert!(further.len() > 100, "{}", further.len());
@@ -114,6 +130,6 @@ mod tests {
         // Nine of ten are right, to a tenth of a pixel in the middle.
         assert!(errors[errors.len() / 2] < 0.1 && errors[9 * errors.len() / 10] < 1.0, "{errors:?}");
         assert!(further.iter().all(|m| is_within(&f, &m.found.pair, 0.5)));
-        assert!(densified(&level, Vec::new(), &f, 0.5).is_empty(), "no surface to go by");
+        assert!(densified(&level, &corners, Vec::new(), &f, 0.5).is_empty(), "no surface to go by");
     }
 }

@@ -85,16 +85,17 @@ impl LevelMatcher<'_> {
         let given = given.filter(|m| is_within(&start, &m.pair, WIDEST)).collect();
         let fixed = Fixed { clicks, given, model: Model::Free };
         // One band for all, as likelihoods are compared.
-        let noise = self.fitted_along(&start, &fixed, WIDEST)?.fitted.noise;
-        let band = noise.reach().min(WIDEST);
-        let free = self.likeliest(&start, &fixed, band, settling, cancel)?;
+        let first = self.fitted_along(&start, &fixed, WIDEST)?;
+        let band = first.fitted.noise.reach().min(WIDEST);
+        let free = self.likeliest(first, &fixed, band, settling, cancel)?;
         let scaled = |known: &[Matrix3<f64>; 2]| [0, 1].map(|k| rescaling(self.level.scales[k]) * known[k]);
         let Some(calibrations) = settling.calibrations.as_ref().map(scaled) else {
             return self.refined(free, &fixed, band);
         };
         let model = Model::of(Some(calibrations));
         let known = Fixed { model, ..fixed };
-        let posed = self.likeliest(&free.fitted.fundamental, &known, band, settling, cancel);
+        let first = self.fitted_along(&free.fitted.fundamental, &known, WIDEST);
+        let posed = first.and_then(|first| self.likeliest(first, &known, band, settling, cancel));
         let unknown = Fixed { model: Model::Free, ..known };
         let evidence = (&unknown, band, settling.seed);
         match posed.filter(|posed| !self.contradict(&calibrations, posed, &free, evidence)) {
@@ -123,10 +124,11 @@ impl LevelMatcher<'_> {
         contradiction.is_clear(|| self.evidence(&many, unknown, band).covariance(&free.fitted))
     }
 
-    /// Returns the likeliest geometry among a start and its rivals, with the matches along its lines.
+    /// Returns the likeliest geometry among a start and its rivals, with the matches along its lines. The start
+    /// is fitted in the widest band.
     fn likeliest(
         &self,
-        start: &FundamentalMatrix,
+        start: Followed,
         fixed: &Fixed,
         band: f64,
         settling: &Settling,
@@ -134,8 +136,8 @@ impl LevelMatcher<'_> {
     ) -> Option<Followed> {
         let full_size = self.level.scales.map(f64::recip);
         let mut pool = Pool::default();
-        pool.add(self.matches(start, WIDEST));
-        let mut best = self.followed(start, fixed, band)?;
+        let mut best = self.followed_on(&start, fixed, band)?;
+        pool.add(start.matches);
         let is_allowed = |f: &FundamentalMatrix| f.rescaled(full_size).is_some_and(|f| (settling.allows)(&f));
         for round in 0..ROUNDS {
             if cancel.is_cancelled() {
@@ -165,7 +167,7 @@ impl LevelMatcher<'_> {
             }
         }
         let f = best.fitted.fundamental;
-        let matches = densified(&self.level, best.matches, &f, band);
+        let matches = densified(&self.level, self.dense_corners(), best.matches, &f, band);
         let many = observed(&matches);
         let evidence = self.evidence(&many, fixed, band);
         let fitted = evidence.fitted(&f)?;
@@ -209,11 +211,13 @@ impl LevelMatcher<'_> {
 
     /// Fits a geometry to the matches along its lines, with bands that narrow to `band`.
     fn followed(&self, f: &FundamentalMatrix, fixed: &Fixed, band: f64) -> Option<Followed> {
-        let mut current = *f;
-        for band in [WIDEST, band] {
-            current = self.fitted_along(&current, fixed, band)?.fitted.fundamental;
-        }
-        self.fitted_along(&current, fixed, band)
+        self.followed_on(&self.fitted_along(f, fixed, WIDEST)?, fixed, band)
+    }
+
+    /// Continues a fit in the widest band.
+    fn followed_on(&self, widest: &Followed, fixed: &Fixed, band: f64) -> Option<Followed> {
+        let narrower = self.fitted_along(&widest.fitted.fundamental, fixed, band)?;
+        self.fitted_along(&narrower.fitted.fundamental, fixed, band)
     }
 
     fn fitted_along(&self, f: &FundamentalMatrix, fixed: &Fixed, band: f64) -> Option<Followed> {

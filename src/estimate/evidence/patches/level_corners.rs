@@ -1,7 +1,7 @@
 //! Corners of one level and their mutual best matches.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
@@ -43,40 +43,59 @@ pub(super) struct LevelCorners {
     pub patches: Arc<CornerPatches>,
     /// Places of the corners of image 2.
     pub places2: Places,
-    /// Known likeness of each pair of corners, one row for each corner of image 1. Geometries that
-    /// are refined one after the other compare nearly the same pairs.
-    likeness: Vec<AtomicU32>,
+    /// [`UNKNOWN`], [`UNLIKE`] or [`ALIKE`] for each pair of corners, one row for each corner of image 1.
+    /// Geometries that are refined one after the other compare nearly the same pairs, most of them unlike.
+    states: Vec<AtomicU8>,
+    /// Corners of image 2 that are alike a corner of image 1, with their likeness.
+    alike: Vec<Mutex<Vec<(usize, Likeness)>>>,
 }
 
-/// Low bits of the correlation, replaced by the index of the warp.
-const WARP: u32 = 0xf;
-
-/// Packs a likeness into bits. 0 means unknown; a likeness that packs to 0 is computed again.
-fn packed(likeness: Likeness) -> u32 {
-    likeness.correlation.to_bits() & !WARP | u32::from(likeness.warp)
-}
-
-fn unpacked(bits: u32) -> Likeness {
-    Likeness { correlation: f32::from_bits(bits & !WARP), warp: (bits & WARP) as u8 }
-}
+const UNKNOWN: u8 = 0;
+/// The correlation is not above the least.
+const UNLIKE: u8 = 1;
+const ALIKE: u8 = 2;
 
 impl LevelCorners {
     pub fn new(patches: Arc<CornerPatches>) -> Self {
-        let pairs = patches.points1.len() * patches.points2.len();
-        let likeness = (0..pairs).map(|_| AtomicU32::new(0)).collect();
-        Self { places2: Places::new(patches.points2.clone()), patches, likeness }
+        let (rows, columns) = (patches.points1.len(), patches.points2.len());
+        let known = patches.known_look_alikes();
+        let state = if known.is_some() { UNLIKE } else { UNKNOWN };
+        let states: Vec<AtomicU8> = (0..rows * columns).map(|_| AtomicU8::new(state)).collect();
+        let mut alike: Vec<Vec<(usize, Likeness)>> = vec![Vec::new(); rows];
+        for (j, found) in known.into_iter().flatten().enumerate() {
+            for (i, likeness) in found {
+                let i = *i as usize;
+                if patches.may_be_alike(i, j, LEAST_CORRELATION) {
+                    states[i * columns + j].store(ALIKE, Ordering::Relaxed);
+                    alike[i].push((j, *likeness));
+                }
+            }
+        }
+        let alike = alike.into_iter().map(Mutex::new).collect();
+        Self { places2: Places::new(patches.points2.clone()), states, alike, patches }
     }
 
     /// Returns the likeness of corner `i` of image 1 and corner `j` of image 2.
     fn likeness(&self, i: usize, j: usize) -> Likeness {
-        // All threads would write the same number.
-        let known = &self.likeness[i * self.patches.points2.len() + j];
-        let mut bits = known.load(Ordering::Relaxed);
-        if bits == 0 {
-            bits = packed(self.patches.likeness(i, j, LEAST_CORRELATION));
-            known.store(bits, Ordering::Relaxed);
-        }
-        unpacked(bits)
+        let state = &self.states[i * self.patches.points2.len() + j];
+        // Entries are whole whatever happened to a thread that held the lock.
+        let alike = || self.alike[i].lock().unwrap_or_else(PoisonError::into_inner);
+        let known = match state.load(Ordering::Acquire) {
+            UNLIKE => return Likeness::NONE,
+            ALIKE => alike().iter().find(|(other, _)| *other == j).map(|(_, likeness)| *likeness),
+            _ => None,
+        };
+        known.unwrap_or_else(|| {
+            let likeness = self.patches.likeness(i, j, LEAST_CORRELATION);
+            if likeness == Likeness::NONE {
+                state.store(UNLIKE, Ordering::Release);
+            } else {
+                // Another thread may have added the same.
+                alike().push((j, likeness));
+                state.store(ALIKE, Ordering::Release);
+            }
+            likeness
+        })
     }
 
     /// Returns the mutual best matches whose correlation exceeds the least. `find` fills an empty
@@ -96,26 +115,29 @@ pub(super) fn mutual_matches(
 ) -> Vec<MutualMatch> {
     // Probability that point `j` is the partner rather than one of the others. Points are likelier
     // the higher they correlate.
-    let prior = |i: usize, j: usize, correlation: f32, others: &[usize]| {
-        let elsewhere = others.iter().filter(|k| (points2[**k] - points2[j]).norm() > ELSEWHERE);
-        let likely = |k: &usize| ((likeness(i, *k).correlation - correlation) / CORRELATION_NOISE).exp();
+    let prior = |j: usize, correlation: f32, others: &[usize], correlations: &[f32]| {
+        let elsewhere =
+            others.iter().zip(correlations).filter(|(k, _)| (points2[**k] - points2[j]).norm() > ELSEWHERE);
+        let likely = |(_, other): (&usize, &f32)| ((other - correlation) / CORRELATION_NOISE).exp();
         1.0 / (1.0 + elsewhere.map(likely).sum::<f32>())
     };
     // The best partner of each point of image 1 with its prior, then of each point of image 2.
     let best1: Vec<Option<(usize, Likeness, f32)>> = points1
         .par_iter()
         .enumerate()
-        .map_init(Vec::new, |near, (i, point1)| {
+        .map_init(Default::default, |(near, correlations): &mut (Vec<usize>, Vec<f32>), (i, point1)| {
             near.clear();
+            correlations.clear();
             find(*point1, near);
             let mut best: Option<(usize, Likeness)> = None;
             for j in near.iter() {
                 let likeness = likeness(i, *j);
+                correlations.push(likeness.correlation);
                 if likeness.correlation > best.map_or(LEAST_CORRELATION, |(_, best)| best.correlation) {
                     best = Some((*j, likeness));
                 }
             }
-            best.map(|(j, likeness)| (j, likeness, prior(i, j, likeness.correlation, near)))
+            best.map(|(j, likeness)| (j, likeness, prior(j, likeness.correlation, near, correlations)))
         })
         .collect();
     let mut best2: Vec<Option<(usize, Likeness, f32)>> = vec![None; points2.len()];

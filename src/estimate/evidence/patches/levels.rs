@@ -12,7 +12,9 @@ use super::guided_fit::Settling;
 use super::matches::RefinedMatch;
 use super::refinement::{LevelMatcher, Refined, RefinementLevel, SharedPatches};
 use super::support::{PatchSupport, Support, SupportLevel};
-use super::unguided::{UnguidedMatch, distinctive_matches, matched_corners, unguided_matches};
+use super::unguided::{
+    MutualBest, UnguidedMatch, distinctive_matches, matched_corners, mutual_best, unguided_matches,
+};
 use super::voting::KappaVoting;
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lazy::Lazy;
@@ -84,6 +86,7 @@ struct CornerLevels {
     fine: Lazy<SupportLevel>,
     refinement: [RefinementLevel; REFINEMENT_SIDES.len()],
     mirrored: Lazy<MirrorMatches>,
+    mutual_best: Lazy<Vec<MutualBest>>,
 }
 
 impl PatchLevels {
@@ -98,6 +101,7 @@ impl PatchLevels {
             fine: Lazy::default(),
             refinement: REFINEMENT_SIDES.map(|_| RefinementLevel::on(&patches)),
             mirrored: Lazy::default(),
+            mutual_best: Lazy::default(),
             patches,
         };
         Self {
@@ -246,7 +250,7 @@ impl PatchLevels {
     pub fn unguided(&self) -> &[UnguidedMatch] {
         self.unguided.get_or_make(|| {
             let full_size = self.refinement().pop();
-            full_size.map_or_else(Vec::new, |matcher| unguided_matches(self.fine(), &matcher))
+            full_size.map_or_else(Vec::new, |matcher| unguided_matches(self.mutual_best(&matcher), &matcher))
         })
     }
 
@@ -255,8 +259,14 @@ impl PatchLevels {
     pub fn distinctive(&self) -> &[PointPair] {
         self.distinctive.get_or_make(|| {
             let full_size = self.refinement().pop();
-            full_size.map_or_else(Vec::new, |matcher| distinctive_matches(self.fine(), &matcher))
+            full_size
+                .map_or_else(Vec::new, |matcher| distinctive_matches(self.mutual_best(&matcher), &matcher))
         })
+    }
+
+    /// Returns the mutual best matches of corners, aligned at full size. Features change none of them.
+    fn mutual_best(&self, full_size: &LevelMatcher) -> &[MutualBest] {
+        self.corners.mutual_best.get_or_make(|| mutual_best(self.fine(), full_size))
     }
 }
 

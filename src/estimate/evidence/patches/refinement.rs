@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use super::aligned_features::AlignedFeatures;
 use super::corner_patches::CornerPatches;
+use super::dense::DenseCorners;
 use super::feature_support::FLOOR;
 use super::level_corners::{Alike, LevelCorners, MutualMatch};
 use super::matches::{LEAST_MATCHES, LevelMatch, MATCH_SIGMA, RefinedMatch, at_level};
@@ -53,6 +54,7 @@ pub(in crate::estimate) struct RefinementLevel {
     /// Patches of this size, shared with other stages.
     patches: SharedPatches,
     corners: Lazy<LevelCorners>,
+    dense: Lazy<DenseCorners>,
     /// Best places in image 2 for the surroundings of a corner of image 1, starting at a corner of image 2
     /// under a warp. They do not depend on `F`, so the next refinement needs most of them again.
     aligned: Mutex<HashMap<Alike, Option<Placement>>>,
@@ -186,6 +188,11 @@ impl LevelMatcher<'_> {
     /// Returns the corners, found when first needed.
     pub fn corners(&self) -> &LevelCorners {
         self.stage.corners.get_or_make(|| LevelCorners::new(self.stage.patches.get(&self.level, self.view)))
+    }
+
+    /// Returns the corners with which a known geometry is matched densely, found when first needed.
+    pub fn dense_corners(&self) -> &DenseCorners {
+        self.stage.dense.get_or_make(|| DenseCorners::new(&self.level))
     }
 
     /// Refines `f` at this level. `None` if too few matches support it. `f`, clicks and features are in

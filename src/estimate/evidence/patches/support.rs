@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use super::corner_patches::CornerPatches;
+use super::corner_patches::{CornerPatches, Likeness};
 use super::feature_support::{FLOOR, FeatureMatches};
 use super::level_corners::CORRELATION_NOISE;
 use super::look_alikes::{LookAlikes, Putative};
@@ -68,14 +68,7 @@ impl Support {
     /// Compares all corners of image 1 with all of image 2.
     pub fn new(patches: &CornerPatches) -> Self {
         let corners = [patches.points1.clone(), patches.points2.clone()];
-        let found: Vec<Vec<Putative>> = (0..corners[1].len())
-            .into_par_iter()
-            .map_init(Vec::new, |room, j| {
-                let putative = |(corner1, correlation)| Putative { corner1, corner2: j as u32, correlation };
-                patches.alike(j, FLOOR, room).into_iter().map(putative).collect()
-            })
-            .collect();
-        let pairs = best_look_alikes(&found, corners[0].len());
+        let pairs = best_look_alikes(patches.look_alikes(), corners[0].len());
         Self::of_look_alikes(corners, pairs)
     }
 
@@ -199,10 +192,15 @@ impl Support {
 }
 
 /// Returns the best look-alikes of each corner of image 1, best first.
-fn best_look_alikes(found: &[Vec<Putative>], corners1: usize) -> Vec<Putative> {
+fn best_look_alikes(of_corners2: &[Vec<(u32, Likeness)>], corners1: usize) -> Vec<Putative> {
     let mut alike: Vec<Vec<Putative>> = vec![Vec::new(); corners1];
-    for pair in found.iter().flatten() {
-        alike[pair.corner1 as usize].push(*pair);
+    for (found, corner2) in of_corners2.iter().zip(0..) {
+        for (corner1, Likeness { correlation, .. }) in found {
+            if *correlation > FLOOR {
+                let pair = Putative { corner1: *corner1, corner2, correlation: *correlation };
+                alike[*corner1 as usize].push(pair);
+            }
+        }
     }
     alike.par_iter_mut().for_each(|group| {
         group.sort_by(|a, b| b.correlation.total_cmp(&a.correlation).then(a.corner2.cmp(&b.corner2)));
@@ -350,10 +348,12 @@ mod tests {
             corner2,
             correlation: 0.61 + 0.01 * (corner2 % 7) as f32,
         };
-        let halves = [0..PER_CORNER as u32, PER_CORNER as u32..PER_CORNER as u32 + 6];
-        let mut found: Vec<Vec<Putative>> =
-            halves.map(|half| half.map(|corner2| alike(2, corner2)).collect()).into();
-        found[1].push(alike(0, 3));
+        let likeness = |pair: Putative| Likeness { correlation: pair.correlation, warp: 0 };
+        let mut found: Vec<Vec<(u32, Likeness)>> =
+            (0..PER_CORNER as u32 + 6).map(|corner2| vec![(2, likeness(alike(2, corner2)))]).collect();
+        found[3].push((0, likeness(alike(0, 3))));
+        // At the floor.
+        found[4].push((1, Likeness { correlation: FLOOR, warp: 0 }));
         let best = best_look_alikes(&found, 3);
         assert_eq!(best.len(), 1 + PER_CORNER);
         assert_eq!(best[0], alike(0, 3));

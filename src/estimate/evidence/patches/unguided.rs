@@ -37,12 +37,44 @@ impl UnguidedMatch {
     }
 }
 
+/// A mutual best match of corners.
+#[derive(Debug)]
+pub(super) struct MutualBest {
+    /// The match as it is aligned at full size. `None` if its surroundings do not fit.
+    found: Option<UnguidedMatch>,
+    /// Whether no other place of either image resembles it.
+    is_distinctive: bool,
+}
+
+/// Returns the mutual best matches of corners, aligned at full size.
+pub(super) fn mutual_best(fine: &SupportLevel, matcher: &LevelMatcher) -> Vec<MutualBest> {
+    let mut of_corner2: HashMap<u32, Vec<Putative>> = HashMap::new();
+    for pair in &fine.support.pairs {
+        of_corner2.entry(pair.corner2).or_default().push(*pair);
+    }
+    let from_fine = fine.scales.map(f64::recip);
+    let of_group = |group: Vec<Putative>| {
+        let best = &group[0];
+        let rivals1 = of_corner2.get(&best.corner2).map_or(0.0, |pairs| {
+            let place = fine.support.pair(best).point1;
+            rivals(pairs, best, |m| (fine.support.pair(m).point1 - place).norm())
+        });
+        let prior = prior_of_best(&fine.support, &group);
+        let pair = aligned(&fine.support.pair(best).rescaled(from_fine), matcher);
+        MutualBest {
+            found: pair.map(|pair| UnguidedMatch { pair, prior }),
+            is_distinctive: prior > DISTINCTIVE && 1.0 / (1.0 + rivals1) > DISTINCTIVE,
+        }
+    };
+    fine.support.mutual_best(|_| true).into_par_iter().map(of_group).collect()
+}
+
 /// Returns the mutual best matches of corners and of features, aligned at full size.
-pub(super) fn unguided_matches(fine: &SupportLevel, matcher: &LevelMatcher) -> Vec<UnguidedMatch> {
+pub(super) fn unguided_matches(corners: &[MutualBest], matcher: &LevelMatcher) -> Vec<UnguidedMatch> {
     let full_size = matcher.level.scales.map(f64::recip);
     let at_full_size =
         |m: LevelMatch| UnguidedMatch { pair: m.found.pair.rescaled(full_size), prior: m.prior };
-    let mut found = matched_corners(fine, matcher, |_| true);
+    let mut found: Vec<UnguidedMatch> = corners.iter().filter_map(|best| best.found).collect();
     found.extend(matcher.features.all(&matcher.level).into_iter().map(at_full_size));
     found
 }
@@ -65,23 +97,9 @@ pub(super) fn matched_corners(
 
 /// Returns the mutual best matches that no other place of either image resembles, aligned at full size.
 /// Repeated structure, such as the corners of a chessboard, has none.
-pub(super) fn distinctive_matches(fine: &SupportLevel, matcher: &LevelMatcher) -> Vec<PointPair> {
-    let from_fine = fine.scales.map(f64::recip);
-    let mut of_corner2: HashMap<u32, Vec<Putative>> = HashMap::new();
-    for pair in &fine.support.pairs {
-        of_corner2.entry(pair.corner2).or_default().push(*pair);
-    }
-    let is_distinctive = |group: &Vec<Putative>| {
-        let best = &group[0];
-        let rivals1 = of_corner2.get(&best.corner2).map_or(0.0, |pairs| {
-            let place = fine.support.pair(best).point1;
-            rivals(pairs, best, |m| (fine.support.pair(m).point1 - place).norm())
-        });
-        prior_of_best(&fine.support, group) > DISTINCTIVE && 1.0 / (1.0 + rivals1) > DISTINCTIVE
-    };
-    let best = fine.support.mutual_best(|_| true);
-    let corner = |group: Vec<Putative>| aligned(&fine.support.pair(&group[0]).rescaled(from_fine), matcher);
-    let mut found: Vec<PointPair> = best.into_par_iter().filter(is_distinctive).filter_map(corner).collect();
+pub(super) fn distinctive_matches(corners: &[MutualBest], matcher: &LevelMatcher) -> Vec<PointPair> {
+    let mut found: Vec<PointPair> =
+        corners.iter().filter(|best| best.is_distinctive).filter_map(|best| Some(best.found?.pair)).collect();
     // The ratio of a feature belongs to both images.
     let full_size = matcher.level.scales.map(f64::recip);
     let features = matcher.features.all(&matcher.level).into_iter().filter(|m| m.prior > DISTINCTIVE);
