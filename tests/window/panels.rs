@@ -212,7 +212,7 @@ fn a_place_in_the_profiles_is_a_sample_of_the_line() {
 fn a_parameter_recomputes_and_undo_takes_it_back() {
     let mut window = with_result();
     let before = window.state().document().parameters.clone();
-    window.set_size(vec2(1280.0, 1400.0));
+    window.set_size(vec2(1800.0, 1300.0));
     show_parameters(&mut window, "Epipoles");
     window.get_by_role_and_label(Role::CheckBox, "Patch support").click();
     settle(&mut window);
@@ -237,7 +237,7 @@ fn a_parameter_recomputes_and_undo_takes_it_back() {
 #[test]
 fn a_parameter_out_of_range_is_told_with_its_range_and_reset_with_all_others() {
     let mut window = with_result();
-    window.set_size(vec2(1280.0, 1400.0));
+    window.set_size(vec2(1800.0, 1300.0));
     show_parameters(&mut window, "Pencils");
     window.get_by_role_and_label(Role::SpinButton, "Line spacing").click();
     settle(&mut window);
@@ -703,7 +703,7 @@ fn nothing_is_cut_in_a_narrow_dock_and_plots_without_room_say_so() {
     run_command(&mut window, "Dock: at the bottom");
     window.set_size(vec2(1024.0, 640.0));
     show_step(&mut window, "Pencils");
-    window.ctx.set_zoom_factor(1.35);
+    window.ctx.set_zoom_factor(1.8);
     settle(&mut window);
     assert!(painted(&window, "Enlarge the dock to see the plots."));
 }

@@ -19,6 +19,14 @@ pub fn guide(model: &Model) -> String {
             "Drop two images of the same scene on this window, or open them.".into()
         };
     }
+    if model.open.replay.moment().is_some() {
+        return if model.is_live() {
+            "The steps of the search are drawn as they come.".into()
+        } else {
+            "Space plays or pauses. Drag the knob below the pictures to any moment. End shows the result."
+                .into()
+        };
+    }
     if let Some(hint) = document.too_small() {
         return hint;
     }

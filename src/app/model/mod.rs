@@ -53,6 +53,7 @@ pub mod recording;
 pub mod rectified;
 mod repairing;
 pub mod replay;
+mod replaying;
 pub mod residuals;
 pub mod revision;
 pub mod sample;

@@ -79,7 +79,12 @@ impl Model {
         if self.compares_barcodes() {
             return None;
         }
-        let wanted = exports || self.tab() == Some(TabId::Profiles) || !self.open.focus.pins().is_empty();
+        let is_shown = match self.tab() {
+            Some(TabId::Profiles) => true,
+            Some(TabId::Step) => self.open.replay.moment().is_some_and(|moment| moment.filled.is_some()),
+            _ => false,
+        };
+        let wanted = exports || is_shown || !self.open.focus.pins().is_empty();
         let inspected = wanted.then(|| self.inspected()).flatten()?;
         let pictures = self.open.pictures()?;
         let [left, right] = pictures.each_ref().map(|picture| picture.frame().longer_side());

@@ -1,12 +1,12 @@
 //! The geometry shown by the whole window, and its lines.
 
-use super::Model;
 use super::comparison::Contestant;
 use super::computation::Freshness;
 use super::document::Side;
 use super::focus::{LineSource, Pin};
 use super::pair_folder::PairFolder;
 use super::verdict::Tone;
+use super::{Model, TabId};
 use crate::estimate::{Construction, Estimate, Reason, RefinedMatch, lines_at};
 use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair, symmetric_epipolar_distance};
 use crate::io::GroundTruth;
@@ -264,9 +264,10 @@ impl Model {
     /// Returns the inspected line pair: the chosen pin, or else the lines of the selected pair or of the
     /// first one. The left line runs to the right, so its charts lie like the picture.
     pub fn inspected(&self) -> Option<InspectedLines> {
-        // The replay shows the profiles of its own lines, unless the user pins others meanwhile.
+        // The replay shows the profiles of its own lines, unless the user looks at others meanwhile.
         let replay = &self.open.replay;
-        let is_free = replay.is_playing() || self.open.focus.inspected().is_none();
+        let has_none = self.look.tab == TabId::Step && self.open.focus.inspected().is_none();
+        let is_free = replay.is_playing() || has_none;
         if let Some(lines) = replay.moment().filter(|_| is_free).and_then(|moment| moment.lines) {
             let source = LineSource::Through { side: Side::Left, point: lines[0].anchor };
             return Some(InspectedLines { source, lines });

@@ -4,7 +4,7 @@ use super::computation::{Computation, Freshness};
 use super::document::{Document, pair_name};
 use super::ids::MethodStep;
 use super::verdict::line_score_text;
-use crate::estimate::Stage;
+use crate::estimate::{SearchPlan, Stage};
 use crate::features::FeatureViews;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,6 +81,82 @@ fn without_time(progress: StepProgress) -> StepProgress {
     match progress {
         StepProgress::Done(_) => StepProgress::Done(None),
         other => other,
+    }
+}
+
+/// Returns the title of a step in a search.
+pub fn title(step: MethodStep, plan: SearchPlan) -> &'static str {
+    match (step, plan) {
+        // Lines through two matches test the result.
+        (MethodStep::Pencils, SearchPlan::Unclicked) => "Lines",
+        _ => step.title(),
+    }
+}
+
+/// Explains a step of a search in one or two sentences.
+pub fn sentence(step: MethodStep, plan: SearchPlan) -> &'static str {
+    let (compares_all, by_barcodes) =
+        (matches!(plan, SearchPlan::Barcodes | SearchPlan::LinesAlone { .. }), plan == SearchPlan::Barcodes);
+    match step {
+        MethodStep::Pencils if by_barcodes => {
+            "A line turns about p on the left. Its best partner on the right is the line across which things move in \
+             the same frames."
+        }
+        MethodStep::Pencils if plan == SearchPlan::Unclicked => {
+            "As a test, lines through two matches are compared: each with its most similar line on the right."
+        }
+        MethodStep::Pencils => {
+            "A line turns about p on the left. Its best partner on the right is the line with the most similar \
+             brightness."
+        }
+        MethodStep::Candidates => {
+            "Candidates are line pairs of which each line is the best partner of the other."
+        }
+        MethodStep::Features => {
+            "Distinctive places are matched by their surroundings, anywhere in the pictures. Matches that fit no \
+             common geometry fade."
+        }
+        MethodStep::Epipoles if plan == SearchPlan::Unclicked => {
+            "Small samples of the matches give hypotheses. Each has an epipole in either picture: where the other \
+             camera might be."
+        }
+        MethodStep::Epipoles if compares_all => {
+            "Three line pairs at a time give a hypothesis. Each has an epipole in either picture: where the other \
+             camera might be."
+        }
+        MethodStep::Epipoles => {
+            "A candidate of p and one of q cross. Where they cross, the other camera might be: a hypothesis."
+        }
+        MethodStep::RoundTrip => {
+            "H maps a line l to the other picture, and G maps it back. The smaller the area between l and G H l, the \
+             better both maps agree."
+        }
+        MethodStep::Validation if by_barcodes => {
+            "The best hypotheses are fitted to the barcodes of lines all over both pictures. The best fit wins."
+        }
+        MethodStep::Validation => {
+            "The best hypotheses race: each place of the picture supports those along whose lines it finds a match."
+        }
+        MethodStep::Refinement if by_barcodes => {
+            "The best hypothesis is fitted to the barcodes in full size. Fits without some frames give its uncertainty."
+        }
+        MethodStep::Refinement => {
+            "The best hypothesis is fitted to matches along its lines, again and again."
+        }
+    }
+}
+
+/// Writes a duration with a suitable unit.
+pub fn duration(seconds: f64) -> String {
+    let ms = seconds * 1000.0;
+    if ms < 0.095 {
+        "< 0.1 ms".to_owned()
+    } else if ms < 9.95 {
+        format!("{ms:.1} ms")
+    } else if ms < 999.5 {
+        format!("{ms:.0} ms")
+    } else {
+        format!("{seconds:.2} s")
     }
 }
 

@@ -1,7 +1,7 @@
 //! The steps of a search on a time axis.
 
 use super::record::Record;
-use crate::app::model::MethodStep;
+use crate::app::model::ids::MethodStep;
 use crate::estimate::SearchPlan;
 
 /// A moment of the replay.
@@ -90,11 +90,11 @@ impl Course {
         Self::with(plan, |_| StepState::Waiting)
     }
 
-    pub(super) fn of_running(plan: SearchPlan, record: &Record) -> Self {
+    pub fn of_running(plan: SearchPlan, record: &Record) -> Self {
         Self::with(plan, |step| if record.has(step) { StepState::Ran } else { StepState::Waiting })
     }
 
-    pub(super) fn of(plan: SearchPlan, record: &Record) -> Self {
+    pub fn of(plan: SearchPlan, record: &Record) -> Self {
         let missing = if record.has_result() { StepState::NotNeeded } else { StepState::NotReached };
         Self::with(plan, |step| if record.has(step) { StepState::Ran } else { missing })
     }

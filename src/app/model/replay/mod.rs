@@ -2,110 +2,49 @@
 //!
 //! | module | contents |
 //! |---|---|
+//! | [`command`] | commands, and the speed |
 //! | [`course`] | the steps of a search on the time axis |
 //! | [`record`] | what a search left behind, in the form for drawing |
 //! | [`fan`] | evenly spaced corresponding lines of a geometry |
-//! | [`moment`] | the drawing of a moment: a pure function of record and time |
+//! | [`moment`] | the drawing of a moment |
+//! | [`steps`] | draws a moment: a pure function of record and time |
 
+pub mod command;
 pub mod course;
 pub mod fan;
 pub mod moment;
 pub mod record;
-mod steps;
+pub mod steps;
 
 use std::sync::Arc;
-use std::time::Duration;
 
-use serde::{Deserialize, Serialize};
-
-use super::computation::Freshness;
-use super::recording::PlayerCommand;
-use super::{Model, StageId, TabId};
-use course::{Course, Place, StepState};
+pub use command::{ReplayCommand, Speed};
+use course::Place;
 use moment::Moment;
 use record::Record;
 
-use super::ids::MethodStep;
-
-/// Time after which a running search is drawn, so that short ones do not flash.
-const LONG: Duration = Duration::from_millis(500);
-
-/// Replay speed, times the usual one.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
-pub struct Speed(f64);
-
-impl Speed {
-    const ALL: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
-    /// Speed of the first replay, at which steps can be followed.
-    const SLOW: Self = Self(0.5);
-
-    /// Returns the next speed; after the fastest comes the slowest.
-    fn next(self) -> Self {
-        Self(Self::ALL.into_iter().find(|speed| *speed > self.0).unwrap_or(Self::ALL[0]))
-    }
-
-    pub fn label(self) -> &'static str {
-        ["¼×", "½×", "1×", "2×", "4×"][Self::ALL.iter().position(|speed| *speed >= self.0).unwrap_or(2)]
-    }
-}
-
-impl Default for Speed {
-    fn default() -> Self {
-        Self(1.0)
-    }
-}
-
-/// A command to the replay.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ReplayCommand {
-    /// Play from here, or pause. At the result, play from the beginning.
-    TogglePlay,
-    /// The same at half the usual speed.
-    PlaySlowly,
-    /// Show a moment of the whole course, s, and pause.
-    Seek(f64),
-    /// Move by about one line or crossing.
-    Nudge {
-        forward: bool,
-    },
-    /// Play a step alone.
-    Play(MethodStep),
-    /// Play the next or the previous step alone.
-    Step {
-        forward: bool,
-    },
-    /// Show the beginning, paused.
-    Begin,
-    /// Show the result.
-    Finish,
-    NextSpeed,
-    /// Show only the last moment of each step, for people who avoid motion.
-    ToggleStill,
-}
-
 /// What a record was made from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Key {
-    revision: u64,
-    pencils: u64,
-    events: usize,
-    running: bool,
+pub struct Key {
+    pub revision: u64,
+    pub pencils: u64,
+    pub events: usize,
+    pub running: bool,
 }
 
 /// Replay of the search of the open pictures.
 #[derive(Debug, Default)]
 pub struct Replay {
     /// The moment that is shown; `None` at the result.
-    place: Option<Place>,
-    playing: bool,
+    pub place: Option<Place>,
+    pub playing: bool,
     /// Whether to pause at the end of the step.
-    alone: bool,
+    pub alone: bool,
     /// Whether the replay begins with the next result.
-    awaited: bool,
-    record: Option<(Key, Arc<Record>)>,
+    pub awaited: bool,
+    pub record: Option<(Key, Arc<Record>)>,
     /// The drawing of the shown moment, with what it was made from.
-    moment: Option<(Key, Place, Arc<Moment>)>,
+    pub drawn: Option<(Key, Place, Arc<Moment>)>,
 }
 
 impl Replay {
@@ -125,160 +64,6 @@ impl Replay {
 
     /// Returns the drawing of the shown moment; `None` at the result.
     pub fn moment(&self) -> Option<&Moment> {
-        self.moment.as_ref().map(|(.., moment)| &**moment)
+        self.drawn.as_ref().map(|(.., moment)| &**moment)
     }
 }
-
-impl Model {
-    /// Returns the steps of the search on the time axis.
-    pub fn course(&self) -> Course {
-        let plan = self.document.search_plan();
-        match &self.open.replay.record {
-            Some((key, record)) if key.running => Course::of_running(plan, record),
-            Some((_, record)) if !record.is_empty() => Course::of(plan, record),
-            _ => Course::planned(plan),
-        }
-    }
-
-    /// Returns whether a search left a record that can be replayed.
-    pub fn has_record(&self) -> bool {
-        self.open.replay.record.as_ref().is_some_and(|(_, record)| !record.is_empty())
-    }
-
-    /// Returns the record of the search, for charts.
-    pub fn record(&self) -> Option<&Record> {
-        self.open.replay.record.as_ref().map(|(_, record)| &**record)
-    }
-
-    /// Returns the step and the moment that the window shows; `None` at the result.
-    pub fn replayed(&self) -> Option<Place> {
-        self.open.replay.place.or_else(|| self.live())
-    }
-
-    /// Returns whether the shown moment is the newest one of a running search.
-    pub fn is_live(&self) -> bool {
-        self.open.replay.place.is_none() && self.live().is_some()
-    }
-
-    /// Returns the newest moment of a search that runs for long and has nothing better to show.
-    fn live(&self) -> Option<Place> {
-        let computation = &self.open.computation;
-        let is_long = computation.elapsed().is_some_and(|elapsed| elapsed >= LONG);
-        let shows_result =
-            computation.result().is_some_and(|(_, freshness)| freshness != Freshness::Preliminary);
-        if !is_long || shows_result {
-            return None;
-        }
-        let course = self.course();
-        let newest = course.steps.iter().rev().find(|step| step.state == StepState::Ran)?;
-        Some(Place { step: newest.step, seconds: newest.seconds })
-    }
-
-    /// Updates the record and the drawing of the shown moment.
-    pub fn follow_replay(&mut self) {
-        let computation = &self.open.computation;
-        let events = computation.events_so_far();
-        let key = Key {
-            revision: computation.revision(),
-            pencils: computation.pencils_revision(),
-            events: events.map_or(0, <[_]>::len),
-            running: events.is_some(),
-        };
-        if self.open.replay.record.as_ref().map(|(known, _)| *known) != Some(key) {
-            self.open.replay.record = Some((key, Arc::new(Record::new(self))));
-        }
-        if self.open.replay.awaited && matches!(computation.result(), Some((_, Freshness::Final))) {
-            self.open.replay.awaited = false;
-            if !self.look.still_steps {
-                self.apply_to_replay(ReplayCommand::PlaySlowly);
-            }
-        }
-        let place = self.replayed();
-        let replay = &mut self.open.replay;
-        let is_drawn =
-            |place: &Place| matches!(&replay.moment, Some((of, at, _)) if (of, at) == (&key, place));
-        if place.is_none_or(|place| !is_drawn(&place)) {
-            let record = replay.record.as_ref().map(|(_, record)| record);
-            let drawn = place.zip(record);
-            replay.moment = drawn.map(|(place, record)| (key, place, Arc::new(Moment::of(record, place))));
-        }
-    }
-
-    /// Advances the replay. Returns whether it goes on.
-    pub fn replay_on(&mut self, seconds: f64) -> bool {
-        let course = self.course();
-        let speed = self.look.speed.0;
-        let replay = &mut self.open.replay;
-        let Some(place) = replay.place.filter(|_| replay.playing) else { return false };
-        // After a pause of the window, the replay goes on where it was.
-        let (place, is_over) = course.after(place, seconds.clamp(0.0, 0.1) * speed, replay.alone);
-        replay.place = place;
-        replay.playing = !is_over;
-        !is_over
-    }
-
-    pub fn apply_to_replay(&mut self, command: ReplayCommand) {
-        let course = self.course();
-        let live = self.live();
-        let still = self.look.still_steps;
-        let replay = &mut self.open.replay;
-        match command {
-            ReplayCommand::TogglePlay | ReplayCommand::PlaySlowly if still => {
-                self.apply_to_replay(ReplayCommand::Step { forward: true });
-            }
-            ReplayCommand::TogglePlay | ReplayCommand::PlaySlowly => {
-                if command == ReplayCommand::PlaySlowly {
-                    self.look.speed = Speed::SLOW;
-                }
-                let is_at_end = replay.place.is_none_or(|place| course.after(place, 1e-6, false).0.is_none());
-                replay.playing = !replay.playing || is_at_end && live.is_none();
-                if is_at_end && replay.playing {
-                    replay.place = course.first();
-                }
-                replay.alone = false;
-                replay.playing &= replay.place.is_some();
-            }
-            ReplayCommand::Seek(at) => {
-                (replay.place, replay.playing) = (course.place(at), false);
-            }
-            ReplayCommand::Nudge { forward } if self.has_sequences() && replay.place.is_none() => {
-                self.apply_to_player(PlayerCommand::Step(if forward { 1 } else { -1 }));
-            }
-            ReplayCommand::Nudge { forward } => {
-                let Some(place) = replay.place.or_else(|| course.last()) else { return };
-                let by = if forward { steps::NUDGE } else { -steps::NUDGE };
-                let seconds = course.at(place) + by;
-                (replay.place, replay.playing) = (course.place(seconds.max(0.0)), false);
-            }
-            ReplayCommand::Play(step) => {
-                let (first, last) = (Place { step, seconds: 0.0 }, course.end_of(step));
-                let moves = !still && course.lasts(step);
-                replay.place = if moves { Some(first) } else { last.or(Some(first)) };
-                (replay.playing, replay.alone) = (moves, true);
-            }
-            ReplayCommand::Step { forward } => {
-                let now = replay.place.or(live).map(|place| place.step);
-                match course.neighbour(now, forward) {
-                    Some(step) => self.apply_to_replay(ReplayCommand::Play(step)),
-                    None if forward => replay.stop(),
-                    None => {}
-                }
-            }
-            ReplayCommand::Begin => (replay.place, replay.playing) = (course.first(), false),
-            ReplayCommand::Finish => {
-                self.open.focus.choose_hypothesis(None);
-                self.open.replay.stop();
-            }
-            ReplayCommand::NextSpeed => self.look.speed = self.look.speed.next(),
-            ReplayCommand::ToggleStill => self.look.still_steps = !still,
-        }
-        // The chart of the step is in the first tab.
-        if self.open.replay.place.is_some() && !matches!(command, ReplayCommand::NextSpeed) {
-            self.look.tab = TabId::Step;
-            self.look.stage = StageId::Pictures;
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests;

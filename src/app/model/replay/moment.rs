@@ -1,9 +1,7 @@
 //! The drawing of one moment.
 
-use super::course::Place;
-use super::record::Record;
-use super::steps;
-use crate::app::model::{MethodStep, Side};
+use crate::app::model::document::Side;
+use crate::app::model::ids::MethodStep;
 use crate::geometry::{AnchoredLine, HomogeneousPoint, Line, Point, PointPair};
 
 /// Meaning of a mark, for its colour.
@@ -94,10 +92,10 @@ pub struct Moment {
 }
 
 impl Moment {
-    /// Draws a moment. It depends on nothing but the record and the place.
-    pub fn of(record: &Record, place: Place) -> Self {
-        let mut moment = Self {
-            step: place.step,
+    /// Returns the moment of a step, without any marks.
+    pub(super) fn empty(step: MethodStep) -> Self {
+        Self {
+            step,
             zoom: 1.0,
             marks: Vec::new(),
             figures: Vec::new(),
@@ -107,11 +105,7 @@ impl Moment {
             crossed: None,
             race: Vec::new(),
             gap: None,
-        };
-        if record.has(place.step) {
-            steps::draw(&mut moment, record, place);
         }
-        moment
     }
 
     pub(super) fn add(&mut self, shape: Shape, ink: Ink, opacity: f64) {

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use super::fan;
-use crate::app::model::{MethodStep, Model, Side, pair_name};
+use crate::app::model::document::pair_name;
+use crate::app::model::ids::MethodStep;
 use crate::estimate::{
-    ComparedPencils, Construction, DistinctMatch, Estimate, EventKind, HypothesisNote, Origin, ProposedBy,
-    RankedHypothesis, RoundTrip, SearchPlan,
+    ComparedPencils, Construction, DistinctMatch, Estimate, Event, EventKind, HypothesisNote, Origin,
+    ProposedBy, RankedHypothesis, RoundTrip, SearchPlan,
 };
 use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair, area_between_lines, sampson_distance};
 
@@ -46,6 +47,19 @@ pub struct Trip {
     /// Mean distance between the line and its return, px.
     pub gap: f64,
     pub name: String,
+}
+
+/// Where a record is collected from.
+pub struct Source<'a> {
+    pub plan: SearchPlan,
+    /// Sizes of both pictures.
+    pub frames: [Frame; 2],
+    pub events: &'a [Event],
+    /// The result, once the search is over.
+    pub found: Option<&'a Estimate>,
+    pub pencils: &'a [Arc<ComparedPencils>],
+    /// Returns the point pair of a pencil, by its number and its click; `None` for a match in its place.
+    pub pair: &'a dyn Fn(usize, &PointPair) -> Option<usize>,
 }
 
 /// What a search left behind.
@@ -104,30 +118,21 @@ impl Record {
         }
     }
 
-    /// Collects the record of the running search, or else of the shown result.
-    pub fn new(model: &Model) -> Self {
-        let computation = &model.open.computation;
-        let searched = computation.searched();
-        let running = computation.events_so_far();
-        let frames = Side::BOTH.map(|side| model.document.frame(side).unwrap_or(Frame::new(1, 1)));
-        let mut record = Self::empty(model.document.search_plan(), frames);
-        let events = match (running, searched.and_then(|searched| searched.trace.as_deref())) {
-            (Some(events), _) => events,
-            (None, Some(trace)) => &trace.events,
-            (None, None) => return record,
-        };
-        let found = searched.filter(|_| running.is_none());
-        for event in events {
+    /// Collects a record.
+    pub fn new(source: &Source) -> Self {
+        let mut record = Self::empty(source.plan, source.frames);
+        for event in source.events {
             record.take(&event.kind);
         }
-        if let Some(found) = found {
+        if let Some(found) = source.found {
             record.take_result(found);
         }
         record.find_winner();
         let led = record.result.or(record.winner.map(|winner| record.hypotheses[winner].fundamental));
         record.fan = led.map_or_else(Vec::new, |f| fan::places(&f, record.frames[0]));
-        let pencils = computation.pencils().unwrap_or_default();
-        record.pencils = pencils.iter().enumerate().map(|(k, own)| record.pencil(model, k, own)).collect();
+        let pencils = source.pencils.iter().enumerate();
+        record.pencils =
+            pencils.map(|(k, own)| record.pencil((source.pair)(k, &own.click), k, own)).collect();
         record
     }
 
@@ -211,8 +216,7 @@ impl Record {
         self.winner = same.or((!self.hypotheses.is_empty()).then_some(0));
     }
 
-    fn pencil(&self, model: &Model, number: usize, compared: &Arc<ComparedPencils>) -> RecordedPencils {
-        let pair = model.document.pair_of_pencils(number, &compared.click);
+    fn pencil(&self, pair: Option<usize>, number: usize, compared: &Arc<ComparedPencils>) -> RecordedPencils {
         let name = pair.map_or_else(|| format!("match {}", number + 1), pair_name);
         let partner = |row: usize| {
             let costs = (0..compared.angles2.len()).map(|column| (column, compared.costs.at(row, column)));

@@ -4,8 +4,9 @@ use super::course::Place;
 use super::fan;
 use super::moment::{Filled, Ink, Moment, Racer, Shape};
 use super::record::{Record, RecordedPencils, Trip, short_origin};
+use crate::app::model::document::Side;
+use crate::app::model::ids::MethodStep;
 use crate::app::model::verdict::short_epipole_text;
-use crate::app::model::{MethodStep, Side};
 use crate::estimate::{HypothesisNote, ProposedBy, lines_at};
 use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, finite_point, regions_between_lines};
 
@@ -52,17 +53,23 @@ fn pencil_lines(lines: [Option<Line>; 2], width: f32) -> Shape {
     Shape::Lines { lines, width, dashed: false }
 }
 
-pub fn draw(moment: &mut Moment, record: &Record, place: Place) {
-    let seconds = place.usual_seconds(record.plan);
-    match place.step {
-        MethodStep::Pencils => pencils(moment, record, seconds),
-        MethodStep::Candidates => candidates(moment, record, seconds),
-        MethodStep::Features => features(moment, record, seconds),
-        MethodStep::Epipoles => epipoles(moment, record, seconds),
-        MethodStep::RoundTrip => round_trip(moment, record, seconds),
-        MethodStep::Validation => validation(moment, record, seconds),
-        MethodStep::Refinement => refinement(moment, record, seconds),
+/// Draws a moment. It depends on nothing but the record and the place.
+pub fn draw(record: &Record, place: Place) -> Moment {
+    let mut moment = Moment::empty(place.step);
+    if !record.has(place.step) {
+        return moment;
     }
+    let draw_step = match place.step {
+        MethodStep::Pencils => pencils,
+        MethodStep::Candidates => candidates,
+        MethodStep::Features => features,
+        MethodStep::Epipoles => epipoles,
+        MethodStep::RoundTrip => round_trip,
+        MethodStep::Validation => validation,
+        MethodStep::Refinement => refinement,
+    };
+    draw_step(&mut moment, record, place.usual_seconds(record.plan));
+    moment
 }
 
 fn pencils(moment: &mut Moment, record: &Record, seconds: f64) {

@@ -96,7 +96,7 @@ fn rows(area: Rect, model: &Model) -> [Rect; 3] {
     let lines = model.document.pairs.len() as f32 * (theme::ROW + 2.0);
     let below = if model.document.selected_pair().is_some() { UNFOLDED } else { HINT };
     let pairs = (lines + below).clamp(100.0, (area.height() * 0.36).max(100.0));
-    let card = (CARD + UNFOLDED - below).min(area.height() * 0.4);
+    let card = (CARD + UNFOLDED - below).max(area.height() * 0.3).min(area.height() * 0.4);
     let (card, rest) = area.split_top_bottom_at_y(area.min.y + card);
     let (pairs, tab) = rest.split_top_bottom_at_y(rest.min.y + pairs);
     [card, tab, pairs]

@@ -5,11 +5,10 @@ use egui::{
     UiBuilder, WidgetInfo, pos2, vec2,
 };
 
-use super::tabs::duration;
 use super::{busy, finish_button};
 use crate::app::model::replay::ReplayCommand;
 use crate::app::model::replay::course::{Course, StepState, TimedStep};
-use crate::app::model::step::{StepProgress, progress_of};
+use crate::app::model::step::{StepProgress, duration, progress_of, sentence, title};
 use crate::app::model::{Command, MethodStep, Model};
 use crate::estimate::SearchPlan;
 
@@ -37,15 +36,6 @@ const HATCH: f32 = 5.0;
 /// Returns the height of the timeline in a window.
 pub fn height(window: f32) -> f32 {
     if window < HIGH_WINDOW { LOW } else { USUAL }
-}
-
-/// Returns the title of a step in a search.
-pub fn title(step: MethodStep, plan: SearchPlan) -> &'static str {
-    match (step, plan) {
-        // Lines through two matches test the result.
-        (MethodStep::Pencils, SearchPlan::Unclicked) => "Lines",
-        _ => step.title(),
-    }
 }
 
 /// Shows the timeline in an area.
@@ -256,7 +246,7 @@ fn one_step(
         StepState::NotReached => " The search ended before it.",
         StepState::Waiting | StepState::Ran => "",
     };
-    let hint = format!("{name}. {}{state}", super::step_words::sentence(timed.step, model));
+    let hint = format!("{name}. {}{state}", sentence(timed.step, plan));
     if response.on_hover_text(hint).clicked() {
         commands.push(ReplayCommand::Play(timed.step).into());
     }

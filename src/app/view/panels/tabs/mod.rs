@@ -8,15 +8,15 @@ pub mod rectified;
 mod residuals;
 mod step;
 
-use egui::{Align, Button, Label, Layout, RichText, Ui};
+use egui::{Align, Button, Label, Layout, RichText, Ui, vec2};
 
-use super::{busy, finish_button, main_button, timeline};
-use crate::app::model::{Command, Model, TabId};
+use super::{busy, finish_button, main_button};
+use crate::app::model::{Command, Model, TabId, step as steps};
 use crate::app::view::theme;
 
 pub use inspected::describe as describe_lines;
 pub use rectified::forget_textures;
-pub use step::{duration, parameters};
+pub use step::parameters;
 
 pub struct Tab {
     pub id: TabId,
@@ -31,10 +31,17 @@ static TABS: [Tab; TabId::ALL.len()] = [step::TAB, profiles::TAB, residuals::TAB
 /// Room beside the headings from which the tools are in the same line, screen points.
 const ROOM_FOR_TOOLS: f32 = 110.0;
 
+/// Width from which all headings are in one row, screen points.
+const ROOM_FOR_HEADINGS: f32 = 320.0;
+
 /// Shows the headings and the chosen tab.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let tab = chosen(model);
-    let has_room = ui.horizontal(|ui| {
+    // In a narrow dock the headings take two rows.
+    let is_narrow = ui.available_width() < ROOM_FOR_HEADINGS;
+    let row = Layout::left_to_right(Align::Center).with_main_wrap(is_narrow);
+    let height = ui.spacing().interact_size.y;
+    let has_room = ui.allocate_ui_with_layout(vec2(ui.available_width(), height), row, |ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
         ui.spacing_mut().button_padding.x = 7.0;
         for tab in &TABS {
@@ -63,7 +70,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 /// Returns the heading of a tab. The first one has the name of the step that is shown.
 fn title(tab: TabId, model: &Model) -> &'static str {
     let step = model.replayed().filter(|_| tab == TabId::Step);
-    step.map_or(tab.title(), |place| timeline::title(place.step, model.document.search_plan()))
+    step.map_or(tab.title(), |place| steps::title(place.step, model.document.search_plan()))
 }
 
 /// Shows the tools of a tab from right to left.

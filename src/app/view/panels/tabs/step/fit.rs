@@ -91,20 +91,6 @@ fn histogram(distances: &[f64], median: f64) -> ([usize; BARS], f64) {
     (counts, width)
 }
 
-/// Writes a duration with a suitable unit.
-pub fn duration(seconds: f64) -> String {
-    let ms = seconds * 1000.0;
-    if ms < 0.095 {
-        "< 0.1 ms".to_owned()
-    } else if ms < 9.95 {
-        format!("{ms:.1} ms")
-    } else if ms < 999.5 {
-        format!("{ms:.0} ms")
-    } else {
-        format!("{seconds:.2} s")
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -17,8 +17,6 @@ use super::{Tab, pale_earlier, say_earlier};
 use crate::app::model::{Command, MethodStep, Model, TabId};
 use crate::estimate::SearchPlan;
 
-pub use fit::duration;
-
 /// Registered in [`super::TABS`].
 pub const TAB: Tab = Tab { id: TabId::Step, tools, show };
 

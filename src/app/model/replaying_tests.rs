@@ -2,13 +2,12 @@
 
 use std::sync::LazyLock;
 
-use super::course::{Course, Place, StepState};
-use super::moment::{Ink, Moment, Shape};
-use super::record::Record;
-use super::{ReplayCommand, fan};
+use super::*;
+use crate::app::model::MethodStep;
 use crate::app::model::computation::{EstimateNews, EstimateRequest};
+use crate::app::model::replay::fan;
+use crate::app::model::replay::moment::{Ink, Moment, Shape};
 use crate::app::model::sample::sample_pair;
-use crate::app::model::{MethodStep, Model, Side};
 use crate::estimate::{Event, Monitor, Progress, estimate};
 use crate::geometry::PointPair;
 use crate::io::PairOrigin;
@@ -38,8 +37,8 @@ fn searched(clicked: bool) -> (Model, Vec<Event>) {
     (model, events.into_inner().unwrap())
 }
 
-static CLICKED: LazyLock<Record> = LazyLock::new(|| Record::new(&searched(true).0));
-static UNCLICKED: LazyLock<Record> = LazyLock::new(|| Record::new(&searched(false).0));
+static CLICKED: LazyLock<Record> = LazyLock::new(|| searched(true).0.new_record());
+static UNCLICKED: LazyLock<Record> = LazyLock::new(|| searched(false).0.new_record());
 
 /// Returns ten moments of each step that ran.
 fn moments(record: &Record) -> Vec<Place> {
@@ -55,9 +54,9 @@ fn moments(record: &Record) -> Vec<Place> {
 fn a_moment_depends_on_nothing_but_record_and_time() {
     for record in [&*CLICKED, &*UNCLICKED] {
         let places = moments(record);
-        let forwards: Vec<Moment> = places.iter().map(|place| Moment::of(record, *place)).collect();
+        let forwards: Vec<Moment> = places.iter().map(|place| steps::draw(record, *place)).collect();
         for (place, before) in places.iter().zip(&forwards).rev() {
-            assert_eq!(Moment::of(record, *place), *before);
+            assert_eq!(steps::draw(record, *place), *before);
             assert!(!before.figures.is_empty() && before.zoom >= 1.0, "{place:?}");
             let is_drawn = |opacity: f32| (0.0..=1.0).contains(&opacity);
             assert!(before.marks.iter().all(|mark| is_drawn(mark.opacity)), "{place:?}");
@@ -67,11 +66,11 @@ fn a_moment_depends_on_nothing_but_record_and_time() {
 
 #[test]
 fn every_search_has_its_own_steps() {
+    use MethodStep::{Candidates, Epipoles, Features, Pencils, Refinement, RoundTrip, Validation};
     let ran = |record: &Record| -> Vec<MethodStep> {
         let course = Course::of(record.plan, record);
         course.steps.into_iter().filter(|step| step.state == StepState::Ran).map(|step| step.step).collect()
     };
-    use MethodStep::{Candidates, Epipoles, Features, Pencils, Refinement, RoundTrip, Validation};
     let clicked = ran(&CLICKED);
     for step in [Pencils, Candidates, Epipoles, RoundTrip, Validation, Refinement] {
         assert!(clicked.contains(&step), "{step:?}");
@@ -84,7 +83,7 @@ fn the_replay_ends_with_the_lines_of_the_result() {
     for record in [&*CLICKED, &*UNCLICKED] {
         let result = record.result.unwrap();
         let end = Course::of(record.plan, record).end_of(MethodStep::Refinement).unwrap();
-        let moment = Moment::of(record, end);
+        let moment = steps::draw(record, end);
         let drawn: Vec<_> = moment
             .marks
             .iter()
@@ -106,12 +105,12 @@ fn the_replay_ends_with_the_lines_of_the_result() {
 #[test]
 fn a_sweep_compares_every_line_once_and_holds_the_winner() {
     let record = &*CLICKED;
-    let at = |seconds: f64| Moment::of(record, Place { step: MethodStep::Pencils, seconds }).filled.unwrap();
+    let at = |seconds: f64| steps::draw(record, Place { step: MethodStep::Pencils, seconds }).filled.unwrap();
     let rows = |k: usize| record.pencils[k].compared.angles1.len();
     assert_eq!((at(0.0).pencil, at(0.0).rows), (0, 1));
     assert_eq!((at(1.2).pencil, at(1.2).rows), (0, rows(0)));
     assert_eq!((at(2.2).pencil, at(2.2).rows), (1, rows(1)));
-    let held = Moment::of(record, Place { step: MethodStep::Pencils, seconds: 1.35 });
+    let held = steps::draw(record, Place { step: MethodStep::Pencils, seconds: 1.35 });
     let own = &record.pencils[0];
     let candidate = own.compared.candidates[own.winner.unwrap()];
     assert!((held.lines.unwrap()[0].angle() - candidate.angles[0]).abs() < 1e-9);
@@ -121,7 +120,7 @@ fn a_sweep_compares_every_line_once_and_holds_the_winner() {
 #[test]
 fn a_growing_record_has_the_steps_that_have_happened() {
     let (model, events) = searched(false);
-    let whole = Record::new(&model);
+    let whole = model.new_record();
     let mut model = model;
     model.open.computation.restart();
     let pictures = model.open.pictures().unwrap();
@@ -139,7 +138,7 @@ fn a_growing_record_has_the_steps_that_have_happened() {
     let mut known = 0;
     for event in events {
         model.open.computation.take(2, EstimateNews::Happened(event));
-        let record = Record::new(&model);
+        let record = model.new_record();
         let has = MethodStep::ALL
             .into_iter()
             .filter(|step| *step != MethodStep::Pencils && record.has(*step))
@@ -148,7 +147,7 @@ fn a_growing_record_has_the_steps_that_have_happened() {
         known = has;
     }
     assert!(known >= 3);
-    let grown = Record::new(&model);
+    let grown = model.new_record();
     assert_eq!((grown.hypotheses.len(), grown.tentative), (whole.hypotheses.len(), whole.tentative));
 }
 
