@@ -2,7 +2,7 @@
 //! possible. Only these matches are evidence for a geometry: matches found along its lines agree
 //! with it by construction.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use rayon::prelude::*;
 
@@ -30,11 +30,27 @@ const DISTINCTIVE: f32 = 0.71;
 /// Least probability of a likely match: it is likelier than all similar places together.
 pub(in crate::estimate) const LIKELY: f32 = 0.5;
 
+/// Side of the squares of image 1 in which only one match counts, px. Corners and features find
+/// the same place twice.
+const SAME_PLACE: f64 = 2.0;
+
 impl UnguidedMatch {
     /// Returns whether this is more likely the right match than not, among similar places.
     pub fn is_likely(&self) -> bool {
         self.prior > LIKELY
     }
+}
+
+/// Returns the matches with a probability above `least`, the first at each place of image 1.
+pub(in crate::estimate) fn one_a_place(
+    found: &[UnguidedMatch],
+    least: f32,
+) -> impl Iterator<Item = PointPair> {
+    let mut taken = HashSet::new();
+    let pairs = found.iter().filter(move |m| m.prior > least).map(|m| m.pair);
+    pairs.filter(move |PointPair { point1, .. }| {
+        taken.insert([point1.x, point1.y].map(|v| (v / SAME_PLACE).round() as i64))
+    })
 }
 
 /// Returns the mutual best matches of corners and of features, aligned at full size.
