@@ -3,13 +3,15 @@
 
     python3 lab/trust.py collect PROGRAM TABLE DATA [MADE...]
     python3 lab/trust.py report TABLE [FIGURES]
+    python3 lab/trust.py table TABLE STORED
 
 `collect` runs PROGRAM, the command-line program, and adds one line of JSON for each result to TABLE. Results
 that TABLE has are not computed again; the most telling come first. With SHARE=0/2 in the environment, half of
 them are computed. DATA holds house/, pairs/, wide/, real/ and outside/; each MADE is a folder of pairs without
 parallax with its meta.json. `report` takes several tables, separated by commas. It counts the verdicts, tests the
 stated probability, and fits it on one half of the scenes and tests it on the other, both ways. It prints the
-constants of `estimate/verdict/trust/lines.rs`, and draws the reliability diagram into FIGURES.
+constants of `estimate/verdict/constants.rs`, and draws the reliability diagram into FIGURES. `table` stores the figures
+and the truth of all results for the unit test of the verdict, `src/estimate/verdict/trust/table.jsonl`.
 
 The lines of a result are right if they are within 1 % of the longer side: the mean symmetric epipolar distance of
 the true matches, or for laser-scanned cameras the mean distance from the true lines all over the pictures. Those of
@@ -145,7 +147,8 @@ def known(data):
             matches = matches[distances(np.loadtxt(f"{stem}_F.txt"), matches) < 3]
         else:
             continue
-        yield kind, name if kind == "wxbs" else kind, name, path, picture(stem + "B"), matches, None
+        truth = np.loadtxt(f"{stem}_F.txt") if os.path.exists(f"{stem}_F.txt") else None
+        yield kind, name if kind == "wxbs" else kind, name, path, picture(stem + "B"), matches, truth
     pictures = sorted(glob.glob(f"{data}/wide/*A.jpg")) + sorted(glob.glob(f"{data}/real/strecha/*A.*"))
     random = np.random.default_rng(7)
     for k in range(UNRELATED):
@@ -215,7 +218,7 @@ def run(program, task):
     side = max(max(frame) for frame in frames)
     at_matches = None if matches is None else float(np.mean(distances(f, matches)) / side)
     everywhere = None if truth is None else between_lines(f, truth, frames) / side
-    parts = ("verdict", "failed_tests", "reasons", "determined", "line_evidence", "probability_within_one_percent", "noise", "seconds", "epipole_bearings", "pair_distances")
+    parts = ("verdict", "failed_tests", "figures", "determined", "line_evidence", "line_bands", "probability_within_one_percent", "noise", "seconds", "epipole_bearings", "pair_distances")
     record |= {part: found.get(part) for part in parts}
     record |= {"matches": len(found["matches"]), "side": side, "at_matches": at_matches, "everywhere": everywhere}
     return record
@@ -269,6 +272,35 @@ def is_right(record):
     if record["set"] in ("planes", "turns", "made") and record["determined"] != "lines":
         return False
     return lines_are_right(record)
+
+
+def short(value):
+    """Returns a value of JSON with structures as lists of their fields, and numbers of four significant digits."""
+    if isinstance(value, dict):
+        return [short(part) for part in value.values()]
+    if isinstance(value, list):
+        return [short(part) for part in value]
+    return float(f"{value:.4g}") if isinstance(value, float) else value
+
+
+def store(table, stored):
+    """Writes what the pure verdict needs after a line of counts. What is null or as by default is left out."""
+    records = sorted(load(table.split(",")), key=lambda r: r["key"])
+    right = [r for r in records if lines_are_right(r) and r["set"] not in ("planes", "turns", "made")]
+    unrelated = [r for r in records if r["set"] == "unrelated"]
+    known = [r for r in records if r["line_evidence"] and lines_are_right(r) is not None]
+    errors = [(stated(r) - lines_are_right(r)) ** 2 for r in known if stated(r) is not None]
+    counts = {"right": len(right), "reliable": sum(r["verdict"] == "reliable" for r in right)}
+    counts |= {"unrelated": len(unrelated), "named": sum(r["verdict"] == "different-scenes" for r in unrelated)}
+    counts["brier"] = round(float(np.mean(errors)), 4)
+    with open(stored, "w", encoding="utf-8") as file:
+        file.write(json.dumps(counts) + "\n")
+        for record in records:
+            parallax = record["set"] not in ("planes", "turns", "made")
+            figures = {k: v for k, v in record["figures"].items() if v is not None and v != []}
+            case = {k: v if k == "refined_on" else short(v) for k, v in figures.items()}
+            row = {"key": record["key"], "lines": lines_are_right(record), "parallax": parallax, "case": case}
+            file.write(json.dumps(row, separators=(",", ":")) + "\n")
 
 
 def half_of(record):
@@ -424,6 +456,6 @@ def report(table, figures=None):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 3 or sys.argv[1] not in ("collect", "report"):
+    if len(sys.argv) < 3 or sys.argv[1] not in ("collect", "report", "table"):
         sys.exit(__doc__)
-    {"collect": collect, "report": report}[sys.argv[1]](*sys.argv[2:])
+    {"collect": collect, "report": report, "table": store}[sys.argv[1]](*sys.argv[2:])

@@ -259,7 +259,7 @@ fn main() {
             counts[match verdict {
                 Some(Verdict::Reliable) => 0,
                 Some(Verdict::Doubtful) => 1,
-                Some(Verdict::Unreliable) => 2,
+                Some(Verdict::Unreliable | Verdict::DifferentScenes) => 2,
                 None => 3,
             }] += 1;
         }

@@ -7,10 +7,10 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::checks::{check_images, check_points};
 use super::evidence::viewed::SearchInput;
 use super::searches::record::SearchRecord;
 use super::searches::{barcodes, given, lines, passes, published};
-use super::verdict::assessment::{check_images, check_points};
 use super::{Clicks, Estimate, EstimateError, EventKind, Monitor, Parameters, PreparedPair, SearchPlan};
 use crate::geometry::PointPair;
 use crate::image::GrayPlane;

@@ -132,12 +132,14 @@ mod tests {
                 warnings,
                 trust,
                 plane,
+                case,
                 of_given,
             } = found.assessment;
             assert!(support.unwrap().matches > 60 && found.trace.is_none());
             assert!(lines.is_none() && refinement.is_none() && trust.is_none() && plane.is_none());
             assert!(margin.is_none() && refined_margin.is_none() && apart.is_none() && barcodes.is_none());
             assert!(line_evidence.is_none() && distinctive.is_empty() && warnings.is_empty() && !of_given);
+            assert!(case.is_none());
         }
         // A click that is far off does not take the geometry along, but has an influence.
         let far = moved(&scene, Vector::new(0.0, 30.0));

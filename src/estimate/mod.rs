@@ -9,6 +9,7 @@
 //! `docs/estimator.md` has the method in equations; `docs/parameters.md` lists every parameter.
 //! `lab/notes.md`, "Constants at half and at twice", says how results change with each constant.
 
+mod checks;
 mod clicks;
 mod driver;
 mod error;
@@ -28,6 +29,7 @@ mod stage;
 mod verdict;
 
 pub use crate::cancel::CancelFlag;
+pub use checks::SMALLEST_SIDE;
 pub use clicks::{Click, ClickRole, Clicks};
 #[cfg(feature = "pictures")]
 pub(crate) use driver::estimate_since;
@@ -58,12 +60,13 @@ pub use parameters::{
 pub use parameters::{PARAMETERS, ParameterEntry, ParameterValue};
 pub use points::{PointEstimate, PointsError, check_inside, estimate_points};
 pub use stage::Stage;
-pub use verdict::assessment::{SMALLEST_SIDE, examine};
+pub use verdict::assessment::examine;
+pub use verdict::constants::{
+    CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, EVEN_LINES, FAR_TOO_FEW,
+    SURE_LINES,
+};
 pub use verdict::events::{DistinctMatch, Event, EventKind, HypothesisNote, RankedHypothesis};
 pub use verdict::result::{
     Apart, Assessment, Determined, Estimate, PlaneHomography, SearchCounts, SearchTrace, StageTiming,
 };
-pub use verdict::trust::{
-    BarcodeFigures, CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, EVEN_LINES,
-    FAR_TOO_FEW, GUESS_MARGIN, LineEvidence, Reason, SURE_LINES, Suspect, Trust, Verdict,
-};
+pub use verdict::trust::{BarcodeFigures, Case, LineEvidence, Missing, Reason, Suspect, Trust, Verdict};

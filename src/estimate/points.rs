@@ -16,7 +16,7 @@ use thiserror::Error;
 
 use super::Warning;
 use super::evidence::patches::{RefinedMatch, Refinement};
-use super::fit::{EpipoleBearing, Match, MatchFit, Model, Uncertainty, fit_matches, largest_plane};
+use super::fit::{EpipoleBearing, MEDIAN, Match, MatchFit, Model, Uncertainty, fit_matches, largest_plane};
 use super::verdict::assessment::PointEvidence;
 use super::verdict::result::{Assessment, Determined, Estimate};
 use crate::geometry::{Frame, FundamentalMatrix, Matrix9, Point, PointPair, Vector, image_in_words};
@@ -87,8 +87,6 @@ const LEAST_EXTENT: f64 = 32.0;
 const LINE: f64 = 1.0;
 /// Distance of a point beyond its image that differences between conventions of pixels explain, px.
 const BEYOND: f64 = 1.0;
-/// Median of the absolute values of a Gaussian distribution, in standard deviations.
-const MEDIAN: f64 = 0.6745;
 /// Smallest standard deviation of a match that a test of planes assumes, as a share of the longer side: what
 /// the correction of a lens leaves.
 const LEAST_SIGMA: f64 = 5e-5;

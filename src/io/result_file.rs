@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::geometry_file::{Format, ImageNote, PairLabel, TrustNote};
 use crate::camera::{Baseline, CameraDoubt, PicturesOf, PoseFit, UndistortedView, ViewPair};
 use crate::estimate::{
-    BarcodeFigures, Determined, EpipoleBearing, Estimate, LineBands, LineEvidence, Method, Origin,
+    BarcodeFigures, Case, Determined, EpipoleBearing, Estimate, LineBands, LineEvidence, Method, Origin,
     Parameters, PatchSupport, PlaneHomography, Preset, Reason, SearchCounts, SearchTrace, StageTiming,
     Verdict, Warning,
 };
@@ -65,6 +65,9 @@ pub struct ResultFile<'a> {
     reasons: Vec<String>,
     /// Failed tests with their figures, in the order of `reasons`.
     failed_tests: &'a [Reason],
+    /// Figures that the verdict rests on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    figures: Option<&'a Case>,
     /// Covariance of the nine entries of `fundamental`, row by row, px.
     #[serde(skip_serializing_if = "Option::is_none")]
     covariance: Option<[[f64; 9]; 9]>,
@@ -238,6 +241,7 @@ impl<'a> ResultFile<'a> {
             line_bands: found.line_bands(frames),
             reasons: trust.iter().flat_map(|t| t.reasons.iter().map(reason_in_words)).collect(),
             failed_tests: trust.map_or(&[], |t| &t.reasons),
+            figures: assessment.case.as_deref(),
             covariance: refinement
                 .and_then(|r| r.uncertainty.as_ref())
                 .map(|uncertainty| nested(&uncertainty.covariance())),
@@ -401,6 +405,9 @@ fn epipoles_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
         let _ = writeln!(text, "Epipole in image {}: {place}{interval}", k + 1);
     }
     if let Some(LineBands { typical, worst }) = found.line_bands(frames) {
+        if found.determined(frames) == Some(Determined::NearMatches) {
+            text.push_str("Epipolar lines are right near the matches, and open elsewhere\n");
+        }
         let _ = writeln!(
             text,
             "Epipolar lines anywhere in the images: ± {typical:.2} px, one in twenty worse than ± {worst:.2} px (95 % bands)"

@@ -4,7 +4,7 @@
 //! sentences. Pairs of points have the names of [`PairNames`]. `docs/verdicts.md` explains every
 //! message.
 
-use crate::estimate::{ENOUGH_MATCHES, PairNames, PairNumbers, Reason, Suspect, Warning};
+use crate::estimate::{ENOUGH_MATCHES, Missing, PairNames, PairNumbers, Reason, Suspect, Warning};
 
 /// Returns the message of a reason, with pairs by their numbers.
 pub fn reason_in_words(reason: &Reason) -> String {
@@ -57,6 +57,10 @@ pub fn named_reason_in_words(reason: &Reason, names: &dyn PairNames) -> String {
             "Only {agreeing} of {matches} distinctive matches are on their epipolar lines, as chance may explain. \
              The geometry may be wrong. Add point pairs, or use images that overlap more."
         ),
+        Reason::DifferentScenes { agreeing, by_chance, matches } => format!(
+            "Only {agreeing} of {matches} distinctive matches agree on one geometry, and chance explains up to {by_chance}. \
+             The pictures may show different scenes. Choose other pictures, or add point pairs."
+        ),
         Reason::FewMatches { matches } => format!(
             "Only {matches} image patches match along the epipolar lines. \
              Fewer than {ENOUGH_MATCHES} can match by chance. \
@@ -95,11 +99,6 @@ pub fn named_reason_in_words(reason: &Reason, names: &dyn PairNames) -> String {
              more than by chance. \
              Something in the scene moves, a lens bends the images, or the geometry is wrong. \
              Check the lines at points that you recognise."
-        ),
-        Reason::Bent { percent } => format!(
-            "{percent} % of the matches fit one plane or a rotation of the camera, \
-             if the lens bends straight lines. \
-             The epipole is then uncertain. Remove the lens distortion, or use views farther apart."
         ),
         Reason::Fisheye => {
             "A strong lens, such as a fisheye, explains the matches clearly better than straight epipolar lines. \
@@ -140,6 +139,26 @@ pub fn named_reason_in_words(reason: &Reason, names: &dyn PairNames) -> String {
              Matching points may be that far off their lines. \
              Add point pairs, or use images that overlap more."
         ),
+        Reason::Untested { missing } => untested(missing).into(),
+    }
+}
+
+/// Returns the message of a test that lacks its data.
+fn untested(missing: Missing) -> &'static str {
+    match missing {
+        Missing::Precision => {
+            "Too few matches or frames tell how precise the epipolar lines are. \
+             Matching points may be far off their lines. Give more of them."
+        }
+        Missing::Neighbours => {
+            "No matches are near each other, so nothing tests whether a lens bends the images. \
+             Matching points may be off their lines. Give more matches."
+        }
+        // The others have reasons of their own.
+        Missing::Relief | Missing::Patches | Missing::Refinement | Missing::Matches | Missing::Agreement => {
+            "Too few matches test whether a flat scene or a turned camera explains them all. \
+             The epipole may be wrong. Give more matches, spread over both images."
+        }
     }
 }
 
@@ -252,6 +271,7 @@ mod tests {
             Reason::PointsByChance { agreeing: 8, matches: 20 },
             Reason::GivenAlone { matches: 16 },
             Reason::GivenContradict { contradicting: 54, matches: 54, distance: 8.4 },
+            Reason::DifferentScenes { agreeing: 3, by_chance: 16, matches: 273 },
             Reason::FewMatches { matches: 17 },
             Reason::ByChance { agreeing: 9, matches: 140 },
             Reason::BarcodesByChance { correlation: 0.21, by_chance: 0.21 },
@@ -259,8 +279,7 @@ mod tests {
             Reason::LooseBarcodes { deviation: 2.7 },
             Reason::ClickOff { pair: 2, distance: 13.9, suspect: Suspect::Click },
             Reason::ClickOff { pair: 2, distance: 40.0, suspect: Suspect::Geometry },
-            Reason::Contradicted { contradicting: 17, matches: 180 },
-            Reason::Bent { percent: 98 },
+            Reason::Contradicted { contradicting: 107, matches: 180 },
             Reason::Fisheye,
             Reason::Pattern { size: 0.8 },
             Reason::Ambiguous { margin: 0.02 },
@@ -276,6 +295,9 @@ mod tests {
             Reason::BehindCameras { in_front: 1013, matches: 1959 },
             Reason::Mirrored { matches: 212 },
             Reason::Loose { deviation: 2.0 },
+            Reason::Untested { missing: Missing::Relief },
+            Reason::Untested { missing: Missing::Precision },
+            Reason::Untested { missing: Missing::Neighbours },
         ]
     }
 

@@ -2,8 +2,11 @@
 
 use crate::estimate::{
     CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, EVEN_LINES, FAR_TOO_FEW,
-    GUESS_MARGIN, SURE_LINES, Verdict,
+    SURE_LINES, Verdict,
 };
+
+/// Margin below which a result is a guess. It colours the gauge; no verdict depends on it.
+const GUESS_MARGIN: f64 = 0.05;
 
 /// Two limits of a figure. A figure between them leaves doubts.
 #[derive(Debug, Clone, Copy, PartialEq)]

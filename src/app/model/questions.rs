@@ -170,7 +170,7 @@ impl Model {
     pub fn trusted_result(&self) -> Option<Shared<Estimate>> {
         let is_trusted = |found: &Shared<Estimate>| {
             let trust = found.assessment.trust.as_ref();
-            trust.is_none_or(|trust| trust.verdict != Verdict::Unreliable)
+            trust.is_none_or(|trust| !trust.verdict.is_unreliable())
         };
         self.final_result().filter(is_trusted)
     }

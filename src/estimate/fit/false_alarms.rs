@@ -36,7 +36,8 @@ pub(in crate::estimate) const OF_A_POSE: Sample = Sample { matches: 5, geometrie
 pub(in crate::estimate) const OF_A_PLANE: Sample = Sample { matches: 4, geometries: 1.0 };
 
 /// Agreement of matches with a geometry.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[cfg_attr(test, derive(serde::Deserialize))]
 pub(in crate::estimate) struct Agreement {
     /// Number of all matches.
     pub matches: usize,
@@ -45,7 +46,15 @@ pub(in crate::estimate) struct Agreement {
     /// Largest probability of an agreeing match by chance.
     pub within: f64,
     /// Natural logarithm of the number of false alarms.
+    #[cfg_attr(test, serde(deserialize_with = "or_infinite"))]
     pub log_false_alarms: f64,
+}
+
+/// Reads a number as JSON has it: infinity is null.
+#[cfg(test)]
+pub(in crate::estimate) fn or_infinite<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    let found: Option<f64> = serde::Deserialize::deserialize(from)?;
+    Ok(found.unwrap_or(f64::INFINITY))
 }
 
 impl Agreement {
@@ -54,21 +63,13 @@ impl Agreement {
         let mut by_chance: Vec<f64> = by_chance.into_iter().collect();
         by_chance.sort_by(f64::total_cmp);
         let n = by_chance.len();
-        let mut log_factorials = vec![0.0; n + 1];
-        for k in 1..=n {
-            log_factorials[k] = log_factorials[k - 1] + (k as f64).ln();
-        }
-        let log_choices = |n: usize, k: usize| log_factorials[n] - log_factorials[k] - log_factorials[n - k];
-        let s = sample.matches;
-        let tests = || (sample.geometries * (n - s) as f64).ln();
+        let alarms = FalseAlarms::new(n, sample);
         let with = |k: usize| {
             let within = by_chance[k - 1].clamp(f64::MIN_POSITIVE, 1.0);
-            let log_false_alarms =
-                tests() + log_choices(n, k) + log_choices(k, s) + (k - s) as f64 * within.ln();
-            Self { matches: n, agreeing: k, within, log_false_alarms }
+            Self { matches: n, agreeing: k, within, log_false_alarms: alarms.log(k, within) }
         };
         let none = Self { matches: n, agreeing: 0, within: 0.0, log_false_alarms: f64::INFINITY };
-        (s + 1..=n).map(with).min_by(Self::by_false_alarms).unwrap_or(none)
+        (sample.matches + 1..=n).map(with).min_by(Self::by_false_alarms).unwrap_or(none)
     }
 
     /// Returns the agreement of all matches with epipolar lines. Nearer matches than `least` px are no less
@@ -97,6 +98,43 @@ impl Agreement {
     pub fn evidence(&self) -> f64 {
         (-self.log_false_alarms).max(0.0)
     }
+}
+
+/// Numbers of false alarms of `n` matches.
+struct FalseAlarms {
+    n: usize,
+    sample: Sample,
+    log_factorials: Vec<f64>,
+}
+
+impl FalseAlarms {
+    fn new(n: usize, sample: Sample) -> Self {
+        let mut log_factorials = vec![0.0; n + 1];
+        for k in 1..=n {
+            log_factorials[k] = log_factorials[k - 1] + (k as f64).ln();
+        }
+        Self { n, sample, log_factorials }
+    }
+
+    fn log_choices(&self, n: usize, k: usize) -> f64 {
+        self.log_factorials[n] - self.log_factorials[k] - self.log_factorials[n - k]
+    }
+
+    /// Returns ln N for `k` matches, more than a sample, of probability `within`.
+    fn log(&self, k: usize, within: f64) -> f64 {
+        let (n, s) = (self.n, self.sample.matches);
+        (self.sample.geometries * (n - s) as f64).ln()
+            + self.log_choices(n, k)
+            + self.log_choices(k, s)
+            + (k - s) as f64 * within.ln()
+    }
+}
+
+/// Returns the largest number of `n` matches that chance explains on one geometry, each with probability `within`.
+pub(in crate::estimate) fn most_by_chance(n: usize, within: f64, sample: Sample) -> usize {
+    let alarms = FalseAlarms::new(n, sample);
+    let is_chance = |k: &usize| alarms.log(*k, within.clamp(f64::MIN_POSITIVE, 1.0)) > BY_CHANCE.ln();
+    (sample.matches + 1..=n).rev().find(is_chance).unwrap_or(sample.matches.min(n))
 }
 
 /// Returns the probability that a match that lies anywhere is as near to its epipolar lines, in the image in
@@ -142,6 +180,19 @@ mod tests {
         // Seven matches fit a geometry exactly, whatever they are.
         assert!(!Agreement::of([0.0; 7], OF_LINES).is_no_chance());
         assert!(!Agreement::of([], OF_A_PLANE).is_no_chance());
+    }
+
+    #[test]
+    fn one_match_more_than_the_most_by_chance_is_no_chance() {
+        for (n, within) in [(20, 0.01), (273, 0.004), (60, 0.2)] {
+            let most = most_by_chance(n, within, OF_LINES);
+            let agree = |k: usize| {
+                let by_chance = (0..n).map(|match_| if match_ < k { within } else { 1.0 });
+                Agreement::of(by_chance, OF_LINES).is_no_chance()
+            };
+            assert!(!agree(most) && agree(most + 1), "{most} of {n}");
+        }
+        assert_eq!((most_by_chance(5, 0.1, OF_LINES), most_by_chance(30, 1.0, OF_LINES)), (5, 30));
     }
 
     #[test]

@@ -10,7 +10,7 @@ use super::contradiction::{Contradiction, Explanation};
 use super::false_alarms::Agreement;
 use super::matches::{LEAST_MATCHES, estimate_geometry};
 use super::model::{Model, Samples, by_chance};
-use super::noise::{LEAST_SCALE, Noise, Residual, residuals, widening};
+use super::noise::{LEAST_SCALE, MEDIAN, Noise, Residual, residuals, widening};
 use super::scoring::Units;
 use super::{Match, MatchFit, MatchFitError, Uncertainty};
 use crate::estimate::sampling::{Draws, Purpose};
@@ -32,8 +32,6 @@ const OPTIMISED: usize = 12;
 const ROUNDS: usize = 4;
 /// Scale of a loss that counts all matches alike, in standard deviations.
 const ALL_ALIKE: f64 = 1e4;
-/// Median of the absolute values of a Gaussian distribution, in standard deviations.
-const MEDIAN: f64 = 0.6745;
 
 /// Fits to matches as [`fit_matches`] does. Too few matches for an estimate of the noise have to agree beyond chance.
 ///

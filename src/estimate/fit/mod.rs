@@ -9,13 +9,18 @@ mod contradiction;
 mod division;
 pub(super) mod false_alarms;
 mod few;
+mod line_likelihood;
 mod matches;
 mod model;
 mod neighbours;
 mod noise;
+mod pattern;
 mod plane;
+mod plane_poses;
 mod scoring;
+mod turn;
 mod uncertainty;
+mod warp;
 
 use crate::geometry::PointPair;
 
@@ -28,11 +33,16 @@ pub(super) use consensus::{Evidence, Fitted};
 pub(super) use contradiction::{Contradiction, Explanation};
 pub(super) use division::{fit_division, strong_lens_is_likelier};
 pub(super) use few::{fit_given, fit_matches};
+pub(super) use line_likelihood::LineLikelihood;
 pub(super) use model::Model;
 pub(super) use neighbours::foreshortening;
-pub(super) use noise::LEAST_SCALE;
+pub(super) use noise::{LEAST_SCALE, MEDIAN};
+pub(super) use pattern::{ResidualPattern, residual_pattern};
 pub(super) use plane::largest_plane;
+pub(super) use plane_poses::other_pose;
 pub(super) use scoring::{BAND, Consensus, Units, Witness, residual};
+pub(super) use turn::Turn;
+pub(super) use warp::{Follows, Warp};
 
 /// Largest number of rounds of estimating the noise and fitting to it. They end earlier when the
 /// likelihood no longer grows.

@@ -17,6 +17,8 @@ use std::f64::consts::PI;
 use super::Match;
 use crate::geometry::{FundamentalMatrix, median, sampson_distance};
 
+/// Median of the absolute values of a Gaussian distribution, in standard deviations.
+pub(in crate::estimate) const MEDIAN: f64 = 0.6745;
 /// Half of the 95 % interval of a Gaussian variable, in standard deviations.
 pub(super) const WITHIN: f64 = 1.96;
 /// Smallest scale, px. Without a limit, a geometry that fits a few matches exactly would outweigh

@@ -4,7 +4,7 @@
 //! The covariance says how far the matches leave `F` open. It does not say whether `F` is right: it is
 //! also small for a wrong result that many matches support by accident. The verdict looks at both.
 
-use std::f64::consts::FRAC_PI_4;
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_4};
 
 use nalgebra::{Matrix2, Matrix3, SVector, Vector2, Vector3};
 use serde::Serialize;
@@ -55,6 +55,14 @@ pub struct LineBands {
     pub typical: f64,
     /// Exceeded by one line in twenty. Near an epipole, a line turns with any error, so there is no largest one.
     pub worst: f64,
+}
+
+impl LineBands {
+    /// Returns the expected distance of the right lines from the typical one, px: the mean absolute value of a Gaussian
+    /// variable.
+    pub(in crate::estimate) fn expected_error(&self) -> f64 {
+        self.typical / WITHIN * FRAC_2_PI.sqrt()
+    }
 }
 
 /// Certainty of an epipole.

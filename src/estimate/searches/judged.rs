@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use super::REPORTED;
 use super::record::SearchRecord;
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::{ComparedPencils, LineExaminer};
 use crate::estimate::evidence::patches::{self, PatchLevels, Proposal, Refined};
 use crate::estimate::evidence::viewed::ViewedPair;
 use crate::estimate::verdict::assessment::{Judge, RestsOn};
-use crate::estimate::verdict::result::{Assessment, REPORTED};
+use crate::estimate::verdict::result::Assessment;
 use crate::estimate::verdict::selection::Weighed;
 use crate::estimate::verdict::trust::Trust;
 use crate::estimate::{Clicks, Estimate, EstimateError, EventKind, Origin, PatchSupport, Proposed};

@@ -1,5 +1,6 @@
 //! Search with lines alone, without any point (paper, section 4).
 
+use super::REPORTED;
 use super::features::judge_proposed;
 use super::judged::{Found, Judged, report_preliminary};
 use super::record::SearchRecord;
@@ -8,7 +9,6 @@ use super::stand_ins::farthest_apart;
 use crate::estimate::evidence::lines::{LineCandidate, LineConsensus, compare_lines, geometries_from_lines};
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::assessment::RestsOn;
-use crate::estimate::verdict::result::REPORTED;
 use crate::estimate::{
     Estimate, EstimateError, HypothesisNote, Parameters, Proposed, ProposedBy, Search, Stage,
 };

@@ -12,6 +12,7 @@
 
 pub(super) mod barcodes;
 mod clicks_alone;
+mod event_log;
 mod features;
 pub(super) mod given;
 mod judged;
@@ -24,3 +25,7 @@ pub(super) mod published;
 pub(super) mod record;
 mod refinement;
 mod stand_ins;
+
+/// Largest number of hypotheses reported with all their figures, rivals included. It bounds the
+/// time and the size of a result.
+const REPORTED: usize = 60;

@@ -1,6 +1,7 @@
 //! Search with patches: votes for κ propose geometries, patch support ranks them, and matches along
 //! the epipolar lines refine them.
 
+use super::REPORTED;
 use super::judged::{Judged, distinct_hypotheses, report_preliminary};
 use super::pencils::compare_pencils;
 use super::record::SearchRecord;
@@ -8,7 +9,6 @@ use super::refinement::refine_ranked;
 use crate::estimate::evidence::lines::draw_pairs;
 use crate::estimate::evidence::patches;
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
-use crate::estimate::verdict::result::REPORTED;
 use crate::estimate::{Estimate, EstimateError, HypothesisNote, Proposed, Stage};
 
 /// Searches through two clicks, or two matches in their place, under one view.

@@ -4,11 +4,11 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::event_log::EventLog;
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lines::ComparedPencils;
 use crate::estimate::evidence::patches::{PatchLevels, SupportLevel};
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
-use crate::estimate::verdict::events::EventLog;
 use crate::estimate::{
     Clicks, DistinctMatch, Estimate, EstimateError, EventKind, HypothesisNote, Monitor, Parameters, Progress,
     RankedHypothesis, SearchCounts, SearchTrace, Stage, StageTiming,
@@ -193,7 +193,7 @@ impl<'a> SearchRecord<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::verdict::assessment::little_texture;
+    use crate::estimate::checks::little_texture;
     use crate::estimate::{ClickRole, PreparedPair, SearchPlan, Warning};
     use crate::features::FeatureViews;
     use crate::geometry::{Frame, PointPair};

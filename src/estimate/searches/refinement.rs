@@ -7,8 +7,8 @@ use crate::cancel::CancelFlag;
 use crate::estimate::evidence::patches::{self, Proposal, Refined, Settling};
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::assessment::RestsOn;
+use crate::estimate::verdict::constants::FAR_TOO_FEW;
 use crate::estimate::verdict::selection::{ClickedPairs, select};
-use crate::estimate::verdict::trust::FAR_TOO_FEW;
 use crate::estimate::{Estimate, EstimateError, Origin, Proposed};
 
 /// Refines the ranked proposals. The result reports `hypotheses`.

@@ -2,8 +2,8 @@
 //! reliability.
 
 pub(super) mod assessment;
+pub(super) mod constants;
 pub(super) mod events;
-mod poisson;
 mod probability;
 pub(super) mod result;
 pub(super) mod selection;

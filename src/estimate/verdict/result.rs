@@ -9,18 +9,15 @@ use nalgebra::Matrix3;
 use serde::Serialize;
 
 use crate::estimate::evidence::patches::{Hypothesis, PatchLevels};
+use crate::estimate::verdict::constants::RIGHT;
 use crate::estimate::{
-    BarcodeFigures, Clicks, ComparedPencils, ENOUGH_MATCHES, EpipoleBearing, EpipoleCertainty, Event,
+    BarcodeFigures, Case, Clicks, ComparedPencils, ENOUGH_MATCHES, EpipoleBearing, EpipoleCertainty, Event,
     HypothesisNote, LineBands, LineEvidence, LineFigures, Origin, PatchSupport, PreparedPair, Preset,
     Proposed, RefinedMatch, Refinement, Stage, Trust, Uncertainty, Verdict, Warning,
 };
 use crate::features::FeatureViews;
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::image::RelativeView;
-
-/// Largest number of hypotheses reported with all their figures, rivals included. It bounds the
-/// time and the size of a result.
-pub(in crate::estimate) const REPORTED: usize = 60;
 
 /// Geometry with its assessment. All coordinates are full-size pixels.
 #[derive(Debug, Clone)]
@@ -45,6 +42,9 @@ pub enum Determined {
     Everything,
     /// Lines, and the directions of both epipoles. One of them may be at infinity.
     EpipoleDirections,
+    /// Lines near the matches, and directions of the epipoles. Elsewhere, the lines are open: their expected error all over
+    /// the pictures exceeds 1 % of the longer side.
+    NearMatches,
     /// Lines near the matches. The epipoles are open.
     Lines,
 }
@@ -80,6 +80,8 @@ pub struct Assessment {
     pub warnings: Vec<Warning>,
     /// Verdict. `None` for unfinished results.
     pub trust: Option<Trust>,
+    /// Figures that the verdict rests on. `None` for unfinished results.
+    pub case: Option<Arc<Case>>,
     /// Homography of the plane or the camera rotation, if the verdict says that nothing else is
     /// certain.
     pub plane: Option<PlaneHomography>,
@@ -223,7 +225,7 @@ impl Estimate {
         match self.assessment.trust.as_ref().map(|trust| trust.verdict) {
             Some(Verdict::Reliable) => true,
             Some(Verdict::Doubtful) => self.matches().len() >= ENOUGH_MATCHES,
-            Some(Verdict::Unreliable) | None => false,
+            Some(Verdict::Unreliable | Verdict::DifferentScenes) | None => false,
         }
     }
 
@@ -267,13 +269,23 @@ impl Estimate {
         self.uncertainty().filter(|_| !self.says_one_plane())?.line_bands(frames)
     }
 
-    /// Returns what the matches determine, in images of these sizes. `None` without a covariance.
+    /// Returns what the matches determine, in images of these sizes. `None` without a covariance. Epipoles are
+    /// determined only if each of their tests was passed.
     pub fn determined(&self, frames: [Frame; 2]) -> Option<Determined> {
         if self.says_one_plane() {
             return Some(Determined::Lines);
         }
         let certainty = self.epipole_bearings(frames)?.map(|bearing| bearing.certainty());
+        if !self.assessment.trust.as_ref().is_some_and(Trust::determines_the_epipole) {
+            return Some(Determined::Lines);
+        }
+        let side = frames[0].longer_side().max(frames[1].longer_side());
+        let are_open_elsewhere =
+            self.line_bands(frames).is_none_or(|bands| bands.expected_error() > RIGHT * side);
         Some(match certainty[0].max(certainty[1]) {
+            EpipoleCertainty::Position | EpipoleCertainty::Direction if are_open_elsewhere => {
+                Determined::NearMatches
+            }
             EpipoleCertainty::Position => Determined::Everything,
             EpipoleCertainty::Direction => Determined::EpipoleDirections,
             EpipoleCertainty::Open => Determined::Lines,

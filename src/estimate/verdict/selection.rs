@@ -10,8 +10,8 @@
 use crate::estimate::Proposed;
 use crate::estimate::evidence::patches::Refined;
 use crate::estimate::evidence::viewed::SearchInput;
-use crate::estimate::verdict::trust::{
-    CHANCE_DEVIATIONS, CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG,
+use crate::estimate::verdict::constants::{
+    CHANCE_DEVIATIONS, CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, OVERRULING_CLICKS,
 };
 use crate::geometry::{FundamentalMatrix, Observation, PointPair, sampson_distance};
 
@@ -49,12 +49,13 @@ impl ClickedPairs {
 
     /// Returns whether at least two pairs contradict a refined geometry.
     pub fn speak_against(&self, f: &FundamentalMatrix) -> bool {
-        self.contradicting(f, CLICK_DEVIATIONS) >= SPEAK
+        self.contradicting(f, CLICK_DEVIATIONS) >= OVERRULING_CLICKS
     }
 
     /// Returns whether at least two pairs fewer contradict a refined geometry than another.
     pub fn prefer(&self, f: &FundamentalMatrix, other: &FundamentalMatrix) -> bool {
-        self.contradicting(f, CLICK_DEVIATIONS) + SPEAK <= self.contradicting(other, CLICK_DEVIATIONS)
+        self.contradicting(f, CLICK_DEVIATIONS) + OVERRULING_CLICKS
+            <= self.contradicting(other, CLICK_DEVIATIONS)
     }
 
     /// Returns the unrefined geometries that the pairs prefer to a refined one: at least two pairs
@@ -64,7 +65,7 @@ impl ClickedPairs {
         let against = refined.map(|f| self.contradicting(f, CLICK_DEVIATIONS));
         let far = |f: &FundamentalMatrix| self.contradicting(f, CLICK_DEVIATIONS_WRONG);
         let is_preferred = |start: &&Proposed| match against {
-            Some(against) => far(&start.fundamental) + SPEAK <= against,
+            Some(against) => far(&start.fundamental) + OVERRULING_CLICKS <= against,
             None => !self.refuse(&start.fundamental),
         };
         let mut preferred: Vec<Proposed> = all.iter().filter(is_preferred).copied().collect();
@@ -77,10 +78,6 @@ impl ClickedPairs {
         2 * self.contradicting(f, CLICK_DEVIATIONS_WRONG) > self.0.len()
     }
 }
-
-/// Minimum number of clicks that can overrule the best-supported geometry. One click may be a
-/// mistake.
-const SPEAK: usize = 2;
 
 /// Returns the index of the selected geometry, the first among equals. `None` without geometries.
 pub(in crate::estimate) fn select(
@@ -98,7 +95,7 @@ pub(in crate::estimate) fn select(
     let open = |k: &usize| scatter(k).max(CLEAR_MARGIN * weight(&heaviest));
     let best = (0..all.len())
         .filter(|k| weight(&heaviest) - weight(k) <= open(k))
-        .filter(|k| contradicting(k) + SPEAK <= against)
+        .filter(|k| contradicting(k) + OVERRULING_CLICKS <= against)
         .max_by(|a, b| contradicting(b).cmp(&contradicting(a)).then(lighter(a, b)));
     best.or(Some(heaviest))
 }

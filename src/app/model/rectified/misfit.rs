@@ -51,9 +51,7 @@ fn why_result_misfits(shown: &ShownGeometry, verdict: Option<Verdict>) -> String
         Some(Verdict::Reliable) => {
             "the result is roughly right, but not exact there. Add point pairs where rows differ.".to_owned()
         }
-        Some(Verdict::Doubtful | Verdict::Unreliable) => {
-            "the result is in doubt. The panel on the right says why and what to do.".to_owned()
-        }
+        Some(_) => "the result is in doubt. The panel on the right says why and what to do.".to_owned(),
         None => "the geometry does not fit. Add point pairs or correct them.".to_owned(),
     }
 }

@@ -143,8 +143,8 @@ impl Model {
     fn look_of(&self, verdict: Option<Verdict>) -> LineLook {
         match verdict {
             Some(Verdict::Doubtful) => LineLook::Dashed,
-            Some(Verdict::Unreliable) if self.open.lines_anyway => LineLook::Dotted,
-            Some(Verdict::Unreliable) => LineLook::Hidden,
+            Some(verdict) if verdict.is_unreliable() && self.open.lines_anyway => LineLook::Dotted,
+            Some(Verdict::Unreliable | Verdict::DifferentScenes) => LineLook::Hidden,
             Some(Verdict::Reliable) | None => LineLook::Solid,
         }
     }

@@ -32,7 +32,7 @@ impl Gauge {
         let tone = match scale.judge(figure) {
             estimate::Verdict::Reliable => Tone::Good,
             estimate::Verdict::Doubtful => Tone::Caution,
-            estimate::Verdict::Unreliable => Tone::Bad,
+            estimate::Verdict::Unreliable | estimate::Verdict::DifferentScenes => Tone::Bad,
         };
         let (good, bad) = (text(scale.good), text(scale.bad));
         let words = if more {

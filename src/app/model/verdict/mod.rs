@@ -70,9 +70,7 @@ pub fn tone(document: &Document, computation: &Computation) -> Tone {
     match freshness {
         Freshness::Stale | Freshness::Followed | Freshness::Preliminary => Tone::Busy,
         Freshness::Stopped => Tone::Caution,
-        Freshness::Final if trust.is_some_and(|trust| trust.verdict == estimate::Verdict::Unreliable) => {
-            Tone::Bad
-        }
+        Freshness::Final if trust.is_some_and(|trust| trust.verdict.is_unreliable()) => Tone::Bad,
         Freshness::Final => {
             let has_reasons = trust.is_some_and(|trust| !trust.reasons.is_empty());
             let contradicted = || contradicting_check(document, estimate.fundamental()).is_some();
@@ -129,7 +127,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     let order = |reason: &Reason| match *reason {
         Reason::ClickOff { suspect: Suspect::Click, distance, .. } => (0, -distance),
         Reason::ClickOff { suspect: Suspect::Geometry, distance, .. } => (2, -distance),
-        Reason::GivenContradict { .. } => (-1, 0.0),
+        Reason::GivenContradict { .. } | Reason::DifferentScenes { .. } => (-1, 0.0),
         // The words beside the verdict are about the epipole then.
         Reason::OnePlane { .. }
         | Reason::NoRelief { .. }
@@ -181,9 +179,12 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
         Freshness::Preliminary => ("First result", format!("Being refined: {}", stage())),
         Freshness::Stopped => ("First result", "The search was stopped before refinement".into()),
         Freshness::Final => {
+            let verdict = assessment.trust.as_ref().map(|trust| trust.verdict);
+            let is_other_scene = verdict == Some(estimate::Verdict::DifferentScenes);
             let word = match tone {
                 Tone::Good if assessment.trust.is_none() => "Estimated",
                 Tone::Good => "Reliable",
+                Tone::Bad if is_other_scene => "Different scenes",
                 Tone::Bad => "Unreliable",
                 _ => "Doubtful",
             };

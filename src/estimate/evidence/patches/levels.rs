@@ -60,7 +60,8 @@ pub(in crate::estimate) struct PatchLevels {
 }
 
 /// Distinctive matches of corners with an image and with its mirror image.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
+#[cfg_attr(test, derive(serde::Deserialize))]
 pub(in crate::estimate) struct MirrorMatches {
     /// Number of matches with the mirror image of image 2 that one homography explains.
     pub flipped: usize,

@@ -36,4 +36,4 @@ pub(in crate::estimate) use proposals::{Hypothesis, Proposal, propose};
 pub(in crate::estimate) use rank::{different, hypotheses, rank, rank_fine};
 pub(in crate::estimate) use refinement::Refined;
 pub(in crate::estimate) use support::{BAND, SupportLevel};
-pub(in crate::estimate) use unguided::{LIKELY, UnguidedMatch};
+pub(in crate::estimate) use unguided::{LIKELY, UnguidedMatch, one_a_place};

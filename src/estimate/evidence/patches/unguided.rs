@@ -2,7 +2,7 @@
 //! possible. Only these matches are evidence for a geometry: matches found along its lines agree
 //! with it by construction.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use rayon::prelude::*;
 
@@ -29,6 +29,10 @@ pub(in crate::estimate) struct UnguidedMatch {
 const DISTINCTIVE: f32 = 0.71;
 /// Least probability of a likely match: it is likelier than all similar places together.
 pub(in crate::estimate) const LIKELY: f32 = 0.5;
+
+/// Side of the squares of image 1 in which only one match counts, px. Corners and features find
+/// the same place twice.
+const SAME_PLACE: f64 = 2.0;
 
 impl UnguidedMatch {
     /// Returns whether this is more likely the right match than not, among similar places.
@@ -67,6 +71,18 @@ pub(super) fn mutual_best(fine: &SupportLevel, matcher: &LevelMatcher) -> Vec<Mu
         }
     };
     fine.support.mutual_best(|_| true).into_par_iter().map(of_group).collect()
+}
+
+/// Returns the matches with a probability above `least`, the first at each place of image 1.
+pub(in crate::estimate) fn one_a_place(
+    found: &[UnguidedMatch],
+    least: f32,
+) -> impl Iterator<Item = PointPair> {
+    let mut taken = HashSet::new();
+    let pairs = found.iter().filter(move |m| m.prior > least).map(|m| m.pair);
+    pairs.filter(move |PointPair { point1, .. }| {
+        taken.insert([point1.x, point1.y].map(|v| (v / SAME_PLACE).round() as i64))
+    })
 }
 
 /// Returns the mutual best matches of corners and of features, aligned at full size.

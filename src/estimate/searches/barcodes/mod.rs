@@ -13,15 +13,15 @@ mod precision;
 mod refinement;
 mod sharpening;
 
+use super::REPORTED;
+use crate::estimate::checks::little_texture;
 use crate::estimate::evidence::lines::LineCandidate;
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::searches::judged::{Judged, report_preliminary};
 use crate::estimate::searches::lines::from_all_lines;
 use crate::estimate::searches::published;
 use crate::estimate::searches::record::SearchRecord;
-use crate::estimate::verdict::assessment::little_texture;
-use crate::estimate::verdict::result::REPORTED;
-use crate::estimate::verdict::trust::Evidence;
+use crate::estimate::verdict::trust::Case;
 use crate::estimate::{
     Assessment, BarcodeFigures, Estimate, EstimateError, EventKind, Origin, Parameters, Preset, Proposed,
     Search, Stage, Trust,
@@ -174,14 +174,14 @@ fn assessed(
     let SearchInput { prepared, clicks, parameters } = input;
     let distances: Vec<f64> =
         clicks.observed().iter().map(|pair: &PointPair| sampson_distance(f, pair)).collect();
-    let trust = Trust::judge(&Evidence {
+    let trust = Trust::judge(&Case {
         barcodes: Some(figures),
-        clicks: &distances,
+        clicks: distances.into(),
         click_sigma: parameters.click_sigma,
         margin,
         deviation: figures.deviation,
         side: prepared.frames()[0].longer_side(),
-        ..Evidence::default()
+        ..Case::default()
     });
     Assessment {
         barcodes: Some(figures),

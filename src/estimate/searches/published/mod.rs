@@ -4,6 +4,7 @@
 mod hypotheses;
 mod refinement;
 
+use super::REPORTED;
 use super::judged::{Found, Judged, report_preliminary};
 use super::pencils::compare_pencils;
 use super::record::SearchRecord;
@@ -11,7 +12,6 @@ use super::refinement::refine_best;
 use crate::estimate::evidence::lines::LineFigures;
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::assessment::RestsOn;
-use crate::estimate::verdict::result::REPORTED;
 use crate::estimate::{Estimate, EstimateError, HypothesisNote, Proposed, Stage};
 
 /// Searches through two or three clicks by lines.

@@ -1,11 +1,11 @@
 //! Agreement of a geometry with matches that were found without it: those of the images, and those of another
 //! program.
 
-use super::warp::one_a_place;
-use crate::estimate::evidence::patches::{LIKELY, PatchLevels};
+use crate::estimate::evidence::patches::{LIKELY, PatchLevels, one_a_place};
 use crate::estimate::evidence::prepared::GivenMatches;
 use crate::estimate::fit::false_alarms::{Agreement, PRECISION};
-use crate::estimate::verdict::trust::{CLICK_DEVIATIONS, GivenFigures};
+use crate::estimate::verdict::constants::CLICK_DEVIATIONS;
+use crate::estimate::verdict::trust::GivenFigures;
 use crate::geometry::{Frame, FundamentalMatrix, PointPair, median, sampson_distance};
 
 /// Returns the agreement of the likely matches found in the whole of image 2 with a geometry (full size).

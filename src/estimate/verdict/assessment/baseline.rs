@@ -13,38 +13,14 @@
 //! - **The other solution of a plane.** It is a rival if its scene points lie in front of both cameras, too. The
 //!   matches off the plane decide.
 
-use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
+use nalgebra::Matrix3;
 
-use super::warp::{Beside, counted, one_a_place};
+use super::relief::{Beside, counted};
 use crate::camera::RelativePose;
-use crate::estimate::evidence::patches::{LIKELY, UnguidedMatch};
-use crate::estimate::fit::largest_plane;
+use crate::estimate::evidence::patches::{LIKELY, UnguidedMatch, one_a_place};
+use crate::estimate::fit::{Turn, other_pose};
 use crate::estimate::verdict::trust::{Baseline, OtherPose, Witnesses};
-use crate::geometry::{
-    FundamentalMatrix, Point, PointPair, Vector, finite_point, point_equation, sampson_distance, solve_five,
-    transfer_error,
-};
-
-/// First width of the robust cost, as a share of the longer side, and the ratio of successive widths. A wrong focal
-/// length moves points by some tenths of the side. Matches that are farther from the turn do not count: wrong ones lie
-/// anywhere in the picture, and on buildings along rows rather than across.
-const WIDEST: f64 = 0.1;
-const NARROWING: f64 = 0.7;
-/// Change for numerical derivatives, radians or shares.
-const DIFFERENCE: f64 = 1e-6;
-/// Largest number of matches that a turn is fitted to, evenly chosen.
-const FITTED_TO: usize = 400;
-/// Share of the curvature that is added to all parameters.
-const RIDGE: f64 = 1e-9;
-/// Largest change of a parameter in one step, radians or shares.
-const LARGEST_STEP: f64 = 0.2;
-/// Number of samples of five matches on the plane. Each has both solutions, up to noise.
-const SAMPLES: usize = 24;
-/// Least share of the matches on the plane that its other solution explains.
-const EXPLAINED: f64 = 0.9;
-/// Angle between two directions of a baseline beyond which they differ, radians: 5°, within which poses are usually
-/// counted as right.
-const DIFFERENT: f64 = 0.087;
+use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
 
 /// What the test needs to know of a geometry.
 pub(super) struct Posed<'a> {
@@ -65,7 +41,7 @@ impl Posed<'_> {
     /// Returns the evidence for the direction of the baseline. `None` if no turn can be fitted.
     pub fn baseline(&self) -> Option<Baseline> {
         let pose = RelativePose::from_fundamental(self.f, self.calibrations, self.matches)?;
-        let turned = self.fitted_turn()?;
+        let turned = Turn::fit(self.calibrations, self.matches, self.side, self.tolerance)?;
         let points = pose.scene_points(self.calibrations, self.matches);
         Some(Baseline {
             beside: self.beside(&turned),
@@ -75,42 +51,8 @@ impl Posed<'_> {
         })
     }
 
-    /// Fits a turn to most of the matches.
-    fn fitted_turn(&self) -> Option<Turn> {
-        let step_by = self.matches.len().div_ceil(FITTED_TO).max(1);
-        let mut turn = Turn::of(self.calibrations, self.matches)?;
-        let mut width = WIDEST * self.side;
-        while width > 0.5 * self.tolerance {
-            let steps: [Turn; PARAMETERS] = std::array::from_fn(|k| {
-                let mut step = Step::zeros();
-                step[k] = DIFFERENCE;
-                turn.moved(&step)
-            });
-            let (mut normal, mut right) = (SMatrix::<f64, PARAMETERS, PARAMETERS>::zeros(), Step::zeros());
-            for m in self.matches.iter().step_by(step_by) {
-                let Some(residual) = turn.off(m) else { continue };
-                let by =
-                    steps.each_ref().map(|turn| turn.off(m).map(|other| (other - residual) / DIFFERENCE));
-                if by.iter().any(Option::is_none) {
-                    continue;
-                }
-                let weight = 1.0 / (1.0 + residual.norm_squared() / (width * width));
-                for axis in 0..2 {
-                    let row = Step::from_iterator(by.iter().flatten().map(|by| by[axis]));
-                    normal += row * row.transpose() * weight;
-                    right -= row * residual[axis] * weight;
-                }
-            }
-            // In a narrow field of view, focal length and distortion are hardly determined.
-            normal += SMatrix::identity() * (RIDGE * normal.trace());
-            let step = normal.cholesky()?.solve(&right);
-            turn = turn.moved(&(step * (LARGEST_STEP / step.amax()).min(1.0)));
-            width *= NARROWING;
-        }
-        Some(turn)
-    }
-
-    /// Counts the matches found without the geometry that lie beside a turn. The place of a point after the turn need
+    /// Counts the matches found without the geometry that lie beside a turn. Matches that are far from it do not count:
+    /// wrong ones lie anywhere in the picture, and on buildings along rows rather than across. The place of a point after the turn need
     /// not lie on its line, as the turn may follow a plane.
     fn beside(&self, turned: &Turn) -> Witnesses {
         let mut on = 0;
@@ -120,7 +62,7 @@ impl Posed<'_> {
             let distance = off.norm();
             if distance <= self.tolerance {
                 on += 1;
-            } else if distance < WIDEST * self.side
+            } else if distance < Turn::REACH * self.side
                 && let Some(line) = self.f.line2_from_point1(pair.point1)
             {
                 beside.push(Beside::at(pair, off, line.distance(pair.point2)));
@@ -131,46 +73,8 @@ impl Posed<'_> {
 
     /// Compares the pose with the other solution of the largest plane. `None` if there is none that differs.
     fn other_pose(&self, pose: &RelativePose) -> Option<OtherPose> {
-        let (h, _) = largest_plane(self.matches, self.tolerance, self.seed)?;
-        let on_plane: Vec<PointPair> =
-            self.matches.iter().filter(|m| transfer_error(&h, m) < self.tolerance).copied().collect();
-        let inverses = [self.calibrations[0].try_inverse()?, self.calibrations[1].try_inverse()?];
-        if on_plane.len() < 5 {
-            return None;
-        }
-        let equations: Vec<_> = on_plane
-            .iter()
-            .map(|m| {
-                let [a, b] =
-                    [inverses[0] * m.point1.to_homogeneous(), inverses[1] * m.point2.to_homogeneous()];
-                point_equation([a.x / a.z, a.y / a.z, b.x / b.z, b.y / b.z])
-            })
-            .collect();
+        let other = other_pose(pose, self.calibrations, self.matches, self.tolerance, self.seed)?;
         let explains = |f: &FundamentalMatrix, m: &PointPair| sampson_distance(f, m) < self.tolerance;
-        let share = |some: usize| some as f64 / on_plane.len() as f64;
-        let mut best: Option<(f64, FundamentalMatrix)> = None;
-        for sample in 0..SAMPLES {
-            // One match of each fifth.
-            let index = |fifth: usize| (fifth * SAMPLES + sample) * equations.len() / (5 * SAMPLES);
-            for e in solve_five(&std::array::from_fn(|fifth| equations[index(fifth)])) {
-                let matrix = inverses[1].transpose() * e * inverses[0];
-                let Some(f) = FundamentalMatrix::from_rank_two(matrix) else { continue };
-                let explained = share(on_plane.iter().filter(|m| explains(&f, m)).count());
-                if explained < EXPLAINED || best.as_ref().is_some_and(|(most, _)| *most >= explained) {
-                    continue;
-                }
-                let Some(other) = RelativePose::from_fundamental(&f, self.calibrations, &on_plane) else {
-                    continue;
-                };
-                let seen = other.scene_points(self.calibrations, &on_plane);
-                let is_in_front = share(seen.iter().flatten().count()) > 0.5;
-                let apart = other.translation.angle(&pose.translation);
-                if is_in_front && apart > DIFFERENT {
-                    best = Some((explained, f));
-                }
-            }
-        }
-        let (_, other) = best?;
         let (mut this_only, mut other_only) = (0, 0);
         for m in one_a_place(self.unguided, LIKELY) {
             match (explains(self.f, &m), explains(&other, &m)) {
@@ -183,83 +87,10 @@ impl Posed<'_> {
     }
 }
 
-/// Number of parameters of a turn.
-const PARAMETERS: usize = 6;
-
-type Step = SVector<f64, PARAMETERS>;
-
-/// A camera that only turned, and whose calibration may be wrong.
-#[derive(Debug, Clone, Copy)]
-struct Turn {
-    calibrations: [Matrix3<f64>; 2],
-    inverse: Matrix3<f64>,
-    rotation: Rotation3<f64>,
-    /// Natural logarithm of the true focal lengths over those of the calibrations.
-    focal: f64,
-    /// Natural logarithm of a further factor of the second focal length.
-    zoom: f64,
-    /// Coefficient of the division model in units of the true focal length: `n = u / (1 + bend |u|²)`.
-    bend: f64,
-}
-
-impl Turn {
-    /// Returns the turn between the rays of the matches.
-    fn of(calibrations: &[Matrix3<f64>; 2], matches: &[PointPair]) -> Option<Self> {
-        let rotation = mean_turn(calibrations, matches)?;
-        let inverse = calibrations[0].try_inverse()?;
-        Some(Self { calibrations: *calibrations, inverse, rotation, focal: 0.0, zoom: 0.0, bend: 0.0 })
-    }
-
-    fn moved(&self, step: &Step) -> Self {
-        let turn = Rotation3::new(Vector3::new(step[0], step[1], step[2]));
-        Self {
-            rotation: turn * self.rotation,
-            focal: self.focal + step[3],
-            zoom: self.zoom + step[4],
-            bend: self.bend + step[5],
-            ..*self
-        }
-    }
-
-    /// Returns the place of a point of image 1 in image 2. `None` for a point behind the turned camera, or beyond the
-    /// range of the distortion.
-    fn place(&self, point1: Point) -> Option<Point> {
-        let seen1 = finite_point(&(self.inverse * point1.to_homogeneous()))?.coords / self.focal.exp();
-        let stretch = 1.0 + self.bend * seen1.norm_squared();
-        let ray2 = self.rotation * Vector3::new(seen1.x, seen1.y, stretch);
-        if stretch <= 0.0 || ray2.z <= 0.0 {
-            return None;
-        }
-        let straight = ray2.xy() / ray2.z;
-        let root = 1.0 - 4.0 * self.bend * straight.norm_squared();
-        let seen2 = (root >= 0.0).then(|| straight * 2.0 / (1.0 + root.sqrt()))?;
-        let seen2 = seen2 * (self.focal + self.zoom).exp();
-        finite_point(&(self.calibrations[1] * Vector3::new(seen2.x, seen2.y, 1.0)))
-    }
-
-    /// Returns how far the second point of a match is from its place.
-    fn off(&self, m: &PointPair) -> Option<Vector> {
-        Some(m.point2 - self.place(m.point1)?)
-    }
-}
-
-/// Returns the rotation between the rays of the matches, in the least-squares sense.
-fn mean_turn(calibrations: &[Matrix3<f64>; 2], matches: &[PointPair]) -> Option<Rotation3<f64>> {
-    let [to1, to2] = [calibrations[0].try_inverse()?, calibrations[1].try_inverse()?];
-    let sum = matches.iter().fold(Matrix3::zeros(), |sum: Matrix3<f64>, m| {
-        let a = (to1 * m.point1.to_homogeneous()).normalize();
-        let b = (to2 * m.point2.to_homogeneous()).normalize();
-        sum + b * a.transpose()
-    });
-    let svd = sum.try_svd(true, true, f64::EPSILON, 200)?;
-    let (u, v_t) = (svd.u?, svd.v_t?);
-    let sign = (u * v_t).determinant().signum();
-    let proper = u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * v_t;
-    Some(Rotation3::from_matrix_unchecked(proper))
-}
-
 #[cfg(test)]
 mod tests {
+    use nalgebra::{Rotation3, Vector3};
+
     use super::*;
     use crate::geometry::Point;
     use crate::geometry::random_scene::RandomScene;

@@ -2,21 +2,11 @@
 
 use std::f64::consts::SQRT_2;
 
-use crate::estimate::verdict::trust::{CHANCE_DEVIATIONS, CLEAR_MARGIN};
+use crate::estimate::verdict::constants::{CHANCE_DEVIATIONS, CLEAR_MARGIN, RIGHT};
 use crate::estimate::{Apart, Estimate, Search};
 use crate::geometry::{
     Frame, FundamentalMatrix, PointPair, epipolar_difference, symmetric_epipolar_distance,
 };
-
-/// Mean distance between lines, as a share of the longer side, beyond which geometries are clearly
-/// different: about ten times the error of a good result.
-const DIFFERENT: f64 = 0.01;
-/// Distance of a match from its line, in units of the largest distance of equal geometries, beyond
-/// which it contradicts a geometry. Matches have no errors of this size: 4 px in images of 800 px.
-const CONTRADICTING: f64 = 0.5;
-/// Largest difference measured, in units of the largest distance of equal geometries. Beyond it,
-/// all geometries are equally wrong.
-const LARGEST_DIFFERENCE: f64 = 10.0;
 
 /// Returns the distances of hypotheses from a geometry, and the limit of clearly different ones.
 pub(super) fn all_apart(
@@ -68,10 +58,11 @@ pub(super) fn differs(
     apart(fundamental, other, matches, frames) > limit(matches, frames)
 }
 
-/// Returns the distance beyond which a geometry is clearly different, px.
+/// Returns the distance beyond which a geometry is clearly different, px. Lines of a right geometry are nearer. Matches
+/// have smaller errors than lines.
 fn limit(matches: &[PointPair], frames: [Frame; 2]) -> f64 {
-    let far = DIFFERENT * frames[0].longer_side();
-    if matches.is_empty() { far } else { CONTRADICTING * far }
+    let far = RIGHT * frames[0].longer_side();
+    if matches.is_empty() { far } else { 0.5 * far }
 }
 
 /// Returns the distance of another geometry, px: see [`Apart::distances`].
@@ -82,8 +73,7 @@ fn apart(
     frames: [Frame; 2],
 ) -> f64 {
     if matches.is_empty() {
-        let most = LARGEST_DIFFERENCE * limit(matches, frames);
-        return epipolar_difference(fundamental, other, frames, most);
+        return epipolar_difference(fundamental, other, frames, frames[0].longer_side());
     }
     let mut distances: Vec<f64> = matches.iter().map(|m| symmetric_epipolar_distance(other, m)).collect();
     let half = (distances.len() - 1) / 2;

@@ -30,53 +30,17 @@
 //! smaller parallax. The likely unguided matches near the plane, and corners matched near their place
 //! on it, are aligned to a fraction of a pixel. Both kinds are found without F. Clicked pairs are the
 //! third kind. F was fitted to them, but the fit uses up no more than the two groups that N leaves out.
-//!
-//! A moving object of several motions (such as a rotating one) shows as distinctive matches that
-//! move together and contradict F: see [`together`].
 
 use nalgebra::Matrix3;
 
 use crate::estimate::evidence::patches::BAND;
-use crate::estimate::verdict::poisson::fewer_than;
-use crate::estimate::verdict::trust::{OffPlane, Together, WRONG_TOGETHER};
+use crate::estimate::fit::MEDIAN;
+use crate::estimate::fit::false_alarms::PRECISION;
+use crate::estimate::verdict::constants::{
+    CLICK_DEVIATIONS, DEVIATIONS, ONE_GROUP, ONE_MOTION, WRONG_TOGETHER,
+};
+use crate::estimate::verdict::trust::{Distinctive, OffPlane, fewer_than};
 use crate::geometry::{FundamentalMatrix, PointPair, Vector, finite_point, median};
-
-/// Standard deviation of a coordinate of a match between corners, px of the level. Corners are
-/// precise to a pixel.
-pub(super) const CORNER_SIGMA: f64 = 0.7;
-/// Distance of a match from a plane, in deviations, beyond which it lies off the plane. It is
-/// clearly more than noise, since many matches are tested.
-const OFF_PLANE: f64 = 6.0;
-/// Difference between motions, in deviations, below which they are alike. Errors of both motions
-/// exceed it in 2 % of the cases, as their difference deviates by √2 along each axis.
-const ALIKE: f64 = 4.0;
-/// Distance of a match from its line, in deviations, beyond which it disagrees: 99.7 % of Gaussian
-/// errors are below it.
-const OFF_LINE: f64 = 3.0;
-/// Difference between motions, as a share of their length, below which they are one motion. If
-/// moving objects tilt the homography, one motion varies across the image.
-const ALIKE_SHARE: f64 = 0.1;
-/// Smallest deviation of an aligned match, px. The median of few matches may be smaller by chance.
-const ALIGNED: f64 = 0.15;
-/// Median absolute value of a normal distribution, in standard deviations.
-const MEDIAN: f64 = 0.6745;
-/// Largest distance between matches of one group, as a share of the longer side. Moving objects are
-/// smaller, and a larger surface counts as several groups.
-const TOGETHER: f64 = 0.1;
-/// Radius of the neighbourhood of a match, as a share of the longer side: as far as matches of one
-/// group.
-const NEIGHBOURS: f64 = TOGETHER;
-/// Number of neighbours that must move alike for a match to count. Wrong matches seldom have two.
-const LEAST_NEIGHBOURS: usize = 2;
-/// Difference between parallaxes of neighbours, as a share of their distance, below which they move
-/// alike: the parallax gradient of a slanted surface.
-const SAME_MOTION: f64 = 0.15;
-/// Difference between parallaxes of neighbours, px of the level, below which they move alike: about
-/// two deviations of a corner.
-const SAME_MOTION_PX: f64 = 1.5;
-/// Distance of a match from its line, px of the level, beyond which it contradicts a geometry:
-/// twice the error of corners and of a good `F`.
-const CONTRADICTING: f64 = 2.0 * BAND;
 
 /// Matches off the plane that move alike.
 #[derive(Debug, Clone, Copy)]
@@ -94,7 +58,7 @@ struct MotionGroup {
 /// one plane: the lines of any epipole pass through them.
 pub(super) fn precision(matches: &[PointPair], f: &FundamentalMatrix) -> f64 {
     let distance = |m: &PointPair| Some(f.line2_from_point1(m.point1)?.distance(m.point2));
-    (median(matches.iter().filter_map(distance)) / MEDIAN).max(ALIGNED)
+    (median(matches.iter().filter_map(distance)) / MEDIAN).max(PRECISION)
 }
 
 impl MotionGroup {
@@ -115,7 +79,8 @@ impl OffPlane {
         side: f64,
         sigma: f64,
     ) -> Self {
-        let off = parallaxes(matches, h, OFF_PLANE * sigma);
+        // Many matches are tested, so noise seldom reaches twice the limit.
+        let off = parallaxes(matches, h, 2.0 * DEVIATIONS * sigma);
         let group = |members: Vec<usize>| {
             let count = members.len() as f64;
             let distance = |PointPair { point1, point2 }: PointPair| {
@@ -130,14 +95,14 @@ impl OffPlane {
             }
         };
         let groups: Vec<MotionGroup> =
-            moving_alike(&off, ALIKE * sigma, TOGETHER * side).into_iter().map(group).collect();
+            moving_alike(&off, CLICK_DEVIATIONS * sigma, ONE_GROUP * side).into_iter().map(group).collect();
         Self::of(&groups, sigma, WRONG_TOGETHER * matches.len() as f64)
     }
 
     /// Returns the evidence of groups, of whose matches `wrong` are expected to be wrong.
     fn of(groups: &[MotionGroup], sigma: f64, wrong: f64) -> Self {
-        let agrees = |group: &&MotionGroup| group.off_line <= OFF_LINE * sigma;
-        let motions = motions(groups, ALIKE * sigma);
+        let agrees = |group: &&MotionGroup| group.off_line <= DEVIATIONS * sigma;
+        let motions = motions(groups, CLICK_DEVIATIONS * sigma);
         let is_held = |motion: &&Vec<&MotionGroup>| {
             motion.iter().map(|group| group.matches).sum::<usize>() as f64 > wrong
         };
@@ -157,40 +122,13 @@ impl OffPlane {
     }
 }
 
-/// Counts the distinctive matches and those that move like their neighbours against the plane with
-/// homography `h`, and how many of either contradict `f`. All are in pixels of the level.
-pub(super) fn together(
-    distinctive: &[PointPair],
-    f: &FundamentalMatrix,
-    h: &Matrix3<f64>,
-    side: f64,
-) -> Together {
-    let all = parallaxes(distinctive, h, 0.0);
-    let mut found = Together::default();
-    for (k, (pair, _)) in all.iter().enumerate() {
-        let off =
-            f.line2_from_point1(pair.point1).is_none_or(|line| line.distance(pair.point2) > CONTRADICTING);
-        found.all += 1;
-        found.off += usize::from(off);
-        if moving_like_neighbours(&all, k, side) {
-            found.matches += 1;
-            found.contradicting += usize::from(off);
-        }
-    }
-    found
-}
-
-/// Returns whether the parallax of match `k` is like that of two neighbours. `side` is the longer
-/// side of image 1.
-fn moving_like_neighbours(all: &[(PointPair, Vector)], k: usize, side: f64) -> bool {
-    let (pair, parallax) = &all[k];
-    let alike = |(other, (near, its)): (usize, &(PointPair, Vector))| {
-        let distance = (near.point1 - pair.point1).norm();
-        other != k
-            && distance < NEIGHBOURS * side
-            && (its - parallax).norm() < SAME_MOTION * distance + SAME_MOTION_PX
+/// Counts the distinctive matches, and those that contradict `f`: they are off their lines by twice the error of corners
+/// and of a good `F`. All are in pixels of the level.
+pub(super) fn contradicting(distinctive: &[PointPair], f: &FundamentalMatrix) -> Distinctive {
+    let is_off = |pair: &&PointPair| {
+        f.line2_from_point1(pair.point1).is_none_or(|line| line.distance(pair.point2) > 2.0 * BAND)
     };
-    all.iter().enumerate().filter(|other| alike(*other)).take(LEAST_NEIGHBOURS).count() == LEAST_NEIGHBOURS
+    Distinctive { all: distinctive.len(), off: distinctive.iter().filter(is_off).count() }
 }
 
 /// Returns the matches that are more than `least` px off the plane, each with its parallax.
@@ -231,7 +169,7 @@ fn motions(groups: &[MotionGroup], alike: f64) -> Vec<Vec<&MotionGroup>> {
     for group in groups {
         let is_alike = |motion: &&mut Vec<&MotionGroup>| {
             let first = motion[0].parallax;
-            (first - group.parallax).norm() <= alike.max(ALIKE_SHARE * first.norm())
+            (first - group.parallax).norm() <= alike.max(ONE_MOTION * first.norm())
         };
         match motions.iter_mut().find(is_alike) {
             Some(motion) => motion.push(group),
@@ -345,21 +283,11 @@ mod tests {
     }
 
     #[test]
-    fn matches_that_move_together_contradict_a_geometry_far_from_them() {
+    fn matches_far_from_their_lines_contradict_a_geometry() {
         let f = crate::estimate::exact::rows(0.0);
-        let plane = Matrix3::identity();
-        let row = |x: f64, y: f64, dy: f64| PointPair::new(x, y, x + 10.0, y + dy);
-        let mut all: Vec<PointPair> = (0..20).map(|k| row(15.0 * f64::from(k), 50.0, 0.0)).collect();
-        let found = together(&all, &f, &plane, 768.0);
-        assert_eq!(found, Together { all: 20, off: 0, matches: 20, contradicting: 0 });
-        // Three matches move down together. One alone may be false.
-        all.extend([
-            row(100.0, 300.0, 8.0),
-            row(110.0, 300.0, 8.5),
-            row(120.0, 305.0, 8.0),
-            row(500.0, 500.0, 9.0),
-        ]);
-        let found = together(&all, &f, &plane, 768.0);
-        assert_eq!(found, Together { all: 24, off: 4, matches: 23, contradicting: 3 });
+        let row = |dy: f64| PointPair::new(15.0, 50.0, 25.0, 50.0 + dy);
+        let off = 2.0 * BAND;
+        let found = contradicting(&[row(0.0), row(0.9 * off), row(1.1 * off)], &f);
+        assert_eq!(found, Distinctive { all: 3, off: 1 });
     }
 }

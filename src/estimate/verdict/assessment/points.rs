@@ -6,33 +6,21 @@
 use nalgebra::Matrix3;
 
 use super::baseline::Posed;
-use super::{PLANE_TOLERANCE, leaves_in_place, lens, pattern, plane_homography, warp};
+use super::gathering::{leaves_in_place, plane_homography};
+use super::relief::relief;
 use crate::estimate::evidence::patches::UnguidedMatch;
-use crate::estimate::fit::false_alarms::Agreement;
-use crate::estimate::fit::largest_plane;
-use crate::estimate::verdict::trust::{
-    Evidence, GivenPoints, OffPlane, PlaneEvidence, RefinedOn, USUAL_SIDE,
-};
+use crate::estimate::fit::false_alarms::{Agreement, OF_A_PLANE};
+use crate::estimate::fit::{Warp, largest_plane, residual_pattern};
+use crate::estimate::verdict::constants::{DEVIATIONS, largest_error};
+use crate::estimate::verdict::trust::{Case, GivenPoints, OffPlane, PlaneEvidence, RefinedOn};
 use crate::estimate::{Match, PlaneHomography, Trust, Uncertainty};
 use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 
-/// Number of matches that any homography fits.
-const OF_HOMOGRAPHY: usize = 4;
-/// Fewest agreeing matches that are compared with a smooth warp: twice its some fifty coefficients, so that
-/// it does not follow all of them.
-const LEAST_FOR_WARP: usize = 100;
-/// Tolerance of a plane, in standard deviations of a coordinate: 99.7 % of Gaussian errors are below it.
-const DEVIATIONS: f64 = 3.0;
-
-/// Fewest degrees of freedom from which the noise is estimated: below, it may be many times as large.
-const LEAST_FREEDOM: usize = 5;
-
-/// Returns the ratio of the noise to its estimate that is exceeded once in 200 times, for so many degrees of
-/// freedom: the quantile of χ² after Wilson & Hilferty (1931).
+/// Returns the ratio of the noise to its estimate that is exceeded once in 700 times, for so many degrees of
+/// freedom: the quantile of χ² after Wilson & Hilferty (1931). Infinite for so few that they do not tell.
 fn largest_underestimate(freedom: f64) -> f64 {
-    const Z: f64 = -2.576;
-    let part = 2.0 / (9.0 * freedom);
-    (1.0 - part + Z * part.sqrt()).powf(-1.5)
+    let part = 2.0 / (9.0 * freedom.max(1.0));
+    (1.0 - part - DEVIATIONS * part.sqrt()).max(0.0).powf(-1.5)
 }
 
 /// A geometry of given matches, and what agrees with it.
@@ -80,19 +68,20 @@ impl PointEvidence<'_> {
             tolerance,
             seed: self.seed,
         };
-        let trust = Trust::judge(&Evidence {
+        let trust = Trust::judge(&Case {
             refined_on: RefinedOn::Points(points),
             margin,
             deviation,
             plane: plane.map(|(h, most)| self.plane_evidence(&h, most, tolerance)),
+            // A warp of more coefficients would follow all of the matches.
             relief: plane.and_then(|(h, _)| {
-                let relief = || warp::relief(&found, agreeing, &h, f, frames[0], tolerance, self.seed);
-                (agreeing.len() >= LEAST_FOR_WARP).then(relief).flatten()
+                let relief = || relief(&found, agreeing, &h, f, frames[0], tolerance, self.seed);
+                (agreeing.len() >= 2 * Warp::COEFFICIENTS).then(relief).flatten()
             }),
             baseline: self.calibrations.as_ref().and_then(|calibrations| posed(calibrations).baseline()),
-            pattern: pattern::residual_pattern(agreeing, f, side),
+            pattern: residual_pattern(agreeing, f, side),
             side,
-            ..Evidence::default()
+            ..Case::default()
         });
         let plane = plane.filter(|_| trust.says_one_plane());
         (trust, margin, plane.and_then(|(h, _)| plane_homography(&h, agreeing, frames[1], tolerance)))
@@ -101,13 +90,10 @@ impl PointEvidence<'_> {
     /// Returns the largest distance of a match from a homography that explains it, px: the usual one, or a smaller
     /// one if the matches show that they are more precise.
     fn tolerance(&self) -> f64 {
-        let usual = PLANE_TOLERANCE * (self.frames[0].longer_side() / USUAL_SIDE).max(1.0);
+        let usual = largest_error(self.frames[0].longer_side());
         // On a plane, F absorbs as much noise as nine numbers do.
         let freedom = self.agreeing.len().saturating_sub(9);
         let estimated = DEVIATIONS * self.sigma;
-        if freedom < LEAST_FREEDOM {
-            return usual.max(estimated);
-        }
         (estimated * largest_underestimate(freedom as f64)).min(usual).max(estimated)
     }
 
@@ -115,14 +101,12 @@ impl PointEvidence<'_> {
     fn plane_evidence(&self, h: &Matrix3<f64>, most: usize, tolerance: f64) -> PlaneEvidence {
         let side = self.frames[0].longer_side();
         let share = |most: f64| {
-            let free = self.agreeing.len().saturating_sub(OF_HOMOGRAPHY).max(1) as f64;
-            ((most - OF_HOMOGRAPHY as f64) / free).max(0.0)
+            let free = self.agreeing.len().saturating_sub(OF_A_PLANE.matches).max(1) as f64;
+            ((most - OF_A_PLANE.matches as f64) / free).max(0.0)
         };
         let all: Vec<PointPair> = self.matches.iter().map(|m| m.pair).collect();
-        let through_a_lens = lens::share_through_a_lens(self.agreeing, h, self.frames, tolerance);
         PlaneEvidence {
             share: share(most as f64),
-            bent_share: share(through_a_lens * self.agreeing.len() as f64),
             off: OffPlane::new(&all, self.fundamental, h, side, self.sigma),
             is_still: leaves_in_place(h, self.agreeing, tolerance),
         }

@@ -2,16 +2,11 @@
 
 use serde::Serialize;
 
-/// Log-odds of right lines where the evidence is that of chance, and their growth with the evidence. Fitted to
-/// results with known truth (`lab/trust.py`, `lab/notes.md`).
-const LOG_ODDS: [f64; 2] = [-1.6, 0.9];
-/// Least probability of a result whose lines are not doubted. A convention.
-pub const SURE_LINES: f64 = 0.8;
-/// Least probability of a result that is not unreliable: rather right than wrong.
-pub const EVEN_LINES: f64 = 0.5;
+use crate::estimate::verdict::constants::LOG_ODDS;
 
 /// Evidence of the matches found without a geometry for the lines of one, in natural logarithms.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[cfg_attr(test, derive(serde::Deserialize))]
 pub struct LineEvidence {
     /// Logarithm of how much likelier the matches are with these lines than by chance, neighbours counted as one.
     pub likelihood: f64,
@@ -52,6 +47,7 @@ impl LineEvidence {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::verdict::constants::{EVEN_LINES, SURE_LINES};
 
     #[test]
     fn the_lead_is_limited_by_the_number_of_geometries() {

@@ -1,24 +1,20 @@
-//! Verdict on a result, with its reasons. `evidence` has the figures and tests each by itself;
-//! `rules` combines the tests into the verdict.
+//! Verdict on a result, with its reasons. `case` and `parallax` have the figures, `judge` tests them.
 
-mod evidence;
+mod case;
+mod chance;
+mod judge;
 mod lines;
-mod rules;
+mod parallax;
+#[cfg(test)]
+mod table;
 
 use serde::{Deserialize, Serialize};
 
-pub use evidence::BarcodeFigures;
-pub(in crate::estimate) use evidence::{
-    ALONG, ANY_EPIPOLE, Baseline, Evidence, GivenFigures, GivenPoints, HALF_PLANE, Mirror, OffPlane,
-    OtherPose, PlaneEvidence, RefinedOn, Relief, ResidualPattern, Together, USUAL_SIDE, WRONG_TOGETHER,
-    Witnesses,
-};
-use evidence::{LEAST_ALONG, are_mostly};
-pub use lines::{EVEN_LINES, LineEvidence, SURE_LINES};
-pub(in crate::estimate) use rules::CHANCE_DEVIATIONS;
-pub use rules::{
-    CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, FAR_TOO_FEW, GUESS_MARGIN,
-};
+pub use case::{BarcodeFigures, Case};
+pub(in crate::estimate) use case::{Distinctive, GivenFigures, GivenPoints, Mirror, RefinedOn};
+pub(in crate::estimate::verdict) use chance::fewer_than;
+pub use lines::LineEvidence;
+pub(in crate::estimate) use parallax::{Baseline, OffPlane, OtherPose, PlaneEvidence, Relief, Witnesses};
 
 named! {
     fn label;
@@ -26,16 +22,26 @@ named! {
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum Verdict {
-        /// No test speaks against the result.
+        /// Each test was passed.
         Reliable = "reliable",
-        /// At least one test speaks against the result.
+        /// At least one test was failed, or lacks its data.
         Doubtful = "doubtful",
         /// The result contradicts the images or the clicks, or rests on far too few matches.
         Unreliable = "unreliable",
+        /// No more matches agree on one geometry than by chance, so the pictures may show different scenes. Only without
+        /// clicks and given matches; with them, the result is unreliable.
+        DifferentScenes = "different scenes",
     }
 }
 
-/// Failed test of a result. `presentation::reasons` has the sentences, `docs/verdicts.md` explains
+impl Verdict {
+    /// Returns whether the geometry is of no use.
+    pub fn is_unreliable(self) -> bool {
+        matches!(self, Self::Unreliable | Self::DifferentScenes)
+    }
+}
+
+/// Failed test of a result, or a test that lacks its data. `presentation::reasons` has the sentences, `docs/verdicts.md` explains
 /// them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
@@ -63,6 +69,9 @@ pub enum Reason {
     /// The matches found without the geometry agree with it no better than by chance: the number of them on
     /// their epipolar lines, and the number of all.
     ByChance { agreeing: usize, matches: usize },
+    /// The matches found without the geometry agree with it no better than by chance, and few match along its lines: the
+    /// number of them on their epipolar lines, the largest by chance, and the number of all.
+    DifferentScenes { agreeing: usize, by_chance: usize, matches: usize },
     /// The barcodes of corresponding lines agree no better than by chance: agreement, 1 for equal barcodes,
     /// and the largest by chance.
     BarcodesByChance { correlation: f64, by_chance: f64 },
@@ -72,11 +81,8 @@ pub enum Reason {
     LooseBarcodes { deviation: f64 },
     /// A click is off its epipolar line by this Sampson distance; the suspect is more likely wrong.
     ClickOff { pair: usize, distance: f64, suspect: Suspect },
-    /// More distinctive matches contradict the geometry than are wrong by chance. `matches` are all
-    /// distinctive matches that move like their neighbours; only these count.
+    /// Most distinctive matches contradict the geometry, more than by chance. `matches` are all distinctive matches.
     Contradicted { contradicting: usize, matches: usize },
-    /// Most matches follow one homography with radial distortion.
-    Bent { percent: u32 },
     /// A lens as strong as a fisheye makes the matches clearly likelier.
     Fisheye,
     /// Neighbouring matches are off their lines by the same distance, the size of the pattern.
@@ -102,6 +108,40 @@ pub enum Reason {
     Mirrored { matches: usize },
     /// The matches leave the epipolar lines uncertain: their standard deviation.
     Loose { deviation: f64 },
+    /// A test lacks its data.
+    Untested { missing: Missing },
+}
+
+/// Data that a test lacks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Missing {
+    /// Patches: only lines were compared.
+    Patches,
+    /// The refinement: it was off.
+    Refinement,
+    /// Matches along the lines: there are too few.
+    Matches,
+    /// Matches of the images that agree with the clicks.
+    Agreement,
+    /// Enough matches to fit a plane and a smooth warp to them.
+    Relief,
+    /// The uncertainty of the lines.
+    Precision,
+    /// Matches near each other.
+    Neighbours,
+}
+
+impl From<Missing> for Reason {
+    fn from(missing: Missing) -> Self {
+        match missing {
+            Missing::Patches => Self::NotChecked,
+            Missing::Refinement => Self::RefinementOff,
+            Missing::Matches => Self::NotRefined,
+            Missing::Agreement => Self::ClicksAlone,
+            Missing::Relief | Missing::Precision | Missing::Neighbours => Self::Untested { missing },
+        }
+    }
 }
 
 /// The part that is more likely wrong if a click and a geometry disagree.
@@ -119,7 +159,7 @@ pub enum Suspect {
 pub struct Trust {
     /// The verdict.
     pub verdict: Verdict,
-    /// Failed tests. Empty for a reliable result.
+    /// Failed tests, and tests that lack their data. Empty for a reliable result.
     pub reasons: Vec<Reason>,
 }
 
@@ -147,7 +187,6 @@ impl Trust {
             let of_the_scene = matches!(
                 reason,
                 Reason::Mirrored { .. }
-                    | Reason::Bent { .. }
                     | Reason::Pattern { .. }
                     | Reason::Fisheye
                     | Reason::Contradicted { .. }
@@ -163,11 +202,26 @@ impl Trust {
             Reason::OnePlane { groups, agreeing, is_still, .. } => !is_still && 2 * agreeing > groups,
             Reason::NoRelief { along, across, on_warp }
             | Reason::OnlyTurned { along, across, turned: on_warp } => {
-                let beside = Witnesses { on_warp, along, across, off: across };
-                beside.share_along() >= LEAST_ALONG && are_mostly(along, along + across)
+                Witnesses { on_warp, along, across, off: across }.would_show_the_epipole()
             }
             _ => false,
         })
+    }
+
+    /// Returns whether parallax determines the epipole: no test of the epipole was failed or lacks its data.
+    pub fn determines_the_epipole(&self) -> bool {
+        let is_untested = |reason: &Reason| {
+            matches!(
+                reason,
+                Reason::Untested { missing: Missing::Relief }
+                    | Reason::NotChecked
+                    | Reason::RefinementOff
+                    | Reason::NotRefined
+                    | Reason::ClicksAlone
+                    | Reason::DifferentScenes { .. }
+            )
+        };
+        !self.reasons.iter().any(|reason| is_untested(reason) || leaves_the_epipole_open(reason))
     }
 
     /// Returns whether only one plane or a rotation of the camera is certain.

@@ -107,7 +107,7 @@ pub(in crate::estimate) fn check_images(prepared: &PreparedPair) -> Result<(), E
 }
 
 /// Returns whether all corners of both images are black, as around the round picture of a fisheye lens.
-pub(super) fn have_dark_corners(prepared: &PreparedPair) -> bool {
+pub(in crate::estimate) fn have_dark_corners(prepared: &PreparedPair) -> bool {
     let is_dark = |plane: &GrayPlane| {
         let Frame { width, height } = plane.frame();
         let square = (width.min(height) / DARK_SQUARES).max(1);

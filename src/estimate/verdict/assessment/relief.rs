@@ -12,138 +12,13 @@
 //! Only matches that were found without the geometry are evidence: the others lie on the lines by
 //! construction.
 
-use std::collections::HashSet;
+use nalgebra::Matrix3;
 
-use nalgebra::{DMatrix, DVector, Matrix3};
-
-use crate::estimate::evidence::patches::{LIKELY, UnguidedMatch};
-use crate::estimate::fit::largest_plane;
-use crate::estimate::verdict::trust::{ALONG, ANY_EPIPOLE, Relief, Witnesses};
-use crate::geometry::{
-    Frame, FundamentalMatrix, Line, Point, PointPair, Vector, finite_point, transfer_error,
-};
-
-/// Degree of the polynomials. Degree 4 follows a strong lens to a tenth of a pixel.
-const DEGREE: i32 = 4;
-/// Number of knots of the cubic splines of the row inside the picture: a rolling shutter that swings up
-/// to three times. Piecewise linear functions of as many knots leave a third of such a swing, which
-/// looked like parallax on 7 of 24 results; splines leave it on 1 of 24.
-const KNOTS: i32 = 10;
-/// Number of knots of the finer warp. Where a shutter swings 2.8 times, 346 matches lie along the lines
-/// beside ten knots of linear functions, 134 beside ten of splines, and 3 beside thirteen.
-const FINER_KNOTS: i32 = 14;
-/// Degree in `x` of the part that differs from row to row: each row is shifted, stretched and bent
-/// by the perspective of a turn.
-const ACROSS_ROW: i32 = 2;
-/// First width of the robust cost, as a share of the longer side: a homography beside a strong lens
-/// is off by about as much.
-const WIDEST: f64 = 0.01;
-/// Ratio of the widths of successive fits.
-const NARROWING: f64 = 0.8;
-/// Largest number of matches that the warp is fitted to: some twenty for each coefficient.
-const FITTED: usize = 1000;
-/// Pull towards the homography, in matches. It determines terms that the matches leave open.
-const PULL: f64 = 1e-3;
-/// Side of the squares of image 1 in which only one match counts, px. Corners and features find
-/// the same place twice.
-const SAME_PLACE: f64 = 2.0;
-/// Least probability of a match that is clearly likelier than all similar places together: by a half. On
-/// wallpaper nearly all matches are equalled elsewhere. With 0.7 three of 50 wide pairs would be doubtful.
-const CLEARLY_LIKELY: f32 = 0.6;
-/// Largest distance from the warp, as a share of the longer side. Wrong matches lie anywhere, most
-/// of them farther off.
-const FARTHEST: f64 = 0.05;
-/// A smooth warp fitted to matches.
-struct Warp {
-    homography: Matrix3<f64>,
-    middle: Point,
-    half: f64,
-    half_height: f64,
-    /// Number of knots of the splines of the row inside the picture.
-    knots: i32,
-    coefficients: [DVector<f64>; 2],
-}
-
-impl Warp {
-    /// Fits a warp to most of the matches, starting at the homography `h` of pixels. `tolerance` is
-    /// the error of a match that follows the warp, px. `None` if the fit fails.
-    fn fit(
-        matches: &[PointPair],
-        h: &Matrix3<f64>,
-        frame: Frame,
-        tolerance: f64,
-        knots: i32,
-    ) -> Option<Self> {
-        let side = frame.longer_side();
-        let mut warp = Self {
-            homography: *h,
-            middle: frame.centre(),
-            half: 0.5 * side,
-            half_height: 0.5 * frame.height as f64,
-            knots,
-            coefficients: [DVector::zeros(0), DVector::zeros(0)],
-        };
-        let step = matches.len().div_ceil(FITTED).max(1);
-        let rows: Vec<(DVector<f64>, Vector)> = matches
-            .iter()
-            .step_by(step)
-            .map(|m| {
-                let mapped = finite_point(&(h * m.point1.to_homogeneous()))?;
-                Some((warp.terms(m.point1), m.point2 - mapped))
-            })
-            .collect::<Option<_>>()?;
-        let terms = rows.first()?.0.len();
-        warp.coefficients = [DVector::zeros(terms), DVector::zeros(terms)];
-        let mut width = WIDEST * side;
-        while width > 0.5 * tolerance {
-            let mut normal = DMatrix::identity(terms, terms) * PULL;
-            let mut right = [DVector::zeros(terms), DVector::zeros(terms)];
-            for (terms, shift) in &rows {
-                let off = shift - warp.shift(terms);
-                let weight = 1.0 / (1.0 + off.norm_squared() / (width * width));
-                normal.syger(weight, terms, terms, 1.0);
-                right[0].axpy(weight * shift.x, terms, 1.0);
-                right[1].axpy(weight * shift.y, terms, 1.0);
-            }
-            let cholesky = normal.cholesky()?;
-            warp.coefficients = right.map(|right| cholesky.solve(&right));
-            width *= NARROWING;
-        }
-        Some(warp)
-    }
-
-    /// Returns the displacement of the point of image 2 from its place on the warp, px.
-    fn beside(&self, m: &PointPair) -> Option<Vector> {
-        let mapped = finite_point(&(self.homography * m.point1.to_homogeneous()))?;
-        Some(m.point2 - mapped - self.shift(&self.terms(m.point1)))
-    }
-
-    fn shift(&self, terms: &DVector<f64>) -> Vector {
-        Vector::new(self.coefficients[0].dot(terms), self.coefficients[1].dot(terms))
-    }
-
-    /// Returns the products of powers of both coordinates, and the functions of the row.
-    fn terms(&self, point1: Point) -> DVector<f64> {
-        let offset = point1 - self.middle;
-        let at = offset / self.half;
-        let powers = (0..=DEGREE).flat_map(|degree| (0..=degree).map(move |i| (i, degree - i)));
-        let smooth = powers.map(|(i, j)| at.x.powi(i) * at.y.powi(j));
-        let row = (offset.y / self.half_height + 1.0) * 0.5 * f64::from(self.knots - 1);
-        let of_knot = move |knot: i32| cubic_spline(row - f64::from(knot));
-        // A spline of a knot just outside reaches into the picture.
-        let by_row = (-1..=self.knots).flat_map(|k| (0..=ACROSS_ROW).map(move |i| of_knot(k) * at.x.powi(i)));
-        DVector::from_vec(smooth.chain(by_row).collect())
-    }
-}
-
-/// Returns the cubic B-spline of unit knots at a distance from its centre.
-fn cubic_spline(distance: f64) -> f64 {
-    match distance.abs() {
-        near if near < 1.0 => 2.0 / 3.0 - near * near + 0.5 * near.powi(3),
-        far if far < 2.0 => (2.0 - far).powi(3) / 6.0,
-        _ => 0.0,
-    }
-}
+use crate::estimate::evidence::patches::{LIKELY, UnguidedMatch, one_a_place};
+use crate::estimate::fit::{Follows, Warp, largest_plane};
+use crate::estimate::verdict::constants::{ALONG, ANY_EPIPOLE, CLEARLY_LIKELY, LARGEST_PARALLAX};
+use crate::estimate::verdict::trust::{Relief, Witnesses};
+use crate::geometry::{Frame, FundamentalMatrix, Line, PointPair, Vector, transfer_error};
 
 /// A match beside the warp.
 pub(super) struct Beside {
@@ -180,10 +55,10 @@ pub(super) fn relief(
     tolerance: f64,
     seed: u64,
 ) -> Option<Relief> {
-    let fit = |knots| Warp::fit(matches, h, frame, tolerance, knots);
+    let fit = |follows| Warp::fit(matches, h, frame, tolerance, follows);
     let side = frame.longer_side();
     let beside = |warp: &Warp, least| besides(found, warp, f, side, tolerance, least);
-    let (warp, finer) = (fit(KNOTS)?, fit(FINER_KNOTS)?);
+    let (warp, finer) = (fit(Follows::Rows)?, fit(Follows::RowsClosely)?);
     let (mut on_warp, mut besides) = beside(&warp, LIKELY);
     let [clear, finer] = [(&warp, CLEARLY_LIKELY), (&finer, LIKELY)].map(|(warp, least)| {
         let (on_warp, besides) = beside(warp, least);
@@ -217,22 +92,13 @@ fn besides(
         let distance = off.norm();
         if distance <= tolerance {
             on_warp += 1;
-        } else if distance < FARTHEST * side
+        } else if distance < LARGEST_PARALLAX * side
             && let Some(line) = f.line2_from_point1(pair.point1)
         {
             beside.push(Beside::new(pair, off, &line));
         }
     }
     (on_warp, beside)
-}
-
-/// Returns the matches with a probability above `least`, the first at each place of image 1.
-pub(super) fn one_a_place(found: &[UnguidedMatch], least: f32) -> impl Iterator<Item = PointPair> {
-    let mut taken = HashSet::new();
-    let pairs = found.iter().filter(move |m| m.prior > least).map(|m| m.pair);
-    pairs.filter(move |PointPair { point1, .. }| {
-        taken.insert([point1.x, point1.y].map(|v| (v / SAME_PLACE).round() as i64))
-    })
 }
 
 /// Counts the matches beside a warp by their direction.
@@ -250,7 +116,7 @@ pub(super) fn counted(beside: &[Beside], on_warp: usize, tolerance: f64) -> Witn
 mod tests {
     use super::*;
     use crate::estimate::exact::{ExactScene, FRAME, rows};
-    use crate::geometry::homography;
+    use crate::geometry::{Point, homography};
 
     fn of(matches: &[PointPair], f: &FundamentalMatrix) -> Witnesses {
         all(matches, f).beside

@@ -1,4 +1,4 @@
-//! Test whether neighbouring matches are off their lines by the same distance.
+//! Pattern of residuals: whether neighbouring matches are off their lines by the same distance.
 //!
 //! In a rigid scene, matches are off their lines by independent errors. If a lens bends one image
 //! against the other, or if F is only approximate, neighbours are off by nearly the same distance.
@@ -11,7 +11,8 @@
 //! is the share of the variance that neighbours have in common (the spatial autocorrelation of
 //! Moran 1950). The root of `E[dᵢ dⱼ]` is its size.
 
-use crate::estimate::verdict::trust::ResidualPattern;
+use serde::Serialize;
+
 use crate::geometry::{FundamentalMatrix, PointPair};
 
 /// Smallest and largest distance between neighbours, as shares of the longer side. Patches of
@@ -21,9 +22,19 @@ const APART: [f64; 2] = [0.015, 0.05];
 /// a few per cent.
 const LOOKED_AT: usize = 500;
 
+/// Part of the residuals that neighbouring matches have in common.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(serde::Deserialize))]
+pub(in crate::estimate) struct ResidualPattern {
+    /// Share of the variance that is common to neighbours, 0 to 1.
+    pub share: f64,
+    /// Root mean square of the common part, px.
+    pub size: f64,
+}
+
 /// Returns the common part of the residuals of neighbours. `side` is the longer side of image
 /// 1, px. `None` without neighbours.
-pub(super) fn residual_pattern(
+pub(in crate::estimate) fn residual_pattern(
     matches: &[PointPair],
     f: &FundamentalMatrix,
     side: f64,
