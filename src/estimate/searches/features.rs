@@ -2,8 +2,8 @@
 
 use super::judged::{Judged, distinct_hypotheses};
 use super::pencils::compare_pencils;
+use super::ranked::Ranked;
 use super::record::SearchRecord;
-use super::refinement::refine_ranked;
 use crate::estimate::evidence::features::{
     FeatureEvidence, hypotheses_from_features, is_same_view, view_of, view_of_pairs,
 };
@@ -63,12 +63,14 @@ impl FeatureProposals {
         let mut views: Vec<RelativeView> = Vec::new();
         let found = proposals.iter().filter_map(|p| view_of(&p.proposed.fundamental, features, frames));
         for view in given_view.into_iter().chain(found) {
-            if views.len() < parameters.features.views
-                && !views.iter().any(|known| is_same_view(known, &view))
-            {
+            if !views.iter().any(|known| is_same_view(known, &view)) {
                 views.push(view);
             }
+            if views.len() >= parameters.features.views {
+                break;
+            }
         }
+        views.truncate(parameters.features.views);
         let noted: Vec<HypothesisNote> = proposals.iter().map(|proposal| proposal.proposed.into()).collect();
         record.note_proposals(parameters.features.draws, &noted);
         Ok(Self { proposals, of, views })
@@ -79,47 +81,54 @@ impl FeatureProposals {
         self.proposals.iter().map(|proposal| proposal.proposed).collect()
     }
 
-    /// Judges the best proposal under one of the views. `rivals` were found before. `show` asks for the pencils
-    /// through stand-ins, to look at; the geometry does not depend on them.
-    pub fn judged_under(
+    /// Ranks the proposals under one of the views, together with `rivals` found before. `show` asks for the pencils
+    /// through stand-ins, to look at; the geometry does not depend on them. `None` if no geometry passes through
+    /// the clicks.
+    pub fn ranked_under(
         &self,
-        view: RelativeView,
+        viewed: &ViewedPair,
         rivals: &[Estimate],
         show: bool,
-        input: SearchInput,
         record: &mut SearchRecord,
-    ) -> Result<Option<Judged>, EstimateError> {
-        let viewed = ViewedPair::new(input, input.prepared.patches_with_features(view, self.of));
-        if show && !input.clicks.chosen().is_empty() {
-            match compare_pencils(&viewed, record) {
+    ) -> Result<Option<Ranked>, EstimateError> {
+        if show && !viewed.input.clicks.chosen().is_empty() {
+            match compare_pencils(viewed, record) {
                 Ok(_) | Err(EstimateError::NoCandidates(_)) => {}
                 Err(error) => return Err(error),
             }
         }
         record.enter(Stage::Validation)?;
-        judge_proposed(&self.proposed(), rivals, &viewed, record)
+        rank_proposed(&self.proposed(), rivals, viewed, record)
     }
 }
 
-/// Ranks proposed geometries by patches and features under a view, refines and judges them.
-/// `rivals` compete under the same support. Takes any number of clicks. `None` if no geometry
-/// passes through them.
+/// Ranks proposed geometries by patches and features under a view, refines and judges them. Takes any number of
+/// clicks. `None` if no geometry passes through them.
 pub(super) fn judge_proposed(
+    proposed: &[Proposed],
+    viewed: &ViewedPair,
+    record: &mut SearchRecord,
+) -> Result<Option<Judged>, EstimateError> {
+    let ranked = rank_proposed(proposed, &[], viewed, record)?;
+    ranked.map(|ranked| ranked.judged(viewed, record)).transpose()
+}
+
+/// Ranks proposed geometries by patches and features under a view. `rivals` compete under the same support. `None`
+/// if no geometry passes through the clicks.
+fn rank_proposed(
     proposed: &[Proposed],
     rivals: &[Estimate],
     viewed: &ViewedPair,
     record: &mut SearchRecord,
-) -> Result<Option<Judged>, EstimateError> {
+) -> Result<Option<Ranked>, EstimateError> {
     let cancel = record.cancel();
-    let ranked = ranked(proposed, rivals, viewed, cancel)?;
-    if ranked.is_empty() {
+    let proposals = ranked(proposed, rivals, viewed, cancel)?;
+    if proposals.is_empty() {
         return Ok(None);
     }
-    let (hypotheses, _) = distinct_hypotheses(&ranked, viewed, cancel)?;
+    let (hypotheses, _) = distinct_hypotheses(&proposals, viewed, cancel)?;
     record.note_ranking(&hypotheses, Some(viewed.patches.fine()));
-    record.enter(Stage::Refinement)?;
-    let found = refine_ranked(&ranked, hypotheses, viewed, cancel)?;
-    Ok(Some(Judged::of(found, viewed, record)))
+    Ok(Some(Ranked { proposals, hypotheses }))
 }
 
 /// Ranks proposed geometries by patches and features under a view, together with `rivals`.
@@ -161,7 +170,7 @@ mod tests {
             let viewed = ViewedPair::new(input, std::sync::Arc::clone(&patches));
             let monitor = Monitor::silent();
             let mut record = SearchRecord::new(Instant::now(), &monitor);
-            let found = judge_proposed(&proposed, &[], &viewed, &mut record).unwrap().unwrap();
+            let found = judge_proposed(&proposed, &viewed, &mut record).unwrap().unwrap();
             let error = scene.error(&found.fundamental);
             assert!(error < 0.3, "{error} px with {} clicks", pairs.len());
             assert_eq!(found.origin.source, ProposedBy::Features);

@@ -96,5 +96,5 @@ fn by_their_patches(
         .iter()
         .find_map(|proposed| farthest_apart(prepared, &proposed.fundamental, &[], &putative));
     let Some(chosen) = chosen else { return Ok(None) };
-    judge_proposed(geometries, &[], &viewed.with_clicks(&clicks.with_chosen(chosen)), record)
+    judge_proposed(geometries, &viewed.with_clicks(&clicks.with_chosen(chosen)), record)
 }

@@ -22,6 +22,7 @@ pub(super) mod passes;
 mod patches;
 mod pencils;
 pub(super) mod published;
+mod ranked;
 pub(super) mod record;
 mod refinement;
 mod stand_ins;

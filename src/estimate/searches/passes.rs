@@ -5,14 +5,21 @@
 //! of the matches are right, two right ones take 17 draws, and eight take 1,177 (paper, section 1).
 //!
 //! Stand-ins for clicks are not observations: fits and verdicts ignore them.
+//!
+//! If chance gives as good a geometry as the best one of a pass (one false alarm or more), none is refined before the
+//! next pass. The geometries compete with those of the next pass as they are.
+
+use std::sync::Arc;
 
 use super::clicks_alone::of_clicks_alone;
 use super::features::FeatureProposals;
 use super::judged::{Found, Judged};
 use super::more_features::with_more_features;
 use super::patches;
+use super::ranked::Ranked;
 use super::record::SearchRecord;
 use super::stand_ins::{drawn_stand_ins, putative_matches, with_stand_ins};
+use crate::estimate::evidence::patches::PatchLevels;
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::verdict::assessment::RestsOn;
 use crate::estimate::verdict::selection::{ClickedPairs, select};
@@ -49,13 +56,15 @@ pub(in crate::estimate) fn search(
     plan: SearchPlan,
     record: &mut SearchRecord,
 ) -> Result<Judged, EstimateError> {
-    let mut passes = Passes { input, all: Vec::new(), failure: EstimateError::NothingWithoutClicks };
+    let failure = EstimateError::NothingWithoutClicks;
+    let mut passes = Passes { input, all: Vec::new(), postponed: Vec::new(), first: None, failure };
     for pass in Pass::all(plan) {
         passes.run(pass, record)?;
         if passes.is_finished() {
             break;
         }
     }
+    passes.judge_postponed(record)?;
     let Passes { mut all, failure, .. } = passes;
     let best = select(&all, &ClickedPairs::of(input)).map(|k| all.swap_remove(k)).ok_or(failure)?;
     Ok(overruled_by_clicks(best, input, record))
@@ -66,8 +75,25 @@ struct Passes<'a> {
     input: SearchInput<'a>,
     /// Every judged geometry. Only the last one can leave nothing to find.
     all: Vec<Judged>,
+    /// Ranked geometries whose best one chance explains. They are refined only if the other passes find nothing.
+    postponed: Vec<Postponed>,
+    /// The first geometries that were found.
+    first: Option<First>,
     /// Error if no pass finds a geometry.
     failure: EstimateError,
+}
+
+/// Ranked geometries with the clicks and the patches by which they were found.
+struct Postponed {
+    ranked: Ranked,
+    clicks: Clicks,
+    patches: Arc<PatchLevels>,
+}
+
+/// The first geometries that were found. They compete with the geometries of all later passes.
+struct First {
+    hypotheses: Vec<Estimate>,
+    view: RelativeView,
 }
 
 impl Passes<'_> {
@@ -78,7 +104,7 @@ impl Passes<'_> {
 
     fn run(&mut self, pass: Pass, record: &mut SearchRecord) -> Result<(), EstimateError> {
         match pass {
-            Pass::Clicks => match self.lines_through(self.input.clicks, record) {
+            Pass::Clicks => match self.lines_through(self.input.clicks, true, record) {
                 Err(error @ (EstimateError::NoCandidates(_) | EstimateError::NoGeometry)) => {
                     self.failure = error;
                     Ok(())
@@ -90,19 +116,55 @@ impl Passes<'_> {
         }
     }
 
-    fn lines_through(&mut self, clicks: &Clicks, record: &mut SearchRecord) -> Result<(), EstimateError> {
+    /// Refines and judges ranked geometries. If chance explains the best one, another pass may come first.
+    fn judge(
+        &mut self,
+        ranked: Ranked,
+        viewed: &ViewedPair,
+        may_wait: bool,
+        record: &mut SearchRecord,
+    ) -> Result<(), EstimateError> {
+        let (input, view) = (viewed.input, viewed.patches.view());
+        self.first.get_or_insert_with(|| First { hypotheses: ranked.hypotheses.clone(), view });
+        if may_wait && input.parameters.refinement.refine && ranked.are_by_chance(viewed) {
+            let (clicks, patches) = (input.clicks.clone(), Arc::clone(&viewed.patches));
+            self.postponed.push(Postponed { ranked, clicks, patches });
+            return Ok(());
+        }
+        let found = ranked.judged(viewed, record)?;
+        self.all.push(with_more_features(found, input, record)?);
+        Ok(())
+    }
+
+    /// Judges the geometries that chance explains if there are no others.
+    fn judge_postponed(&mut self, record: &mut SearchRecord) -> Result<(), EstimateError> {
+        let postponed = std::mem::take(&mut self.postponed);
+        if self.all.is_empty() {
+            for Postponed { ranked, clicks, patches } in postponed {
+                let viewed = ViewedPair::new(SearchInput { clicks: &clicks, ..self.input }, patches);
+                self.judge(ranked, &viewed, false, record)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn lines_through(
+        &mut self,
+        clicks: &Clicks,
+        may_wait: bool,
+        record: &mut SearchRecord,
+    ) -> Result<(), EstimateError> {
         let input = SearchInput { clicks, ..self.input };
-        let viewed = match self.all.first() {
+        let viewed = match &self.first {
             None => ViewedPair::upright(input),
             // Features have been found by now.
             Some(first) => {
                 let of = FeatureViews::Slanted;
-                ViewedPair::new(input, input.prepared.patches_with_features(first.patches.view(), of))
+                ViewedPair::new(input, input.prepared.patches_with_features(first.view, of))
             }
         };
-        let found = patches::search(&viewed, record)?;
-        self.all.push(with_more_features(found, self.input, record)?);
-        Ok(())
+        let ranked = patches::ranked(&viewed, record)?;
+        self.judge(ranked, &viewed, may_wait, record)
     }
 
     fn features(&mut self, of: FeatureViews, record: &mut SearchRecord) -> Result<(), EstimateError> {
@@ -110,10 +172,11 @@ impl Passes<'_> {
         let clicks = with_stand_ins(self.input, &proposals);
         let input = SearchInput { clicks: &clicks, ..self.input };
         for view in &proposals.views {
-            let rivals = self.all.first().map_or(&[][..], |first| &first.hypotheses);
-            let show = self.all.is_empty();
-            if let Some(found) = proposals.judged_under(*view, rivals, show, input, record)? {
-                self.all.push(with_more_features(found, input, record)?);
+            let viewed = ViewedPair::new(input, input.prepared.patches_with_features(*view, of));
+            let rivals = self.first.as_ref().map_or(&[][..], |first| &first.hypotheses);
+            if let Some(ranked) = proposals.ranked_under(&viewed, rivals, self.first.is_none(), record)? {
+                // Features of slanted surfaces follow frontal ones.
+                self.judge(ranked, &viewed, of == FeatureViews::Frontal, record)?;
                 if self.is_finished() {
                     break;
                 }
@@ -125,11 +188,11 @@ impl Passes<'_> {
     fn stand_ins(&mut self, record: &mut SearchRecord) -> Result<(), EstimateError> {
         let SearchInput { prepared, clicks, parameters } = self.input;
         let of = FeatureViews::Slanted;
-        let view = self.all.first().map_or(RelativeView::UPRIGHT, |found| found.patches.view());
+        let view = self.first.as_ref().map_or(RelativeView::UPRIGHT, |first| first.view);
         let patches = prepared.patches_with_features(view, of);
         let putative = putative_matches(prepared, prepared.features(of), &patches);
         for pair in drawn_stand_ins(prepared, &putative, parameters.features.stand_ins, parameters.seed) {
-            match self.lines_through(&clicks.with_chosen(pair), record) {
+            match self.lines_through(&clicks.with_chosen(pair), false, record) {
                 Err(EstimateError::NoCandidates(_) | EstimateError::NoGeometry) => {}
                 done => done?,
             }

@@ -2,17 +2,17 @@
 //! the epipolar lines refine them.
 
 use super::REPORTED;
-use super::judged::{Judged, distinct_hypotheses, report_preliminary};
+use super::judged::{distinct_hypotheses, report_preliminary};
 use super::pencils::compare_pencils;
+use super::ranked::Ranked;
 use super::record::SearchRecord;
-use super::refinement::refine_ranked;
 use crate::estimate::evidence::lines::draw_pairs;
 use crate::estimate::evidence::patches;
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::{Estimate, EstimateError, HypothesisNote, Proposed, Stage};
 
-/// Searches through two clicks, or two matches in their place, under one view.
-pub(super) fn search(viewed: &ViewedPair, record: &mut SearchRecord) -> Result<Judged, EstimateError> {
+/// Proposes and ranks geometries through two clicks, or through two matches in their place, under one view.
+pub(super) fn ranked(viewed: &ViewedPair, record: &mut SearchRecord) -> Result<Ranked, EstimateError> {
     let SearchInput { clicks, parameters, .. } = viewed.input;
     let cancel = record.cancel();
     let (coarse, voting) = (viewed.patches.coarse(), viewed.patches.voting());
@@ -48,7 +48,5 @@ pub(super) fn search(viewed: &ViewedPair, record: &mut SearchRecord) -> Result<J
     let best = Proposed { fundamental: *hypotheses[0].fundamental(), origin: leader.origin };
     report_preliminary(best, &hypotheses, Some(leader.support), viewed, record);
 
-    record.enter(Stage::Refinement)?;
-    let found = refine_ranked(&ranked, hypotheses, viewed, cancel)?;
-    Ok(Judged::of(found, viewed, record))
+    Ok(Ranked { proposals: ranked, hypotheses })
 }
