@@ -235,7 +235,7 @@ static WORDS: [Words; PARAMETERS.len()] = [
         "rivals",
         "Rivals",
         0,
-        "Number of rivals refined if the margin before refinement is too small to decide.",
+        "Number of rivals refined if the margin of a geometry of clicks or given matches is too small to decide.",
     ),
     number("feature_draws", "Feature draws", 0, "Number of minimal samples of covariant features."),
     number("features_refitted", "Features refitted", 0, "Number of feature hypotheses that are refitted."),

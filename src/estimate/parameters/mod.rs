@@ -238,7 +238,7 @@ pub struct RefinementParameters {
     pub refine: bool,
     /// Number of best hypotheses that are refined. The best refined one is the result.
     pub refined: usize,
-    /// Number of rivals that are refined if the margin before refinement is too small to decide.
+    /// Number of rivals that are refined if the margin of a geometry of clicks or given matches is too small to decide.
     /// Each takes as long as the result.
     #[serde(default = "three")]
     pub rivals: usize,

@@ -13,7 +13,7 @@
 mod epipole;
 mod lines;
 
-use super::case::{BarcodeFigures, Case, GivenFigures, Mirror, RefinedOn};
+use super::case::{BarcodeFigures, Case, GivenFigures, RefinedOn};
 use super::{Missing, Reason, Suspect, Trust, Verdict};
 use crate::estimate::fit::false_alarms::OF_LINES;
 use crate::estimate::verdict::constants::{CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, LOOSEST, SURE_LINES};
@@ -198,7 +198,7 @@ mod tests {
     use super::examples::{BY_CHANCE, EQUALLED, GOOD, SUPPORTED, clicks, plane, reasons, verdict};
     use super::*;
     use crate::estimate::evidence::patches::MirrorMatches;
-    use crate::estimate::verdict::trust::case::GivenPoints;
+    use crate::estimate::verdict::trust::case::{GivenPoints, Mirror};
 
     #[test]
     fn a_result_is_reliable_only_if_each_test_was_passed() {
