@@ -133,10 +133,10 @@ struct Votes {
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2", "aarch64+neon"))]
 fn votes(gradients: &Gradients, weights: &[f32; PADDED]) -> Votes {
     let mut votes = Votes { bins: [0; PADDED], shares: [[0.0; PADDED]; 2] };
-    for k in 0..PADDED {
+    for (k, weight) in weights.iter().enumerate() {
         let position = gradients.turns[k] * BINS as f32;
         let bin = position.floor();
-        let (share, vote) = (position - bin, weights[k] * gradients.lengths[k]);
+        let (share, vote) = (position - bin, weight * gradients.lengths[k]);
         votes.bins[k] = bin as u32;
         (votes.shares[0][k], votes.shares[1][k]) = (vote * (1.0 - share), vote * share);
     }

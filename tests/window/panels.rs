@@ -703,9 +703,14 @@ fn nothing_is_cut_in_a_narrow_dock_and_plots_without_room_say_so() {
     run_command(&mut window, "Dock: at the bottom");
     window.set_size(vec2(1024.0, 640.0));
     show_step(&mut window, "Pencils");
-    window.ctx.set_zoom_factor(1.8);
+    window.ctx.set_zoom_factor(1.5);
     settle(&mut window);
-    assert!(painted(&window, "Enlarge the dock to see the plots."));
+    let size = window.ctx.content_rect().size();
+    assert!(
+        painted(&window, "Enlarge the dock to see the plots."),
+        "{size:?} {:?}",
+        pane(&window, Side::Left)
+    );
 }
 
 /// Returns the texts in view that have no room: they end in "…", or at the edge of their area.

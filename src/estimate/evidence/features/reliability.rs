@@ -153,10 +153,10 @@ fn within_reach(blocks: &[PairBlock], pair: &PointPair, sides: [f64; 2], near: &
     let limits = [reach[0] * reach[0], reach[1] * reach[1]];
     for (index, block) in blocks.iter().enumerate() {
         let mut is_near = [0u8; LANES];
-        for k in 0..LANES {
+        for (k, is_near) in is_near.iter_mut().enumerate() {
             let (u1, v1) = (block.x1[k] - x1, block.y1[k] - y1);
             let (u2, v2) = (block.x2[k] - x2, block.y2[k] - y2);
-            is_near[k] = u8::from(u1 * u1 + v1 * v1 <= limits[0]) | u8::from(u2 * u2 + v2 * v2 <= limits[1]);
+            *is_near = u8::from(u1 * u1 + v1 * v1 <= limits[0]) | u8::from(u2 * u2 + v2 * v2 <= limits[1]);
         }
         for lane in SetLanes::of(is_near) {
             near.push((index * LANES + lane) as u32);

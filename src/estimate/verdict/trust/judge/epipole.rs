@@ -12,12 +12,12 @@ use crate::estimate::verdict::trust::{Missing, Reason};
 pub(super) fn tests(case: &Case) -> Vec<TestResult> {
     match case.baseline {
         Some(baseline) => of_known_cameras(baseline).into_iter().chain([pattern(case)]).collect(),
-        None => vec![first_doubt([plane(case), relief(case), pattern(case)])],
+        None => vec![first_doubt(&[plane(case), relief(case), pattern(case)])],
     }
 }
 
 /// Returns the first failed test, or else the first one that was not asked.
-fn first_doubt<const N: usize>(tests: [TestResult; N]) -> TestResult {
+fn first_doubt(tests: &[TestResult]) -> TestResult {
     let is_failed = |test: &&TestResult| !matches!(test, Passed | NotAsked(_));
     let is_open = |test: &&TestResult| **test != Passed;
     tests.iter().find(is_failed).or_else(|| tests.iter().find(is_open)).cloned().unwrap_or(Passed)
