@@ -280,7 +280,8 @@ def short(value):
         return [short(part) for part in value.values()]
     if isinstance(value, list):
         return [short(part) for part in value]
-    return float(f"{value:.4g}") if isinstance(value, float) else value
+    # The largest number must not be rounded up.
+    return min(float(f"{value:.4g}"), 1.797e308) if isinstance(value, float) else value
 
 
 def store(table, stored):
