@@ -10,6 +10,7 @@ use epiline::estimate::{
 };
 use epiline::geometry::{FundamentalMatrix, Point, PointPair};
 use epiline::internals::app::model::comparison::PointSet;
+use epiline::internals::app::model::dock::DockEdge;
 use epiline::internals::app::model::document::{Role as PairRole, Side};
 use epiline::internals::app::model::focus::{LineSource, Target};
 use epiline::internals::app::model::ids::OverlayId;
@@ -703,14 +704,12 @@ fn nothing_is_cut_in_a_narrow_dock_and_plots_without_room_say_so() {
     run_command(&mut window, "Dock: at the bottom");
     window.set_size(vec2(1024.0, 640.0));
     show_step(&mut window, "Pencils");
+    let mut look = window.state().look().clone();
+    look.dock.set_share(DockEdge::Bottom, Some(0.0));
+    window.state_mut().set_look(look);
     window.ctx.set_zoom_factor(1.5);
     settle(&mut window);
-    let size = window.ctx.content_rect().size();
-    assert!(
-        painted(&window, "Enlarge the dock to see the plots."),
-        "{size:?} {:?}",
-        pane(&window, Side::Left)
-    );
+    assert!(painted(&window, "Enlarge the dock to see the plots."));
 }
 
 /// Returns the texts in view that have no room: they end in "…", or at the edge of their area.

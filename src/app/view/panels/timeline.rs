@@ -30,6 +30,8 @@ const SIGN: f32 = 25.0;
 const TOOK: f32 = 58.0;
 /// Height of the bars.
 const BAR: f32 = 4.0;
+/// Height of the strip along which the knob is dragged. Above it, a click plays a step.
+const KNOB: f32 = 12.0;
 /// Number of the strokes of a bar that is hatched.
 const HATCH: f32 = 5.0;
 
@@ -160,7 +162,7 @@ fn scrub(
 ) {
     let (Some(first), Some(last)) = (axis.first(), axis.last()) else { return };
     let strip =
-        Rect::from_x_y_ranges(first.0.min.x - 6.0..=last.0.max.x + 6.0, area.max.y - 16.0..=area.max.y);
+        Rect::from_x_y_ranges(first.0.min.x - 6.0..=last.0.max.x + 6.0, area.max.y - KNOB..=area.max.y);
     let response = ui.interact(strip, ui.scope_id().with("time of the replay"), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::slider(true, now, "Time of the replay"));
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged() || response.clicked()) {
