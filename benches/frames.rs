@@ -51,6 +51,8 @@ fn timed(start: Start) -> (Window, Rc<RefCell<Vec<Duration>>>) {
             },
             Inspector::new(start, Services::default()),
         );
+    // Nothing moves by itself while frames are timed.
+    window.state_mut().set_look(Look { still_steps: true, ..Look::default() });
     settle(&mut window);
     (window, times)
 }

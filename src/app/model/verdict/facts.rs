@@ -244,8 +244,7 @@ fn margin(estimate: &Estimate) -> Fact {
 
 const MARGIN: &str = "Lead over rival";
 const MARGIN_TOOLTIP: &str = "How far the support of the result is ahead of that of the rival, the best clearly \
-                              different geometry. Rivals that are close in the step Validation are refined \
-                              and compared again.";
+                              different geometry.";
 
 /// Returns the figures of a hypothesis shown in place of its result `of`.
 pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate, of: Option<&Estimate>) -> Vec<Fact> {
