@@ -192,7 +192,13 @@ impl Model {
 
     /// Undoes a step, or redoes one.
     pub fn travel(&mut self, back: bool) {
-        self.document = self.history.travel(back, std::mem::take(&mut self.document));
+        let before = std::mem::take(&mut self.document);
+        let (pairs, excluded) = (before.pairs.clone(), before.excluded.clone());
+        self.document = self.history.travel(back, before);
+        if (pairs, excluded) != (self.document.pairs.clone(), self.document.excluded.clone()) {
+            // The record is of the points before.
+            self.open.replay.stop();
+        }
     }
 
     /// Moves the selected point. A run of moves is one step.

@@ -9,6 +9,7 @@ use super::replay::course::{Course, Place, StepState};
 use super::replay::record::{Record, Source};
 use super::replay::{Key, ReplayCommand, Speed, steps};
 use super::{Model, Side, StageId, TabId};
+use crate::estimate::{Event, EventKind};
 use crate::geometry::Frame;
 
 /// Time after which a running search is drawn, so that short ones do not flash.
@@ -159,25 +160,37 @@ impl Model {
             ReplayCommand::ToggleStill => self.look.still_steps = !still,
         }
         // The chart of the step is in the first tab.
-        if self.open.replay.place.is_some() && !matches!(command, ReplayCommand::NextSpeed) {
+        if self.open.replay.place.is_some()
+            && !matches!(command, ReplayCommand::NextSpeed | ReplayCommand::ToggleStill)
+        {
             self.look.tab = TabId::Step;
             self.look.stage = StageId::Pictures;
         }
     }
 
-    /// Collects the record of the running search, or else of the shown result.
+    /// Collects the record of the running search, or else of the shown result. A search that failed has none: the
+    /// latest result belongs to earlier points.
     fn new_record(&self) -> Record {
         let (document, computation) = (&self.document, &self.open.computation);
-        let searched = computation.searched();
         let running = computation.events_so_far();
-        let trace = searched.and_then(|searched| searched.trace.as_deref());
+        let result =
+            computation.result().filter(|(_, freshness)| running.is_none() && !freshness.is_behind());
+        let found = result.map(|(found, _)| found);
+        let trace = found.and_then(|found| found.trace.as_deref());
+        let events = running.or(trace.map(|trace| &trace.events[..])).unwrap_or_default();
+        // The pencils compared last may be those of earlier points.
+        let compared = computation.pencils().filter(|pencils| {
+            let clicks = || pencils.iter().map(|own| own.click);
+            let is_of_these = |event: &Event| matches!(&event.kind, EventKind::Pencils { anchors, .. } if clicks().eq(anchors.iter().copied()));
+            running.is_some() && events.iter().any(is_of_these)
+        });
         let frames = Side::BOTH.map(|side| document.frame(side).unwrap_or(Frame::new(1, 1)));
         Record::new(&Source {
             plan: document.search_plan(),
             frames,
-            events: running.or(trace.map(|trace| &trace.events[..])).unwrap_or_default(),
-            found: searched.filter(|_| running.is_none()),
-            pencils: computation.pencils().unwrap_or_default(),
+            events,
+            found,
+            pencils: compared.or(trace.map(|trace| &trace.pencils[..])).unwrap_or_default(),
             pair: &|number, click| document.pair_of_pencils(number, click),
         })
     }

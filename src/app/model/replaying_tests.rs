@@ -4,12 +4,16 @@ use std::sync::LazyLock;
 
 use super::*;
 use crate::app::model::MethodStep;
-use crate::app::model::computation::{EstimateNews, EstimateRequest};
+use crate::app::model::computation::{EstimateFailure, EstimateNews, EstimateRequest};
+use crate::app::model::focus::LineSource;
 use crate::app::model::replay::fan;
 use crate::app::model::replay::moment::{Ink, Moment, Shape};
 use crate::app::model::sample::sample_pair;
-use crate::estimate::{Event, Monitor, Progress, estimate};
-use crate::geometry::PointPair;
+use crate::estimate::{
+    EstimateError, Event, EventKind, HypothesisNote, Monitor, Progress, ProposedBy, RankedHypothesis,
+    RefinementStep, estimate,
+};
+use crate::geometry::{FundamentalMatrix, PointPair};
 use crate::io::PairOrigin;
 
 /// Returns a model with the result of a search of the sample, and the events that the search reported.
@@ -113,7 +117,7 @@ fn a_sweep_compares_every_line_once_and_holds_the_winner() {
     let held = steps::draw(record, Place { step: MethodStep::Pencils, seconds: 1.35 });
     let own = &record.pencils[0];
     let candidate = own.compared.candidates[own.winner.unwrap()];
-    assert!((held.lines.unwrap()[0].angle() - candidate.angles[0]).abs() < 1e-9);
+    assert_eq!(held.lines, Some(LineSource::Pencil { pair: 0, angles: candidate.angles }));
     assert!(held.slide > 0.0);
 }
 
@@ -141,7 +145,7 @@ fn a_growing_record_has_the_steps_that_have_happened() {
         let record = model.new_record();
         let has = MethodStep::ALL
             .into_iter()
-            .filter(|step| *step != MethodStep::Pencils && record.has(*step))
+            .filter(|step| !matches!(step, MethodStep::Pencils | MethodStep::Candidates) && record.has(*step))
             .count();
         assert!(has >= known, "a step does not go again");
         known = has;
@@ -170,6 +174,67 @@ fn the_record_belongs_to_the_points_it_was_made_from() {
     model.follow_replay();
     assert!(!model.has_record());
     assert!(model.document.frame(Side::Left).is_some());
+}
+
+#[test]
+fn undo_ends_the_replay_and_a_failed_search_has_no_record() {
+    let (mut model, _) = searched(true);
+    model.edit(|document| document.pairs[0].point1.x += 1.0);
+    model.follow_replay();
+    model.apply_to_replay(ReplayCommand::Play(MethodStep::Pencils));
+    assert!(model.replayed().is_some());
+    model.travel(true);
+    assert_eq!(model.replayed(), None);
+    // The latest result remains known, but it is not of these points.
+    let failed = EstimateFailure::Estimate(EstimateError::NoGeometry);
+    model.open.computation.take(1, EstimateNews::Finished(Err(failed)));
+    assert!(model.open.computation.searched().is_some());
+    model.follow_replay();
+    assert!(!model.has_record());
+}
+
+#[test]
+fn a_search_of_several_passes_tells_the_story_of_the_selected_one() {
+    let geometry = |y: f64| {
+        let e = nalgebra::Vector3::new(1000.0, y, 1.0);
+        FundamentalMatrix::from_rank_two(e.cross_matrix()).unwrap()
+    };
+    let note = |y: f64, source: ProposedBy| HypothesisNote {
+        fundamental: geometry(y),
+        origin: source.into(),
+        support: Some(y),
+    };
+    let [first, second] =
+        [note(1.0, ProposedBy::LinePairs { ranks: [6, 8] }), note(2.0, ProposedBy::Features)];
+    let pass = |own: HypothesisNote| {
+        let ranked = RankedHypothesis { hypothesis: own, course: vec![1.0, 2.0] };
+        let step = |y: f64| RefinementStep { fundamental: geometry(y), matches: 50 };
+        let steps = vec![
+            step(own.support.unwrap() + 0.5),
+            RefinementStep { fundamental: own.fundamental, matches: 60 },
+        ];
+        [
+            EventKind::Proposed { examined: 10, hypotheses: vec![own] },
+            EventKind::Ranked(vec![ranked]),
+            EventKind::Refined { selected: own, matches: 60, steps },
+        ]
+    };
+    let kinds = pass(first).into_iter().chain(pass(second)).chain([EventKind::Selected(first)]);
+    let events: Vec<Event> = kinds.map(|kind| Event { seconds: 0.0, kind }).collect();
+    let record = |events: &[Event]| {
+        Record::new(&Source {
+            plan: CLICKED.plan,
+            frames: CLICKED.frames,
+            events,
+            found: None,
+            pencils: &[],
+            pair: &|_, _| None,
+        })
+    };
+    let of = |record: &Record| (record.winner, record.race[0].hypothesis, *record.swing.last().unwrap());
+    // While the search runs, its latest pass is shown.
+    assert_eq!(of(&record(&events[..6])), (Some(1), second, second.fundamental));
+    assert_eq!(of(&record(&events)), (Some(0), first, first.fundamental));
 }
 
 #[test]

@@ -268,9 +268,9 @@ impl Model {
         let replay = &self.open.replay;
         let has_none = self.look.tab == TabId::Step && self.open.focus.inspected().is_none();
         let is_free = replay.is_playing() || has_none;
-        if let Some(lines) = replay.moment().filter(|_| is_free).and_then(|moment| moment.lines) {
-            let source = LineSource::Through { side: Side::Left, point: lines[0].anchor };
-            return Some(InspectedLines { source, lines });
+        let replayed = replay.moment().filter(|_| is_free).and_then(|moment| moment.lines);
+        if let Some(source) = replayed {
+            return Some(InspectedLines { source, lines: self.lines(source)? });
         }
         let source = match self.open.focus.inspected() {
             Some(pin) => pin.source,

@@ -6,7 +6,7 @@ use crate::app::model::ids::MethodStep;
 
 /// Replay speed, times the usual one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
+#[serde(from = "f64", into = "f64")]
 pub struct Speed(f64);
 
 impl Speed {
@@ -27,6 +27,21 @@ impl Speed {
 
     pub fn label(self) -> &'static str {
         ["¼×", "½×", "1×", "2×", "4×"][Self::ALL.iter().position(|speed| *speed >= self.0).unwrap_or(2)]
+    }
+}
+
+impl From<f64> for Speed {
+    /// Returns the nearest speed.
+    fn from(times: f64) -> Self {
+        let away = |speed: &f64| (speed - times).abs();
+        let nearest = Self::ALL.into_iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+        nearest.filter(|_| times.is_finite()).map_or_else(Self::default, Self)
+    }
+}
+
+impl From<Speed> for f64 {
+    fn from(speed: Speed) -> Self {
+        speed.0
     }
 }
 
@@ -62,4 +77,21 @@ pub enum ReplayCommand {
     NextSpeed,
     /// Show only the last moment of each step, for people who avoid motion.
     ToggleStill,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_number_in_the_settings_is_a_speed() {
+        for (times, label) in [(0.5, "½×"), (-3.0, "¼×"), (1e9, "4×"), (f64::NAN, "1×"), (1.1, "1×")] {
+            assert_eq!(Speed::from(times).label(), label);
+        }
+        let all: Vec<&str> = std::iter::successors(Some(Speed::from(0.25)), |own| Some(own.next()))
+            .map(Speed::label)
+            .take(6)
+            .collect();
+        assert_eq!(all, ["¼×", "½×", "1×", "2×", "4×", "¼×"]);
+    }
 }

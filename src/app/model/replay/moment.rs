@@ -1,8 +1,9 @@
 //! The drawing of one moment.
 
 use crate::app::model::document::Side;
+use crate::app::model::focus::LineSource;
 use crate::app::model::ids::MethodStep;
-use crate::geometry::{AnchoredLine, HomogeneousPoint, Line, Point, PointPair};
+use crate::geometry::{HomogeneousPoint, Line, Point, PointPair};
 
 /// Meaning of a mark, for its colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,7 +81,7 @@ pub struct Moment {
     pub marks: Vec<Mark>,
     pub figures: Vec<Figure>,
     /// Line pair whose profiles are shown, if any.
-    pub lines: Option<[AnchoredLine; 2]>,
+    pub lines: Option<LineSource>,
     /// How far the right curve has slid to its place in the warped profile, 0 to 1.
     pub slide: f64,
     pub filled: Option<Filled>,

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::fan;
 use crate::app::model::document::pair_name;
+use crate::app::model::focus::LineSource;
 use crate::app::model::ids::MethodStep;
 use crate::estimate::{
     ComparedPencils, Construction, DistinctMatch, Estimate, Event, EventKind, HypothesisNote, Origin,
@@ -24,12 +25,26 @@ pub struct RecordedPencils {
     pub compared: Arc<ComparedPencils>,
     /// Name of the click, or of the match in its place.
     pub name: String,
-    /// Number of the point pair, for its colour.
-    pub pair: usize,
+    /// Number of the point pair; `None` for a match in the place of a click.
+    pub pair: Option<usize>,
+    /// Number of the pencil.
+    pub number: usize,
     /// Column of the best partner of each row, and its cost.
     pub partners: Vec<Option<(usize, f32)>>,
     /// Place of the candidate that led to the result, or of the candidate nearest to the result's lines.
     pub winner: Option<usize>,
+}
+
+impl RecordedPencils {
+    /// Returns the number of the colour of the lines.
+    pub fn color(&self) -> usize {
+        self.pair.unwrap_or(self.number)
+    }
+
+    /// Returns the lines at these angles as lines that can be inspected. Those through a match cannot.
+    pub fn source(&self, angles: [f64; 2]) -> Option<LineSource> {
+        Some(LineSource::Pencil { pair: self.pair?, angles })
+    }
 }
 
 /// A match of features.
@@ -94,6 +109,19 @@ pub struct Record {
     /// Matches of the result.
     pub matched: Vec<PointPair>,
     pub result: Option<FundamentalMatrix>,
+    /// Data from which the result was proposed.
+    led_from: Option<ProposedBy>,
+    /// Refinements of all passes so far.
+    refined: Vec<Refinement>,
+}
+
+/// A refinement with the race before it.
+#[derive(Debug)]
+struct Refinement {
+    selected: HypothesisNote,
+    race: Vec<RankedHypothesis>,
+    swing: Vec<FundamentalMatrix>,
+    fitted: Vec<usize>,
 }
 
 impl Record {
@@ -115,6 +143,8 @@ impl Record {
             fan: Vec::new(),
             matched: Vec::new(),
             result: None,
+            led_from: None,
+            refined: Vec::new(),
         }
     }
 
@@ -150,20 +180,44 @@ impl Record {
             }
             EventKind::Ranked(best) => self.race.clone_from(best),
             EventKind::Refined { selected, steps, .. } => {
-                self.swing = steps.iter().map(|step| step.fundamental).collect();
-                self.fitted = steps.iter().map(|step| step.matches).collect();
-                self.result = Some(selected.fundamental);
+                self.refined.push(Refinement {
+                    selected: *selected,
+                    race: self.race.clone(),
+                    swing: steps.iter().map(|step| step.fundamental).collect(),
+                    fitted: steps.iter().map(|step| step.matches).collect(),
+                });
+                self.show_refinement(self.refined.len() - 1);
             }
-            EventKind::Selected(selected) => self.result = Some(selected.fundamental),
+            EventKind::Selected(selected) => {
+                // A search of several passes may select the result of an earlier one.
+                let of = |same: &dyn Fn(&HypothesisNote) -> bool| {
+                    self.refined.iter().rposition(|own| same(&own.selected))
+                };
+                let pass = of(&|own| own.fundamental == selected.fundamental)
+                    .or_else(|| of(&|own| own.origin == selected.origin));
+                (self.swing, self.fitted) = (Vec::new(), Vec::new());
+                if let Some(pass) = pass {
+                    self.show_refinement(pass);
+                }
+                self.result = Some(selected.fundamental);
+                self.led_from = Some(selected.origin.source);
+            }
             EventKind::Began(_) | EventKind::Pencils { .. } | EventKind::Judged { .. } => {}
         }
+    }
+
+    /// Shows the race and the fits of one pass.
+    fn show_refinement(&mut self, pass: usize) {
+        let Refinement { selected, race, swing, fitted } = &self.refined[pass];
+        (self.race, self.swing, self.fitted) = (race.clone(), swing.clone(), fitted.clone());
+        (self.result, self.led_from) = (Some(selected.fundamental), Some(selected.origin.source));
     }
 
     /// Adds what only the end of a search knows.
     fn take_result(&mut self, found: &Estimate) {
         let f = *found.fundamental();
         self.result = Some(f);
-        if !self.swing.is_empty() {
+        if self.swing.last().is_some_and(|last| *last != f) {
             self.swing.push(f);
             self.fitted.push(found.matches().len());
         }
@@ -202,17 +256,11 @@ impl Record {
             .collect();
     }
 
-    /// Finds the hypothesis that led to the result: the one with its origin, or else the best-supported one.
+    /// Finds the hypothesis that led to the result: the best one with its origin, or else the best one so far.
     fn find_winner(&mut self) {
-        let leader = self.race.first().map(|best| best.hypothesis.origin.source);
-        let same = leader.and_then(|leader| {
-            self.hypotheses.iter().position(|own| {
-                own.origin.source == leader && {
-                    // All matches of features have one origin; the first proposal is the best of them.
-                    own.origin.then.is_none()
-                }
-            })
-        });
+        let leader = self.led_from.or(self.race.first().map(|best| best.hypothesis.origin.source));
+        let same =
+            leader.and_then(|leader| self.hypotheses.iter().position(|own| own.origin.source == leader));
         self.winner = same.or((!self.hypotheses.is_empty()).then_some(0));
     }
 
@@ -229,7 +277,7 @@ impl Record {
         });
         let winner = ranks.map(|rank| rank - 1).filter(|place| *place < compared.candidates.len());
         let winner = winner.or_else(|| self.nearest(compared));
-        RecordedPencils { compared: compared.clone(), name, pair: pair.unwrap_or(number), partners, winner }
+        RecordedPencils { compared: compared.clone(), name, pair, number, partners, winner }
     }
 
     /// Returns the candidate nearest to the lines of the result.

@@ -88,7 +88,7 @@ fn pencils(moment: &mut Moment, record: &Record, seconds: f64) {
     let swept = share(seconds, begin, sweep);
     let row = ((swept * rows as f64) as usize).min(rows.saturating_sub(1));
     let is_held = swept >= 1.0;
-    let ink = Ink::Pair(own.pair);
+    let ink = Ink::Pair(own.color());
     let trail = |row: usize| own.partners[row].and_then(|(column, _)| own.compared.lines(row, column));
     let step = (rows / TRAIL).max(1);
     for earlier in (0..row).step_by(step) {
@@ -98,7 +98,10 @@ fn pencils(moment: &mut Moment, record: &Record, seconds: f64) {
     }
     let winner = own.winner.map(|place| &own.compared.candidates[place]);
     let held = winner.and_then(|winner| Some((own.compared.cell(winner)?, winner.cost))).filter(|_| is_held);
-    let partner = || Some(([row, own.partners[row]?.0], own.partners[row]?.1));
+    let partner = || {
+        let (column, cost) = (*own.partners.get(row)?)?;
+        Some(([row, column], cost))
+    };
     moment.filled = Some(Filled { pencil: number, rows: if is_held { rows } else { row + 1 } });
     moment.slide = if is_held { ease_out(share(seconds, begin + sweep, 0.8 * hold)) } else { 0.0 };
     let Some(([row, column], cost)) = held.or_else(partner) else { return };
@@ -115,7 +118,7 @@ fn pencils(moment: &mut Moment, record: &Record, seconds: f64) {
     moment.tell("line on the left", degrees(&lines[0]));
     moment.tell("best partner on the right", degrees(&lines[1]));
     moment.tell("cost, 1 is a random line", format!("{cost:.2}"));
-    moment.lines = Some(lines);
+    moment.lines = own.compared.angles(row, column).and_then(|angles| own.source(angles));
 }
 
 fn candidates(moment: &mut Moment, record: &Record, seconds: f64) {
@@ -127,7 +130,7 @@ fn candidates(moment: &mut Moment, record: &Record, seconds: f64) {
         let step = (own.partners.len() / TRAIL).max(1);
         for (row, partner) in own.partners.iter().enumerate().step_by(step) {
             if let Some(lines) = partner.and_then(|(column, _)| own.compared.lines(row, column)) {
-                moment.add(pencil_lines(both(&lines), 0.8), Ink::Pair(own.pair), 0.25 * fade);
+                moment.add(pencil_lines(both(&lines), 0.8), Ink::Pair(own.color()), 0.25 * fade);
             }
         }
         let drawn = own.compared.candidates.iter().take(DRAWN).enumerate();
@@ -135,7 +138,7 @@ fn candidates(moment: &mut Moment, record: &Record, seconds: f64) {
             let lines = lines_at(&own.compared.click, candidate.angles);
             let best = 1.0 - rank as f64 / DRAWN as f64;
             let (width, opacity) = (1.0 + best as f32, 0.25 + 0.6 * best);
-            moment.add(pencil_lines(both(&lines), width), Ink::Pair(own.pair), opacity * (1.0 - violet));
+            moment.add(pencil_lines(both(&lines), width), Ink::Pair(own.color()), opacity * (1.0 - violet));
             moment.add(pencil_lines(both(&lines), width), Ink::Unchecked, opacity * violet);
         }
         let turn = share(seconds, 0.8, 0.4);
@@ -155,7 +158,7 @@ fn candidates(moment: &mut Moment, record: &Record, seconds: f64) {
     if let Some((own, rank)) = shown {
         let candidate = &own.compared.candidates[rank];
         moment.tell("shown", format!("{} {}, cost {:.2}", own.name, rank + 1, candidate.cost));
-        moment.lines = Some(lines_at(&own.compared.click, candidate.angles));
+        moment.lines = own.source(candidate.angles);
     }
 }
 
@@ -251,7 +254,7 @@ fn epipoles(moment: &mut Moment, record: &Record, seconds: f64) {
             crossing(record, &record.hypotheses[*k]).filter(|_| is_open)
         {
             for (pencils, lines) in lines {
-                moment.add(pencil_lines(both(&lines), 2.2), Ink::Pair(pencils.pair), crosses);
+                moment.add(pencil_lines(both(&lines), 2.2), Ink::Pair(pencils.color()), crosses);
             }
             (now, moment.crossed) = (Some(*k), Some(candidates));
         }
@@ -272,7 +275,7 @@ fn epipoles(moment: &mut Moment, record: &Record, seconds: f64) {
     if lit > 0.0 && count > 0 {
         if let Some(Crossing { candidates, lines }) = crossing(record, &record.hypotheses[winner]) {
             for (pencils, lines) in lines {
-                moment.add(pencil_lines(both(&lines), 2.2), Ink::Pair(pencils.pair), lit);
+                moment.add(pencil_lines(both(&lines), 2.2), Ink::Pair(pencils.color()), lit);
             }
             moment.crossed = Some(candidates);
         }

@@ -19,7 +19,11 @@ pub fn draw(canvas: &Canvas, moment: &Moment) {
         let color = color_of(canvas, *ink).gamma_multiply(*opacity);
         match shape {
             Shape::Lines { lines, width, dashed } => {
-                if let Some(line) = &lines[canvas.side.index()] {
+                let Some(line) = &lines[canvas.side.index()] else { continue };
+                if *ink == Ink::Verdict {
+                    // Lines of an unreliable result stay hidden here, too.
+                    canvas.epipolar_line(line, *width, color);
+                } else {
                     across(canvas, line, *width, color, *dashed);
                 }
             }

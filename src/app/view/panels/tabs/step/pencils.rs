@@ -105,9 +105,12 @@ fn playing(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
     let mut child = ui.new_child(UiBuilder::new().max_rect(matrix).id_salt("filling"));
     one(&mut child, model, filled.pencil, &own.compared, commands);
     let right = profiles.with_min_x(profiles.min.x + theme::GAP);
-    ui.scope_builder(UiBuilder::new().max_rect(right).id_salt("profiles"), |ui| {
-        sliding(ui, model, moment.slide);
-    });
+    // Lines through a match in the place of a click have no profiles.
+    if moment.lines.is_some() {
+        ui.scope_builder(UiBuilder::new().max_rect(right).id_salt("profiles"), |ui| {
+            sliding(ui, model, moment.slide);
+        });
+    }
     true
 }
 
@@ -136,7 +139,8 @@ fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, com
         (lines.line1, lines.line2)
     });
     // The lines that are being compared.
-    let compared = filled.and_then(|_| moment?.lines).map(|[line1, line2]| (line1.line(), line2.line()));
+    let compared =
+        filled.and_then(|_| model.lines(moment?.lines?)).map(|lines| lines.map(|line| line.line()).into());
     let title = if plot.width() < ROOM_FOR_WORDS { name } else { format!("Lines through {name}") };
     let heading = RichText::new(title).size(theme::CAPTION);
     let top = Rect::from_min_max(pos2(plot.min.x, area.min.y), pos2(area.max.x, area.min.y + TITLE));
