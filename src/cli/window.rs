@@ -34,7 +34,7 @@ pub(super) fn run(arguments: WindowArguments) -> Result<(), CliError> {
     let WindowArguments { images, sequences, pairs, imports } = arguments;
     let opening = match &images[..] {
         [] if sequences => Opening::SampleSequences,
-        [] => Opening::Sample,
+        [] => Opening::default(),
         [left, right] => Opening::Files(left.clone(), right.clone()),
         [folder] if folder.is_dir() => Opening::Folder(folder.clone()),
         [file] if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) => {

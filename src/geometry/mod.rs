@@ -18,6 +18,8 @@ mod difference;
 mod eight_point;
 mod elimination;
 mod essential;
+#[doc(hidden)]
+pub mod fan;
 mod five_point;
 mod frame;
 mod fundamental;

@@ -23,10 +23,10 @@ pub fn interval_in_words(bearing: &EpipoleBearing) -> String {
         (EpipoleCertainty::Position, Some(farthest)) => {
             let half = 0.5 * (farthest - nearest);
             if half <= SYMMETRIC * distance {
-                format!("{} ± {} px away", rounded(distance, half), rounded(half, half))
+                format!("{} ± {} px away", length_in_words(distance, half), length_in_words(half, half))
             } else {
                 // Two digits of each end: the far one may be hundreds of times the near one.
-                let end = |end: f64| rounded(end, 0.1 * if end > 0.0 { end } else { farthest });
+                let end = |end: f64| length_in_words(end, 0.1 * if end > 0.0 { end } else { farthest });
                 format!("{} to {} px away", end(nearest), end(farthest))
             }
         }
@@ -38,7 +38,7 @@ pub fn interval_in_words(bearing: &EpipoleBearing) -> String {
 }
 
 /// Writes a length whose error is `error` px: no more digits than that has.
-fn rounded(length: f64, error: f64) -> String {
+pub fn length_in_words(length: f64, error: f64) -> String {
     let decimals = (-error.max(f64::MIN_POSITIVE).log10().floor()).clamp(-9.0, 1.0);
     let step = 10_f64.powf(-decimals);
     format!("{:.*}", decimals.max(0.0) as usize, (length / step).round() * step)

@@ -19,7 +19,7 @@ mod scale;
 mod story;
 
 pub use cameras::camera_doubts;
-pub use epipoles::{NOT_DETERMINED, epipole_in_words, interval_in_words};
+pub use epipoles::{NOT_DETERMINED, epipole_in_words, interval_in_words, length_in_words};
 pub use errors::{error_in_words, named_error_in_words};
 pub use interpretation::interpretation_in_words;
 pub use judgement::{judgement_in_words, rows_in_words};

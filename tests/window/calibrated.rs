@@ -108,7 +108,10 @@ fn a_pair_of_a_folder_keeps_its_folder_and_its_lens() {
 #[test]
 fn epipolar_lines_are_curves_through_their_points() {
     let files = Files::new();
-    let window = calibrated(&files);
+    let mut window = calibrated(&files);
+    // The selected pair has its own lines.
+    let handle = on_screen(&window, Side::Left, pairs()[0].point1);
+    click(&mut window, handle);
     let curves: Vec<Vec<Pos2>> = window
         .output()
         .shapes

@@ -56,7 +56,8 @@ fn the_export_dialog_copies_f() {
     let mut window = sample();
     click_two_pairs(&mut window);
     press_with(&mut window, Modifiers::COMMAND, Key::E);
-    tap(&mut window, "Copy F as");
+    window.get_all_by_label("Copy F as").last().unwrap().click();
+    settle(&mut window);
     tap(&mut window, "NumPy");
     window.get_by_label("Copied F as NumPy");
 }

@@ -28,7 +28,7 @@ fn a_failing_and_a_panicking_computation_are_told_and_the_points_stay() {
     window.get_by_label_contains("stopped unexpectedly (index out of range)");
     assert_eq!(window.state().document().pairs.len(), 2);
     tap(&mut window, "Compute again");
-    window.get_by_label_contains("Estimated from pairs p and q");
+    window.get_by_label_contains("Found from p and q");
 }
 
 #[test]

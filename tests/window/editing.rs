@@ -5,7 +5,7 @@ use crate::support::*;
 use egui::{Key, Modifiers, PointerButton, Pos2, Rect, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::estimate::{Method, Trust, Verdict};
-use epiline::geometry::{Point, symmetric_epipolar_distance};
+use epiline::geometry::{Point, Vector, symmetric_epipolar_distance};
 use epiline::internals::app::Start;
 use epiline::internals::app::model::document::Side;
 
@@ -13,7 +13,7 @@ use epiline::internals::app::model::document::Side;
 fn the_sample_opens_and_the_window_says_what_to_do() {
     let window = sample();
     assert!(window.state().document().pictures.is_some());
-    window.get_by_label_contains("Click a point in one image");
+    window.get_by_label_contains("Every point of one picture lies on a line in the other.");
     window.get_by_label("Show me");
 }
 
@@ -27,7 +27,7 @@ fn two_clicked_pairs_give_the_geometry() {
     for pair in &inspector.document().pairs {
         assert!(symmetric_epipolar_distance(estimate.fundamental(), pair) < 1e-6);
     }
-    window.get_by_label_contains("Estimated from pairs p and q");
+    window.get_by_label_contains("Found from p and q");
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn arrow_keys_nudge_the_selected_point() {
     window.key_press(Key::ArrowRight);
     press_with(&mut window, Modifiers::SHIFT, Key::ArrowUp);
     let moved = point(&window, P_LEFT) - before;
-    assert!((moved.x - 0.2).abs() < 1e-9 && (moved.y + 1.0).abs() < 1e-9, "{moved:?}");
+    assert!((moved.x - 2.0).abs() < 1e-9 && (moved.y + 10.0).abs() < 1e-9, "{moved:?}");
     undo(&mut window);
     assert_eq!(point(&window, P_LEFT), before, "a run of nudges is one step");
 }
@@ -177,12 +177,12 @@ fn every_pair_is_used_unless_it_is_to_check_only() {
     click_two_pairs(&mut window);
     click_a_third_pair(&mut window);
     assert_eq!(clicks(&window), 3);
-    window.get_by_label_contains("Estimated from pairs p, q and r");
+    window.get_by_label_contains("Found from p, q and r");
     assert!(window.query_by_label("Three pairs").is_none() && window.query_by_label("Three-point").is_none());
     unfold(&mut window, "q");
     tap(&mut window, "Check only pair q");
     assert_eq!(clicks(&window), 2);
-    window.get_by_label_contains("Estimated from pairs p and r");
+    window.get_by_label_contains("Found from p and r");
     tap(&mut window, "Use pair q");
     assert_eq!(clicks(&window), 3);
     for expected in [2, 3] {
@@ -366,4 +366,42 @@ fn a_small_window_and_a_large_one_hold_everything() {
             assert!(whole.contains_rect(pane(&window, side)), "{size:?}");
         }
     }
+}
+
+#[test]
+fn the_keyboard_places_points() {
+    let mut window = sample();
+    let frame = window.state().document().frame(Side::Left).unwrap();
+    press(&mut window, Key::Enter);
+    press(&mut window, Key::Tab);
+    assert!(
+        window.state().document().half.is_none(),
+        "without the crosshair they do nothing to the pictures"
+    );
+    press(&mut window, Key::P);
+    for _ in 0..3 {
+        press(&mut window, Key::ArrowRight);
+    }
+    press_with(&mut window, Modifiers::SHIFT, Key::ArrowUp);
+    press_with(&mut window, Modifiers::ALT, Key::ArrowLeft);
+    press(&mut window, Key::Enter);
+    let half = window.state().document().half.unwrap();
+    let from = frame.centre() + Vector::new(2.9, -10.0);
+    assert!(half.side == Side::Left && (half.point - from).norm() < 1e-9, "{half:?}");
+    // The second point is in the other picture. A moved crosshair is not overruled by the suggestion.
+    press(&mut window, Key::ArrowDown);
+    press(&mut window, Key::Enter);
+    let pair = window.state().document().pairs[0];
+    assert!((pair.point1 - from).norm() < 1e-9 && (pair.point2 - from - Vector::new(0.0, 1.0)).norm() < 1e-9);
+    press(&mut window, Key::Tab);
+    assert_eq!(window.state().model().open.crosshair.unwrap().side, Side::Right);
+    for _ in 0..200 {
+        press_with(&mut window, Modifiers::SHIFT, Key::ArrowRight);
+    }
+    assert!(
+        window.state().model().open.crosshair.unwrap().point.x <= frame.right(),
+        "it stays in the picture"
+    );
+    press(&mut window, Key::Escape);
+    assert!(window.state().model().open.crosshair.is_none() && window.state().document().pairs.len() == 1);
 }

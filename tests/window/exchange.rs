@@ -115,8 +115,7 @@ fn a_transposed_matrix_is_recognised_before_it_is_drawn() {
     window.key_press(Key::I);
     click_at(&mut window, Side::Left, 0.1, 0.1);
     assert_eq!(window.state().focus().pins().len(), 1);
-    let pinned = egui::Color32::from_rgb(230, 110, 40);
-    assert!(!lines(&window, Side::Right, pinned).is_empty(), "its lines can be pinned");
+    assert!(painted(&window, "pin 1"), "its lines can be pinned");
     press(&mut window, Key::Escape);
     undo(&mut window);
     assert_eq!(imported(&window), None);

@@ -16,7 +16,7 @@ use epiline::internals::app::{Services, Start};
 use epiline::suggest::{Clarity, Suggestion, Suggestions};
 
 const CURSOR_LINE: Color32 = Color32::from_rgb(244, 239, 110);
-const FIRST_PIN: Color32 = Color32::from_rgb(230, 110, 40);
+const FIRST_PIN: Color32 = Color32::from_rgb(244, 239, 110);
 
 /// Returns the signs outside ASCII in the texts of a folder's code, tests left out.
 fn signs_of_texts(folder: &std::path::Path, signs: &mut std::collections::BTreeSet<char>) {
@@ -120,6 +120,8 @@ fn the_inspect_tool_pins_line_pairs_and_escape_leaves_it() {
     click(&mut window, place);
     let pins = window.state().focus().pins().to_vec();
     assert!(matches!(pins[..], [pin] if matches!(pin.source, LineSource::Through { side: Side::Right, .. })));
+    window.hover_at(egui::pos2(4.0, 844.0));
+    settle(&mut window);
     for side in Side::BOTH {
         assert_eq!(lines(&window, side, FIRST_PIN).len(), 1, "in the {} image", side.name());
     }
@@ -442,12 +444,12 @@ fn pinned_lines_have_numbers_and_can_be_unpinned_by_name() {
         let shapes = &window.output().shapes;
         shapes.iter().any(|clipped| pane.contains_rect(clipped.clip_rect) && is_it(&clipped.shape))
     };
-    assert!(numbered(&window, "1") && numbered(&window, "2") && !numbered(&window, "3"));
+    assert!(numbered(&window, "pin 1") && numbered(&window, "pin 2") && !numbered(&window, "pin 3"));
     press_with(&mut window, Modifiers::COMMAND, Key::K);
     window.event(egui::Event::Text("unpin all".into()));
     settle(&mut window);
     press(&mut window, Key::Enter);
-    assert!(window.state().focus().pins().is_empty() && !numbered(&window, "1"));
+    assert!(window.state().focus().pins().is_empty() && !numbered(&window, "pin 1"));
 }
 
 #[test]
@@ -520,7 +522,7 @@ fn a_view_turns_by_90_degrees_and_coordinates_stay() {
     let reached = point(&window, P_LEFT);
     assert!((screen_turned(&window, Side::Left, reached) - (from + step)).length() < 0.5);
     // An arrow key moves it that way on the screen: to the right is up in the image.
-    press(&mut window, Key::ArrowRight);
+    press_with(&mut window, Modifiers::ALT, Key::ArrowRight);
     assert!((point(&window, P_LEFT) - reached - epiline::geometry::Vector::new(0.0, -0.1)).norm() < 1e-9);
 
     // A figure shows the image as it is turned, and the other one upright.

@@ -27,9 +27,10 @@ fn numbers(window: &Window, side: Side) -> Vec<(usize, Rect)> {
     let shapes = window.output().shapes.iter();
     let in_pane = shapes.filter(|clipped| pane.expand(1.0).contains_rect(clipped.clip_rect));
     let numbers = in_pane.filter_map(|clipped| match &clipped.shape {
-        egui::Shape::Text(text) => {
-            Some((text.galley.text().parse().ok()?, text.galley.rect.translate(text.pos.to_vec2())))
-        }
+        egui::Shape::Text(text) => Some((
+            text.galley.text().strip_prefix("pin ")?.parse().ok()?,
+            text.galley.rect.translate(text.pos.to_vec2()),
+        )),
         _ => None,
     });
     numbers.collect()

@@ -183,7 +183,7 @@ fn forty_lines_are_pinned_numbered_and_found_in_a_list() {
     let right = pane(&window, Side::Right);
     let texts = window.output().shapes.iter().filter_map(|clipped| match &clipped.shape {
         egui::Shape::Text(text) if right.expand(1.0).contains_rect(clipped.clip_rect) => {
-            text.galley.text().parse::<usize>().ok()
+            text.galley.text().strip_prefix("pin ")?.parse::<usize>().ok()
         }
         _ => None,
     });

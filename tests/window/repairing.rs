@@ -5,7 +5,7 @@ use crate::support::*;
 
 use std::path::Path;
 
-use egui::{Key, Modifiers};
+use egui::Key;
 use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::estimate::{Reason, Trust, Verdict};
 use epiline::geometry::{Point, Vector, symmetric_epipolar_distance};
@@ -123,7 +123,7 @@ fn the_library_repairs_a_pair_of_the_sample() {
     let q = screen(&window, Q_RIGHT);
     click(&mut window, q);
     for key in [Key::ArrowRight, Key::ArrowUp] {
-        press_with(&mut window, Modifiers::SHIFT, key);
+        press(&mut window, key);
     }
     assert!((point(&window, Q_RIGHT) - truth).norm() > 1.2);
     tap(&mut window, "Refine: pair q");

@@ -13,7 +13,7 @@ use epiline::estimate::{
     LineFigures, Parameters, PatchSupport, Reason, RefinedMatch, Refinement, SearchPlan, SearchTrace,
     Suspect,
 };
-use epiline::geometry::{FundamentalMatrix, Point, PointPair};
+use epiline::geometry::{FundamentalMatrix, Point, PointPair, fan};
 use epiline::internals::app::model::document::{PointRef, Side};
 use epiline::internals::app::model::look::Look;
 use epiline::internals::app::{Inspector, Opening, Services, Start, install_theme};
@@ -155,6 +155,16 @@ pub fn lines(window: &Window, side: Side, color: Color32) -> Vec<[Pos2; 2]> {
 pub const ESTIMATED: Color32 = Color32::from_rgb(31, 199, 152);
 /// Lines of a geometry that is shown in place of the result.
 pub const OTHER: Color32 = Color32::from_rgb(184, 113, 242);
+
+/// Whether the numbered lines of a geometry are drawn in the right image, in this colour.
+pub fn shows_lines(window: &Window, f: &FundamentalMatrix, color: Color32) -> bool {
+    let [left, right] = window.state().document().frames().unwrap();
+    let drawn = lines(window, Side::Right, color);
+    let parts = fan::places(f, left).into_iter().filter_map(|place| right.clip(&f.line2_from_point1(place)?));
+    let mut parts = parts.map(|part| [part.start, part.end].map(|end| screen_of(window, Side::Right, end)));
+    let is_near = |a: &[Pos2; 2], b: &[Pos2; 2]| a.iter().zip(b).all(|(a, b)| a.distance(*b) < 0.5);
+    parts.all(|[a, b]| drawn.iter().any(|drawn| is_near(drawn, &[a, b]) || is_near(drawn, &[b, a])))
+}
 
 /// Where an image position appears in a fitting image.
 pub fn screen_of(window: &Window, side: Side, point: Point) -> Pos2 {

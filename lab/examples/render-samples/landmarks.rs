@@ -63,12 +63,13 @@ pub fn separation(f: &FundamentalMatrix, a: &PointPair, b: &PointPair) -> f64 {
 }
 
 /// The strongest corner in each cell of a 10×8 grid that has an exact match which also looks alike.
-/// `None` when no three of them are separated.
+/// `None` when no three of them are separated. `first` are places of the pairs to show, or `None` to choose them.
 pub fn landmarks(
     scene: &Scene,
     cameras: &[Camera; 2],
     frame: Frame,
     planes: [&GrayPlane; 2],
+    first: Option<[Point; 2]>,
 ) -> Option<Landmarks> {
     let f = Camera::fundamental(&cameras[0], &cameras[1])?;
     let eye = Eye::new(&cameras[0])?;
@@ -108,9 +109,15 @@ pub fn landmarks(
     };
     let central: Vec<_> =
         matches.iter().filter(|m| inside(m.point1) && inside(m.point2) && sturdy(m)).collect();
+    let apart = |a: &PointPair, b: &PointPair| separation(&f, a, b) > least;
+    if let Some(first) = first {
+        let [p, q] = first.map(|place| true_match(scene, &cameras[0], &cameras[1], frame, place));
+        let show_me = [p?, q?];
+        let third = **central.iter().find(|m| show_me.iter().all(|shown| apart(shown, m)))?;
+        return Some(Landmarks { matches, show_me, third });
+    }
     for (j, q) in central.iter().enumerate() {
         for p in &central[..j] {
-            let apart = |a: &PointPair, b: &PointPair| separation(&f, a, b) > least;
             if !apart(p, q) {
                 continue;
             }

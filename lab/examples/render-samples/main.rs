@@ -33,7 +33,7 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 
-use epiline::geometry::{Camera, Frame, PointPair};
+use epiline::geometry::{Camera, Frame, Point, PointPair};
 use epiline::image::GrayPlane;
 use epiline::synthetic::{SAMPLE_FRAME, Sample, SampleFile};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -65,6 +65,15 @@ fn setting(sample: Sample, frame: Frame) -> Option<(Scene, [Camera; 2], [&'stati
     })
 }
 
+/// Places in picture 1 of the pairs that "Show me" clicks. Those of the alley have their true epipolar lines among the
+/// first candidates, so that the replay of the search can show them.
+fn first_shown(sample: Sample) -> Option<[Point; 2]> {
+    match sample {
+        Sample::Courtyard => None,
+        Sample::Alley => Some([Point::new(248.0, 510.0), Point::new(612.0, 453.0)]),
+    }
+}
+
 /// Renders a pair and finds its landmarks. `None` when no three of them are separated.
 fn make(sample: Sample) -> Option<([RgbImage; 2], SampleFile)> {
     let frame = SAMPLE_FRAME;
@@ -77,7 +86,7 @@ fn make(sample: Sample) -> Option<([RgbImage; 2], SampleFile)> {
             0.2126 * r + 0.7152 * g + 0.0722 * b
         })
     });
-    let found = landmarks::landmarks(&scene, &cameras, frame, [&plane1, &plane2])?;
+    let found = landmarks::landmarks(&scene, &cameras, frame, [&plane1, &plane2], first_shown(sample))?;
     let rows = |c: &Camera| c.matrix().transpose().data.0;
     let row = |pair: &PointPair| [pair.point1.x, pair.point1.y, pair.point2.x, pair.point2.y];
     let file = SampleFile {

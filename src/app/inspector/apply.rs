@@ -34,7 +34,7 @@ impl Inspector {
             Command::ShowOpenDialog => dialogs.open.show_empty(),
             Command::TogglePalette => dialogs.palette.toggle(),
             Command::ToggleShortcuts => dialogs.shortcuts = !dialogs.shortcuts,
-            Command::OpenSample => self.open(Wanted::Opening(Opening::Sample)),
+            Command::OpenSample(sample) => self.open(Wanted::Opening(Opening::Sample(sample))),
             Command::OpenSampleSequences => self.open(Wanted::Opening(Opening::SampleSequences)),
             Command::OpenFiles(paths) => self.open_files(paths),
             Command::OpenFolder(path) => self.open_folder(path),
@@ -86,6 +86,7 @@ impl Inspector {
             Command::Stop => self.tasks.estimating.stop(&mut model.open.computation),
             Command::Recompute => model.open.computation.restart(),
             Command::Place(side, point) => {
+                model.open.crosshair = None;
                 let before = model.document.clone();
                 let result = model.settled().copied();
                 let is_moved = before.half.is_some_and(|half| half.side == side);
@@ -109,12 +110,23 @@ impl Inspector {
                 model.edit_run(EditKey::Drag(at), |document| document.move_to(at, point));
             }
             Command::EndDrag => model.history.close_step(),
+            Command::Crosshair(command) => model.apply_to_crosshair(command),
+            Command::PlaceAtCrosshair => {
+                if let Some((side, point)) = model.marked_by_crosshair() {
+                    self.apply(ctx, Command::Place(side, point));
+                    self.model.advance_crosshair((side, point));
+                }
+            }
             Command::Nudge(by) => {
                 // An arrow key moves the point that way on the screen.
-                let side = model.document.selection.map_or(Side::Left, |at| at.side);
+                let own = model.open.crosshair.map(|own| own.side);
+                let side = own.or(model.document.selection.map(|at| at.side)).unwrap_or(Side::Left);
                 let turn =
                     self.view.panes[side.index()].view().map_or_else(QuarterTurns::default, |view| view.turn);
-                model.nudge(turn.inverse().turned(by));
+                let by = turn.inverse().turned(by);
+                if !model.move_crosshair(by) {
+                    model.nudge(by);
+                }
             }
             Command::Select(at) => model.select(at),
             Command::SetMethod(method) => model.edit(|document| document.parameters.method = method),
@@ -296,6 +308,8 @@ impl Inspector {
             // The bars and the dock are back, and messages with them.
         } else if model.messages.dismiss_top() {
             // The message is dismissed.
+        } else if model.open.crosshair.take().is_some() {
+            // The crosshair is away.
         } else if model.tool == Tool::Measure && model.open.measuring.take().is_some() {
             // The measurement is removed.
         } else if model.tool != Tool::Points {

@@ -32,7 +32,7 @@ impl Inspector {
             ExchangeCommand::ShowPlaneExport => self.show_file_export(Some(ExportKind::Plane)),
             ExchangeCommand::Export(order) => self.export_file(order),
             ExchangeCommand::CopyFundamental(notation) => {
-                if let Some(shown) = self.model.shown() {
+                if let Some(shown) = self.model.geometry_to_write() {
                     let (pictures, trust) = (self.model.open.pictures_of(), trust_note(&self.model));
                     ctx.copy_text(notation.text(shown.fundamental, &pictures, trust.as_ref()));
                     let of =

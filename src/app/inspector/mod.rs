@@ -106,6 +106,7 @@ impl Inspector {
         let keyboard = KeyboardState {
             dialog_open: self.view.dialogs.is_open(),
             suggestion: self.model.document.half.is_some() && self.model.open.suggestion.is_some(),
+            crosshair: self.model.open.crosshair.is_some(),
         };
         for command in pressed(&ctx, keyboard) {
             self.apply(&ctx, command);

@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 
 use super::comparison::{Contestant, Subject};
+use super::crosshair::CrosshairCommand;
 use super::dock::DockEdge;
 use super::document::{PointRef, Role, Side};
 use super::exchange::ExportOrder;
@@ -21,12 +22,13 @@ use crate::camera::FocalLength;
 use crate::estimate::{Method, Parameters, Preset};
 use crate::geometry::{Point, Vector};
 use crate::io::Notation;
+use crate::synthetic::Sample;
 
 /// A command of the user. The tooltips in `view::actions` describe most of them.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Command {
     ShowOpenDialog,
-    OpenSample,
+    OpenSample(Sample),
     OpenSampleSequences,
     /// Open files: two images, or a folder, a session, files to import.
     OpenFiles(Vec<PathBuf>),
@@ -75,6 +77,9 @@ pub enum Command {
     EndDrag,
     /// Move the selected point by an offset, px.
     Nudge(Vector),
+    Crosshair(CrosshairCommand),
+    /// Place a point at the crosshair.
+    PlaceAtCrosshair,
     Select(Option<PointRef>),
     SetMethod(Method),
     SetPreset(Preset),
@@ -206,6 +211,7 @@ commands_about!(
     Rectified(RectifiedCommand),
     Player(PlayerCommand),
     Replay(ReplayCommand),
+    Crosshair(CrosshairCommand),
     Tones(TonesCommand),
     Points(PointsCommand),
     Session(SessionCommand),

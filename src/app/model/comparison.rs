@@ -269,9 +269,10 @@ mod tests {
     use super::*;
     use crate::app::model::sample::sample_pair;
     use crate::judge::Finding;
+    use crate::synthetic::Sample;
 
     fn question() -> ComparisonQuestion {
-        let sample = sample_pair();
+        let sample = sample_pair(Sample::Courtyard);
         ComparisonQuestion {
             result: Some(ShownGeometry {
                 fundamental: sample.truth.fundamental,

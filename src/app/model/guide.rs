@@ -74,6 +74,10 @@ pub fn guide(model: &Model) -> String {
                 if model.tone() == Tone::Good || is_open { "" } else { " Click pairs for more certainty." };
             format!("Point at an image to see its epipolar line in the other.{more}")
         }
+        0 if model.lesson().is_some() => {
+            "Every point of one picture lies on a line in the other. Move the mouse over a picture to see it."
+                .into()
+        }
         0 => "Click a point in one image, then the same scene point in the other.".into(),
         placed if placed < needed => {
             let name = pair_name(document.pairs.len());

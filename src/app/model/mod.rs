@@ -11,7 +11,7 @@
 //! answers |
 //! | [`focus`] | hovered and selected things |
 //! | [`look`], [`ids`], [`dock`] | visible things, kept between runs; place of the dock |
-//! | [`measuring`] | a distance and a direction in one image |
+//! | [`measuring`], [`crosshair`] | a distance and a direction in one image; points placed by the keyboard |
 //! | [`thumbnails`] | small pictures of the images of the folder |
 //! | [`recording`] | two sequences in place of two pictures: frames and time offset |
 //! | [`tones`] | brightness and colours of the pictures on the screen |
@@ -28,6 +28,7 @@ pub mod album;
 pub mod command;
 pub mod comparison;
 pub mod computation;
+pub mod crosshair;
 pub mod dock;
 pub mod document;
 pub mod exchange;
@@ -253,7 +254,7 @@ impl Model {
 
     /// Returns whether a rectified pair exists or can be made.
     pub fn can_rectify(&self) -> bool {
-        self.open.rectified.is_some() || self.shown().is_some()
+        self.open.rectified.is_some() || self.geometry_to_write().is_some()
     }
 
     /// Returns whether nothing was placed or computed yet.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::comparison::Comparison;
 use super::computation::Computation;
+use super::crosshair::Crosshair;
 use super::document::{Document, Side};
 use super::focus::Focus;
 use super::inspection::Inspection;
@@ -90,6 +91,7 @@ pub struct OpenPair {
     pub measuring: Option<Measuring>,
     /// Position of the cursor: written in one frame, read in the next.
     pub hover: Option<Hover>,
+    pub crosshair: Option<Crosshair>,
     /// Whether the pictures are shown without bars and dock.
     pub alone: bool,
     /// Whether the two pictures have traded places, for a blink.

@@ -5,10 +5,11 @@ use std::time::Duration;
 
 use super::computation::Freshness;
 use super::recording::PlayerCommand;
-use super::replay::course::{Course, Place, StepState};
+use super::replay::course::{Course, Place};
 use super::replay::record::{Record, Source};
 use super::replay::{Key, ReplayCommand, Speed, steps};
-use super::{Model, Side, StageId, TabId};
+use super::verdict::Tone;
+use super::{MethodStep, Model, Side, StageId, TabId};
 use crate::estimate::{Event, EventKind};
 use crate::geometry::Frame;
 
@@ -55,9 +56,14 @@ impl Model {
         if !is_long || shows_result {
             return None;
         }
-        let course = self.course();
-        let newest = course.steps.iter().rev().find(|step| step.state == StepState::Ran)?;
-        Some(Place { step: newest.step, seconds: newest.seconds })
+        let (course, newest) = (self.course(), self.record()?.newest?);
+        course.end_of(newest).filter(|_| course.lasts(newest))
+    }
+
+    /// Returns the moment of the matches, which stand in place of lines if the pictures seem to show different scenes.
+    fn matches_of_different_scenes(&self) -> Option<Place> {
+        let is_apart = self.tone() == Tone::Apart && !self.shows_another();
+        self.course().end_of(MethodStep::Features).filter(|_| is_apart)
     }
 
     /// Updates the record and the drawing of the shown moment.
@@ -79,7 +85,7 @@ impl Model {
                 self.apply_to_replay(ReplayCommand::PlaySlowly);
             }
         }
-        let place = self.replayed();
+        let place = self.replayed().or_else(|| self.matches_of_different_scenes());
         let replay = &mut self.open.replay;
         let is_drawn =
             |place: &Place| matches!(&replay.drawn, Some((of, at, _)) if (of, at) == (&key, place));

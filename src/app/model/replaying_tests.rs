@@ -6,19 +6,20 @@ use super::*;
 use crate::app::model::MethodStep;
 use crate::app::model::computation::{EstimateFailure, EstimateNews, EstimateRequest};
 use crate::app::model::focus::LineSource;
-use crate::app::model::replay::fan;
+use crate::app::model::replay::course::StepState;
 use crate::app::model::replay::moment::{Ink, Moment, Shape};
 use crate::app::model::sample::sample_pair;
 use crate::estimate::{
     EstimateError, Event, EventKind, HypothesisNote, Monitor, Progress, ProposedBy, RankedHypothesis,
     RefinementStep, estimate,
 };
-use crate::geometry::{FundamentalMatrix, PointPair};
+use crate::geometry::{FundamentalMatrix, PointPair, fan};
 use crate::io::PairOrigin;
+use crate::synthetic::Sample;
 
 /// Returns a model with the result of a search of the sample, and the events that the search reported.
 fn searched(clicked: bool) -> (Model, Vec<Event>) {
-    let sample = sample_pair();
+    let sample = sample_pair(Sample::Courtyard);
     let pairs = if clicked { sample.show_me.to_vec() } else { Vec::new() };
     let mut model = Model::default();
     model.open(sample.pictures, None, false, Some(sample.show_me));
@@ -169,7 +170,7 @@ fn the_record_belongs_to_the_points_it_was_made_from() {
     assert_eq!(model.replayed(), None);
     assert!(model.open.replay.moment().is_none() && !model.replay_on(0.1));
     // Other pictures have no record yet.
-    let sample = sample_pair();
+    let sample = sample_pair(Sample::Courtyard);
     model.open(sample.pictures, None, false, None);
     model.follow_replay();
     assert!(!model.has_record());
@@ -195,6 +196,7 @@ fn undo_ends_the_replay_and_a_failed_search_has_no_record() {
 
 #[test]
 fn a_search_of_several_passes_tells_the_story_of_the_selected_one() {
+    use MethodStep::{Epipoles, Refinement, Validation};
     let geometry = |y: f64| {
         let e = nalgebra::Vector3::new(1000.0, y, 1.0);
         FundamentalMatrix::from_rank_two(e.cross_matrix()).unwrap()
@@ -232,6 +234,12 @@ fn a_search_of_several_passes_tells_the_story_of_the_selected_one() {
         })
     };
     let of = |record: &Record| (record.winner, record.race[0].hypothesis, *record.swing.last().unwrap());
+    let newest = |count: usize| record(&events[..count]).newest.unwrap();
+    assert_eq!(
+        [1, 2, 3, 4].map(newest),
+        [Epipoles, Validation, Refinement, Epipoles],
+        "in the order of events"
+    );
     // While the search runs, its latest pass is shown.
     assert_eq!(of(&record(&events[..6])), (Some(1), second, second.fundamental));
     assert_eq!(of(&record(&events)), (Some(0), first, first.fundamental));

@@ -1,9 +1,11 @@
-//! The built-in pair shown at the start, and the built-in sequences.
+//! The built-in pairs, one of them shown at the start, and the built-in sequences.
 
 use super::picture::Opened;
 use super::recording::Recording;
+use crate::camera::FocalLength;
 use crate::cancel::CancelFlag;
-use crate::geometry::PointPair;
+use crate::geometry::{Camera, PointPair};
+use crate::image::Picture;
 use crate::io::{GroundTruth, SequenceFile, TruthOrigin};
 use crate::motion::{FrameSequence, MotionError};
 use crate::synthetic::{BallScene, Sample, ThrownBalls};
@@ -26,13 +28,27 @@ pub struct OpenedSample {
     pub truth: GroundTruth,
 }
 
-/// Loads the default sample.
-pub fn sample_pair() -> OpenedSample {
-    let name = Sample::default().name().to_owned();
-    let sample = Sample::default().load();
+/// The sample shown at the start. Its camera moves forwards, so the epipoles are in view.
+pub const FIRST: Sample = Sample::Alley;
+
+/// Loads a sample. Its focal lengths are known, so its scene opens without a question.
+pub fn sample_pair(sample: Sample) -> OpenedSample {
+    let name = sample.name().to_owned();
+    let sample = sample.load();
+    let known = |opened: Opened, camera: &Camera| {
+        let focal = camera.calibration().map(|k| FocalLength { pixels: k[(0, 0)], deviation: 0.0 });
+        focal.and_then(|focal| opened.clone().with_focal_length(focal)).unwrap_or(opened)
+    };
+    let [left, right] = sample.pictures.map(Opened::new);
+    let pictures = [known(left, &sample.cameras[0]), known(right, &sample.cameras[1])];
     let (fundamental, matches) = (sample.fundamental, sample.matches);
     let truth = GroundTruth { name, fundamental, matches, origin: TruthOrigin::Cameras };
-    OpenedSample { pictures: sample.pictures.map(Opened::new), show_me: sample.show_me, truth }
+    OpenedSample { pictures, show_me: sample.show_me, truth }
+}
+
+/// Returns the sample that a picture belongs to, by its name.
+pub fn sample_of(picture: &Picture) -> Option<Sample> {
+    Sample::from_name(picture.name.rsplit_once('-')?.0)
 }
 
 /// Draws the built-in sequences: balls thrown about in a yard. This takes a second or two.

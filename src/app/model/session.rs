@@ -12,12 +12,11 @@ use super::focus::LineSource;
 use super::look::Look;
 use super::pane_view::PaneView;
 use super::picture::Opened;
-use super::sample::SAMPLE_SEQUENCES;
+use super::sample::{SAMPLE_SEQUENCES, sample_of};
 use crate::camera::CameraModel;
 use crate::camera::PicturesOf;
 use crate::geometry::Frame;
 use crate::io::{ImageReference, ImageSource, SessionFile, has_extension, relative, resolve};
-use crate::synthetic::Sample;
 
 /// Maximum number of pairs of a session, far more than anybody clicks. Each is drawn and listed.
 const MOST_PAIRS: usize = 1000;
@@ -64,7 +63,7 @@ impl Work {
                 (None, _) if opened.recording.is_some() => {
                     ImageSource::Sample { sample: SAMPLE_SEQUENCES.to_owned() }
                 }
-                (None, _) => ImageSource::Sample { sample: Sample::default().name().to_owned() },
+                (None, _) => ImageSource::Sample { sample: sample_of(opened.shown())?.name().to_owned() },
                 (Some(_), None) => return None,
             };
             Some(ImageReference { source, frame: opened.shown().frame() })

@@ -8,6 +8,7 @@ use super::pair_folder::PairFolder;
 use super::verdict::Tone;
 use super::{Model, TabId};
 use crate::estimate::{Construction, Estimate, Reason, RefinedMatch, lines_at};
+use crate::geometry::fan::{self, NumberedLines};
 use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair, symmetric_epipolar_distance};
 use crate::io::GroundTruth;
 
@@ -61,13 +62,37 @@ impl Model {
         Some(ShownGeometry { fundamental, hypothesis, contestant, estimate, freshness })
     }
 
+    /// Returns the true geometry of a sample before anything was placed. It shows what epipolar lines are.
+    pub fn lesson(&self) -> Option<&FundamentalMatrix> {
+        let is_sample = self.open.show_me.is_some() && !self.compares_barcodes();
+        let is_start = self.is_at_start() && self.document.truth.is_none();
+        let known = self.open.known().filter(|_| is_sample && is_start);
+        known.map(|known| &known.truth.fundamental)
+    }
+
+    /// Returns the geometry that files and the clipboard may have: the shown one, unless it is only what the search
+    /// ended with for pictures of different scenes.
+    pub fn geometry_to_write(&self) -> Option<ShownGeometry<'_>> {
+        self.shown().filter(|shown| self.tone() != Tone::Apart || !shown.is_result())
+    }
+
+    /// Returns evenly spaced lines of the shown geometry.
+    pub fn numbered_lines(&self) -> Vec<NumberedLines> {
+        let Some((shown, frames)) = self.shown().zip(self.document.frames()) else { return Vec::new() };
+        let found = shown.estimate.matches().iter().map(|found| found.pair);
+        let used = self.document.used().map(|pair| self.document.pairs[pair]);
+        let matches: Vec<PointPair> =
+            if shown.estimate.matches().is_empty() { used.collect() } else { found.collect() };
+        fan::numbered(shown.fundamental, frames, &matches)
+    }
+
     /// Returns the shown geometry for the pictures with their distortion near a point pair: the selected one, or
     /// else the first. `None` without a lens.
     pub fn local_fundamental(&self) -> Option<(FundamentalMatrix, PointPair)> {
         let views = self.open.undistorted()?;
         let pair = self.document.selection.map_or(0, |at| at.pair);
         let at = views.original_from_undistorted(self.document.pairs.get(pair)?)?;
-        Some((views.linearised(self.shown()?.fundamental, &at)?, at))
+        Some((views.linearised(self.geometry_to_write()?.fundamental, &at)?, at))
     }
 
     /// Returns the open folder, and its open pair.
@@ -123,7 +148,8 @@ impl Model {
     /// Returns the geometry of a final result that is not unreliable.
     pub fn settled(&self) -> Option<&FundamentalMatrix> {
         let (estimate, freshness) = self.open.computation.result()?;
-        (freshness == Freshness::Final && self.tone() != Tone::Bad).then(|| estimate.fundamental())
+        let stands = !matches!(self.tone(), Tone::Bad | Tone::Apart);
+        (freshness == Freshness::Final && stands).then(|| estimate.fundamental())
     }
 
     /// Returns the latest result, even while a newer one is being computed.

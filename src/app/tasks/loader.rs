@@ -34,7 +34,7 @@ pub enum Wanted {
 impl Wanted {
     fn open(self, mut reading: PairReading) -> Result<LoadedPair, OpeningFailure> {
         let found = match self {
-            Self::Opening(Opening::Sample) => Ok(sample()),
+            Self::Opening(Opening::Sample(which)) => Ok(sample(which)),
             Self::Opening(Opening::SampleSequences) => sample_sequences(&reading),
             Self::Opening(Opening::Files(left, right)) => reading.pair([&left, &right]).map(LoadedPair::of),
             Self::Opening(Opening::Folder(path)) => open_folder(&path, &mut reading),

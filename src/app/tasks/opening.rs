@@ -8,7 +8,7 @@ use crate::app::model::open_pair::OpenFolder;
 use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::picture::Opened;
 use crate::app::model::recording::Recording;
-use crate::app::model::sample::{OpenedSample, sample_pair, sample_recordings};
+use crate::app::model::sample::{FIRST, OpenedSample, sample_pair, sample_recordings};
 use crate::app::model::session::{Relocation, Restored};
 use crate::app::model::truth::KnownTruth;
 use crate::app::model::verdict::sentence;
@@ -18,17 +18,23 @@ use crate::geometry::PointPair;
 use crate::image::Picture;
 use crate::io::{TruthError, is_sequence, read_sequence};
 use crate::study::plan_views;
+use crate::synthetic::Sample;
 
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Opening {
-    #[default]
-    Sample,
+    Sample(Sample),
     SampleSequences,
     /// Two files, left and right, or two folders of frames.
     Files(PathBuf, PathBuf),
     /// The first pair of a folder.
     Folder(PathBuf),
     Session(PathBuf),
+}
+
+impl Default for Opening {
+    fn default() -> Self {
+        Self::Sample(FIRST)
+    }
 }
 
 #[derive(Clone)]
@@ -195,8 +201,8 @@ impl From<OpenedSample> for LoadedPair {
     }
 }
 
-pub fn sample() -> LoadedPair {
-    sample_pair().into()
+pub fn sample(sample: Sample) -> LoadedPair {
+    sample_pair(sample).into()
 }
 
 /// Draws the built-in sequences and finds their silhouettes.

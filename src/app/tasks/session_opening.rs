@@ -30,9 +30,10 @@ pub fn open_session(session: OpenSession, reading: &mut PairReading) -> Result<L
     })?;
     let samples = file.images.each_ref().map(sample_of);
     let mut pair = if let [Some(left), Some(right)] = samples {
-        match (left == right).then_some(left) {
-            Some(name) if name == Sample::default().name() => sample(),
-            Some(SAMPLE_SEQUENCES) => sample_sequences(reading)?,
+        let known = Some(left).filter(|left| *left == right);
+        match (known, known.and_then(Sample::from_name)) {
+            (_, Some(known)) => sample(known),
+            (Some(SAMPLE_SEQUENCES), _) => sample_sequences(reading)?,
             _ => return Err(unchanged("this version of the program does not have its built-in sample")),
         }
     } else {

@@ -4,11 +4,13 @@ use egui::{Key, Modifiers};
 
 use super::actions::{ACTIONS, Action};
 use crate::app::model::command::Command;
+use crate::app::model::crosshair::CrosshairCommand;
 use crate::app::model::point_table::PointsCommand;
 use crate::geometry::Vector;
 
-/// Step of an arrow key, px; ten times as large with Shift.
-const NUDGE: f64 = 0.1;
+/// Steps of an arrow key, px.
+const NUDGES: [(Modifiers, f64); 3] =
+    [(Modifiers::SHIFT, 10.0), (Modifiers::ALT, 0.1), (Modifiers::NONE, 1.0)];
 
 /// The context in which keys are interpreted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,6 +19,8 @@ pub struct KeyboardState {
     pub dialog_open: bool,
     /// Enter can accept a suggested match. Otherwise Enter presses the focused button.
     pub suggestion: bool,
+    /// The crosshair takes Enter and Tab.
+    pub crosshair: bool,
 }
 
 /// Returns the commands of the keys pressed since the last frame.
@@ -31,7 +35,8 @@ pub fn pressed(ctx: &egui::Context, keyboard: KeyboardState) -> Vec<Command> {
             let command = &action.command;
             if typing && !action.works_while_typing
                 || menu_open && *command == Command::Cancel
-                || !keyboard.suggestion && *command == Command::AcceptSuggestion
+                || *command == Command::AcceptSuggestion && (!keyboard.suggestion || keyboard.crosshair)
+                || is_of_crosshair(command) && !keyboard.crosshair
             {
                 continue;
             }
@@ -63,10 +68,10 @@ pub fn pressed(ctx: &egui::Context, keyboard: KeyboardState) -> Vec<Command> {
             (Key::ArrowDown, Vector::new(0.0, 1.0)),
         ];
         for (key, direction) in arrows {
-            for (modifiers, far) in [(Modifiers::SHIFT, 10.0), (Modifiers::NONE, 1.0)] {
+            for (modifiers, step) in NUDGES {
                 let count = input.count_and_consume_key(modifiers, key);
                 if count > 0 {
-                    commands.push(Command::Nudge(direction * (NUDGE * far * count as f64)));
+                    commands.push(Command::Nudge(direction * (step * count as f64)));
                 }
             }
         }
@@ -81,6 +86,11 @@ pub fn pressed(ctx: &egui::Context, keyboard: KeyboardState) -> Vec<Command> {
     });
     commands.extend(by_space);
     commands
+}
+
+/// Returns whether a command needs the crosshair.
+fn is_of_crosshair(command: &Command) -> bool {
+    matches!(command, Command::PlaceAtCrosshair | Command::Crosshair(CrosshairCommand::ChangePicture))
 }
 
 /// Returns the modifiers of the space bar if it was released now, and nothing was dragged while it was down.

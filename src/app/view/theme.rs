@@ -34,43 +34,21 @@ pub const DIMMED: Color32 = Color32::from_gray(191);
 pub const SELECTED: Color32 = Color32::WHITE;
 /// Radius of a handle, screen points.
 pub const HANDLE_RADIUS: f32 = 6.5;
-/// Lines of an inspected pair that is not pinned.
-pub const INSPECTED: Color32 = Color32::from_rgb(244, 239, 110);
-/// Colours of pinned line pairs in both images and in the plots; see [`pin_color`].
-pub const PINNED: [Color32; 8] = [
-    Color32::from_rgb(230, 110, 40),
-    Color32::from_rgb(80, 220, 230),
-    Color32::from_rgb(214, 120, 255),
-    Color32::from_rgb(205, 170, 115),
-    Color32::from_rgb(240, 80, 95),
-    Color32::from_rgb(165, 215, 50),
-    Color32::from_rgb(140, 150, 255),
-    Color32::from_rgb(250, 195, 185),
-];
+/// Pinned line pairs, which have numbers.
+pub const PINNED: Color32 = HOVER;
 
-/// Epipoles of hypotheses.
-pub const HYPOTHESIS: Color32 = Color32::from_rgb(184, 113, 242);
-/// Bisector of image 1 with its match, and lines mapped by H.
+/// What is not checked: candidates, hypotheses, matches, imported geometries, suggestions.
+pub const UNCHECKED: Color32 = Color32::from_rgb(184, 113, 242);
+/// Lines of a round trip.
 pub const FORWARD: Color32 = Color32::from_rgb(143, 180, 255);
-/// Bisector of image 2 with its match, and lines mapped back by G.
-pub const BACKWARD: Color32 = Color32::from_rgb(255, 142, 98);
-/// Magnified residuals: a colour absent from brick and foliage.
-pub const RESIDUAL: Color32 = Color32::from_rgb(255, 110, 235);
-/// Matches found by the refinement.
-pub const MATCH: Color32 = Color32::from_rgb(184, 113, 242);
-/// Matches from elsewhere that fit the shown geometry, and others.
-pub const GIVEN: Color32 = Color32::from_rgb(184, 113, 242);
-pub const GIVEN_OFF: Color32 = Color32::from_rgb(240, 101, 91);
 /// Motion in a frame of a sequence.
 pub const MOVING: Color32 = Color32::from_rgb(255, 120, 0);
-/// Places suggested by a patch comparison.
-pub const SUGGESTED: Color32 = Color32::from_rgb(255, 255, 255);
 
 /// Left and right camera of the scene.
 pub const CAMERAS: [Color32; 2] = [Color32::from_rgb(226, 174, 142), Color32::from_rgb(141, 181, 227)];
 
 /// Guide lines over rectified pictures.
-pub const GUIDE: Color32 = Color32::from_rgba_premultiplied(118, 82, 0, 131);
+pub const GUIDE: Color32 = Color32::from_rgba_premultiplied(110, 110, 110, 131);
 
 /// Distance within which a press grabs a handle, screen points.
 pub const GRAB_RADIUS: f32 = 11.0;
@@ -92,6 +70,8 @@ pub const ROW: f32 = 20.0;
 pub const SCROLL_BAR: f32 = 8.0;
 /// Size of captions.
 pub const CAPTION: f32 = 11.5;
+/// Size of the figures of the verdict.
+pub const FIGURE: f32 = 14.5;
 /// Size of the word of the verdict.
 pub const VERDICT: f32 = 18.0;
 
@@ -108,15 +88,10 @@ pub fn pair_color(pair: usize) -> Color32 {
 pub fn line_color(look: LineLook) -> Color32 {
     match look {
         LineLook::Solid => ESTIMATED,
-        LineLook::Other => HYPOTHESIS,
+        LineLook::Other => UNCHECKED,
         LineLook::Dashed => DOUBTFUL,
         LineLook::Dotted | LineLook::Hidden => UNRELIABLE,
     }
-}
-
-/// Returns the colour of a pinned line pair. Colours repeat; the numbers distinguish the pairs.
-pub fn pin_color(number: usize) -> Color32 {
-    PINNED[number % PINNED.len()]
 }
 
 /// Colours of the window around the images.
@@ -223,6 +198,11 @@ fn visuals(theme: Theme) -> Visuals {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::{Matrix3, Vector3};
+    use palette::color_difference::Ciede2000;
+    use palette::white_point::D65;
+    use palette::{Clamp, IntoColor, Lab, LinSrgb, Srgb};
+
     use super::*;
 
     /// Returns the relative luminance (WCAG 2.1).
@@ -258,8 +238,39 @@ mod tests {
         for pair in 0..4 {
             assert!(contrast(pair_color(pair), Color32::BLACK) >= 4.5);
         }
-        for pin in 0..PINNED.len() {
-            assert!(contrast(pin_color(pin), Color32::BLACK) >= 4.5, "{pin}");
+    }
+
+    /// Colours of lines over the pictures.
+    const LINES: [Color32; 9] =
+        [ESTIMATED, UNCHECKED, DOUBTFUL, UNRELIABLE, PAIRS[0], PAIRS[1], FORWARD, HOVER, TRUE];
+
+    /// Red, green and blue, linear light, as seen without one kind of cones (Machado, Oliveira & Fernandes 2009,
+    /// severity 1): protan, deutan, tritan.
+    const WITHOUT_CONES: [Matrix3<f64>; 3] = [
+        Matrix3::new(0.1523, 1.0526, -0.2049, 0.1145, 0.7863, 0.0992, -0.0039, -0.0481, 1.0520),
+        Matrix3::new(0.3673, 0.8606, -0.2280, 0.2801, 0.6725, 0.0474, -0.0118, 0.0429, 0.9689),
+        Matrix3::new(1.2555, -0.0767, -0.1788, -0.0784, 0.9308, 0.1476, 0.0047, 0.6914, 0.3039),
+    ];
+
+    #[test]
+    fn lines_differ_for_every_kind_of_sight_and_from_the_window() {
+        let panel = visuals(Theme::Dark).panel_fill;
+        for color in LINES {
+            assert!(contrast(color, panel) >= 4.5, "{color:?}");
+        }
+        for sight in [Matrix3::identity()].into_iter().chain(WITHOUT_CONES) {
+            let seen = LINES.map(|color| {
+                let linear = Srgb::new(color.r(), color.g(), color.b()).into_linear::<f64>();
+                let [r, g, b] = (sight * Vector3::new(linear.red, linear.green, linear.blue)).into();
+                let lab: Lab<D65, f64> = LinSrgb::new(r, g, b).clamp().into_color();
+                lab
+            });
+            for (k, one) in seen.iter().enumerate() {
+                for (other, color) in seen[..k].iter().zip(LINES) {
+                    let difference = one.difference(*other);
+                    assert!(difference >= 9.0, "{:?} and {color:?}: {difference:.1}", LINES[k]);
+                }
+            }
         }
     }
 }

@@ -22,15 +22,19 @@ use crate::rectify::Limits;
 impl ExportKind {
     /// Returns the reason why this cannot be exported now, if there is one.
     pub fn missing(self, model: &Model) -> Option<&'static str> {
+        let is_apart = model.shown().is_some() && model.geometry_to_write().is_none();
         let (there, why) = match self {
             Self::Array if model.open.undistorted().is_some() => (
                 false,
                 "An array has no room for the lens that F belongs to. Choose Geometry or Without distortion.",
             ),
             Self::Undistorted => (
-                model.open.undistorted().is_some() && model.shown().is_some(),
+                model.open.undistorted().is_some() && model.geometry_to_write().is_some(),
                 "No lens is corrected, or there is no geometry yet.",
             ),
+            Self::Geometry | Self::Array | Self::Rectified if is_apart => {
+                (false, "The pictures probably show different scenes, so there is no geometry to write.")
+            }
             Self::Geometry | Self::Array => {
                 (model.shown().is_some(), "There is no geometry yet: click two point pairs, or import one.")
             }

@@ -44,6 +44,7 @@ pub fn result_note(model: &Model) -> Option<TrustNote> {
         Tone::Caution if freshness == Freshness::Final => "doubtful",
         Tone::Caution | Tone::Busy => "unfinished",
         Tone::Bad => "unreliable",
+        Tone::Apart => "different scenes",
     };
     Some(TrustNote { geometry: TrustNote::RESULT.to_owned(), verdict: verdict.into(), reasons: warnings })
 }

@@ -184,7 +184,7 @@ impl DrawnPair {
 /// Returns the request for the rectified pair of the sample.
 #[cfg(test)]
 pub fn example() -> RectifyQuestion {
-    let sample = crate::app::model::sample::sample_pair();
+    let sample = crate::app::model::sample::sample_pair(crate::synthetic::Sample::Courtyard);
     RectifyQuestion {
         pictures: sample.pictures.map(|opened| opened.picture),
         fundamental: sample.truth.fundamental,

@@ -5,13 +5,11 @@
 //! | [`command`] | commands, and the speed |
 //! | [`course`] | the steps of a search on the time axis |
 //! | [`record`] | what a search left behind, in the form for drawing |
-//! | [`fan`] | evenly spaced corresponding lines of a geometry |
 //! | [`moment`] | the drawing of a moment |
 //! | [`steps`] | draws a moment: a pure function of record and time |
 
 pub mod command;
 pub mod course;
-pub mod fan;
 pub mod moment;
 pub mod record;
 pub mod steps;

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::fan;
 use crate::app::model::document::pair_name;
 use crate::app::model::focus::LineSource;
 use crate::app::model::ids::MethodStep;
@@ -10,7 +9,9 @@ use crate::estimate::{
     ComparedPencils, Construction, DistinctMatch, Estimate, Event, EventKind, HypothesisNote, Origin,
     ProposedBy, RankedHypothesis, RoundTrip, SearchPlan,
 };
-use crate::geometry::{Frame, FundamentalMatrix, Point, PointPair, area_between_lines, sampson_distance};
+use crate::geometry::{
+    Frame, FundamentalMatrix, Point, PointPair, area_between_lines, fan, sampson_distance,
+};
 
 /// Ratio below which a match of features is distinctive.
 const DISTINCTIVE: f64 = 0.8;
@@ -109,6 +110,8 @@ pub struct Record {
     /// Matches of the result.
     pub matched: Vec<PointPair>,
     pub result: Option<FundamentalMatrix>,
+    /// Step of the latest event that has something to show.
+    pub newest: Option<MethodStep>,
     /// Data from which the result was proposed.
     led_from: Option<ProposedBy>,
     /// Refinements of all passes so far.
@@ -143,6 +146,7 @@ impl Record {
             fan: Vec::new(),
             matched: Vec::new(),
             result: None,
+            newest: None,
             led_from: None,
             refined: Vec::new(),
         }
@@ -167,6 +171,14 @@ impl Record {
     }
 
     fn take(&mut self, event: &EventKind) {
+        self.newest = match event {
+            EventKind::Pencils { .. } => Some(MethodStep::Pencils),
+            EventKind::Matched { .. } => Some(MethodStep::Features),
+            EventKind::Proposed { .. } => Some(MethodStep::Epipoles),
+            EventKind::Ranked(_) => Some(MethodStep::Validation),
+            EventKind::Refined { .. } => Some(MethodStep::Refinement),
+            EventKind::Began(_) | EventKind::Judged { .. } | EventKind::Selected(_) => self.newest,
+        };
         match event {
             EventKind::Matched { all, best } => {
                 // A wider search matches again. Its matches replace the earlier ones.

@@ -1,14 +1,15 @@
 //! What each step draws. All times are seconds since the step began, at the usual speed.
 
 use super::course::Place;
-use super::fan;
 use super::moment::{Filled, Ink, Moment, Racer, Shape};
 use super::record::{Record, RecordedPencils, Trip, short_origin};
 use crate::app::model::document::Side;
 use crate::app::model::ids::MethodStep;
 use crate::app::model::verdict::short_epipole_text;
 use crate::estimate::{HypothesisNote, ProposedBy, lines_at};
-use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, finite_point, regions_between_lines};
+use crate::geometry::{
+    AnchoredLine, FundamentalMatrix, Line, Point, fan, finite_point, regions_between_lines,
+};
 
 /// Time of one line or crossing, s.
 pub const NUDGE: f64 = 0.02;
@@ -180,7 +181,7 @@ fn features(moment: &mut Moment, record: &Record, seconds: f64) {
     }
 }
 
-/// Returns the zoom that brings most epipoles of both pictures into view.
+/// Returns the zoom that brings most epipoles of both pictures into view, of those that any zoom does.
 fn farthest(record: &Record) -> f64 {
     let mut needed: Vec<f64> = record
         .hypotheses
@@ -196,6 +197,8 @@ fn farthest(record: &Record) -> f64 {
             of(Side::Left).max(of(Side::Right))
         })
         .collect();
+    // Those still farther have arrows. The pictures stay large if there are no others.
+    needed.retain(|needed| *needed <= FARTHEST);
     needed.sort_by(f64::total_cmp);
     let wanted = needed.get(((needed.len() as f64 * IN_VIEW) as usize).min(needed.len().saturating_sub(1)));
     (wanted.copied().unwrap_or(1.0) * 1.1).clamp(1.0, FARTHEST)

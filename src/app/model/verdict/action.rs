@@ -41,6 +41,9 @@ impl Model {
             let find = || CardAction::new("Find without clicks", Command::FindWithoutClicks);
             return (self.result().is_none() && self.can_find_without_clicks()).then(find);
         };
+        if self.tone() == Tone::Apart {
+            return Some(CardAction::new("Choose other pictures…", Command::ShowOpenDialog));
+        }
         let reasons = estimate.assessment.trust.iter().flat_map(|trust| &trust.reasons);
         let off = reasons.clone().filter_map(|reason| match *reason {
             // Where the geometry is the likelier culprit, the sentence asks for another pair.
@@ -85,8 +88,12 @@ impl Model {
         self.document.used().find(|pair| self.slid(*pair).is_some())
     }
 
-    /// Returns the way out for a misplaced pair whose match is not clear.
+    /// Returns another way out: for a misplaced pair whose match is not clear, and for pictures that seem to show
+    /// different scenes.
     pub fn card_alternative(&self) -> Option<CardAction> {
+        if self.tone() == Tone::Apart {
+            return Some(CardAction::new("Click pairs anyway", Command::ClearPairs));
+        }
         let Command::MoveToMatch(pair) = self.card_action()?.command else { return None };
         let label = format!("Leave out {}", pair_name(pair));
         Some(CardAction::new(label, Command::SetRole(pair, Role::Excluded)))
@@ -133,9 +140,14 @@ impl Model {
         match self.tone() {
             _ if self.shown().is_none() => LineLook::Solid,
             _ if is_other || self.is_preliminary() => LineLook::Other,
-            Tone::Busy => self.look_of(self.verdict_before()),
+            // Only a checked result is green, and what was hidden stays so.
+            Tone::Busy => match self.look_of(self.verdict_before()) {
+                LineLook::Hidden => LineLook::Hidden,
+                _ => LineLook::Other,
+            },
             Tone::Caution => LineLook::Dashed,
             Tone::Bad => self.look_of(Some(Verdict::Unreliable)),
+            Tone::Apart => LineLook::Hidden,
             _ => LineLook::Solid,
         }
     }
@@ -143,7 +155,7 @@ impl Model {
     fn look_of(&self, verdict: Option<Verdict>) -> LineLook {
         match verdict {
             Some(Verdict::Doubtful) => LineLook::Dashed,
-            Some(verdict) if verdict.is_unreliable() && self.open.lines_anyway => LineLook::Dotted,
+            Some(Verdict::Unreliable) if self.open.lines_anyway => LineLook::Dotted,
             Some(Verdict::Unreliable | Verdict::DifferentScenes) => LineLook::Hidden,
             Some(Verdict::Reliable) | None => LineLook::Solid,
         }

@@ -2,19 +2,15 @@
 
 use std::f64::consts::PI;
 
-use super::gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text};
+use super::gauge::line_score_text;
 use super::tone::Tone;
 use crate::app::model::computation::Freshness;
 use crate::app::model::document::{Document, GIVEN_FIT, Given, Imported};
 use crate::camera::{PoseFit, PoseUncertainty};
 use crate::comparison::median;
-use crate::estimate::{
-    DivisionFit, EpipoleBearing, EpipoleCertainty, Estimate, LineBands, LineScore, Reason, RefinedMatch,
-};
-use crate::geometry::{
-    Frame, FundamentalMatrix, HomogeneousPoint, Point, Vector, finite_point, symmetric_epipolar_distance,
-};
-use crate::presentation::{Scale, epipole_in_words, interval_in_words, origin_in_words};
+use crate::estimate::{DivisionFit, Estimate, LineBands, LineScore, Reason, RefinedMatch};
+use crate::geometry::{Frame, HomogeneousPoint, Point, finite_point, symmetric_epipolar_distance};
+use crate::presentation::origin_in_words;
 
 /// A figure with its name.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,27 +20,12 @@ pub struct Fact {
     pub tooltip: &'static str,
     /// Quality of the value, if there is a rule for it.
     pub tone: Option<Tone>,
-    /// Place of the value between bad and good.
-    pub gauge: Option<Gauge>,
 }
 
 impl Fact {
     /// Creates a figure without a rule for good and bad.
     pub fn new(name: &'static str, value: impl Into<String>, tooltip: &'static str) -> Self {
-        Self { name, value: value.into(), tooltip, tone: None, gauge: None }
-    }
-
-    /// Adds the place between bad and good.
-    #[must_use]
-    fn on(self, gauge: Option<Gauge>) -> Self {
-        Self { tone: gauge.as_ref().and_then(|gauge| gauge.tone), gauge, ..self }
-    }
-
-    /// Returns the explanation with the limits of good and bad.
-    pub fn explained(&self) -> String {
-        self.gauge
-            .as_ref()
-            .map_or_else(|| self.tooltip.to_owned(), |gauge| format!("{}\n{}", self.tooltip, gauge.words))
+        Self { name, value: value.into(), tooltip, tone: None }
     }
 }
 
@@ -71,14 +52,12 @@ pub fn import_facts(imported: &Imported) -> Vec<Fact> {
 /// Returns the probability of the lines.
 fn lines_right(estimate: &Estimate) -> Option<Fact> {
     let probability = estimate.assessment.probability_within_one_percent()?;
-    let gauge = Gauge::judged(Scale::LINES, probability, |v| format!("{:.0} %", 100.0 * v));
-    let fact = Fact::new(
+    Some(Fact::new(
         "Right lines",
         format!("{:.0} % likely", 100.0 * probability),
         "How likely the lines are within 1 % of the longer side near the matches. It follows from the matches that were \
          found without the lines, and from the likeliest other geometry.",
-    );
-    Some(fact.on(Some(gauge)))
+    ))
 }
 
 fn lines_anywhere(bands: LineBands) -> Fact {
@@ -127,10 +106,10 @@ pub fn corrected_fact([left, right]: [f64; 2]) -> Fact {
 
 pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> Vec<Fact> {
     if matches!(freshness, Freshness::Followed | Freshness::Stale) {
-        // The other figures belong to earlier points.
-        return epipoles(document, estimate.fundamental(), None);
+        // The figures belong to earlier points.
+        return Vec::new();
     }
-    let mut facts = epipoles(document, estimate.fundamental(), Some(estimate));
+    let mut facts = Vec::new();
     facts.extend(lines_right(estimate));
     facts.extend(document.frames().and_then(|frames| estimate.line_bands(frames)).map(lines_anywhere));
     facts.extend(origin_fact(estimate));
@@ -139,7 +118,7 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
     facts.extend(barcodes(estimate));
     if let Some(refinement) = &estimate.assessment.refinement {
         let count = refinement.matches.len();
-        let fact = Fact::new(
+        facts.push(Fact::new(
             "Matches",
             match median_distance(estimate) {
                 Some(median) => format!("{count}, median {median:.2} px"),
@@ -149,26 +128,18 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
              symmetric distances from the lines. The result is fitted to them. A clear result ends the search \
              early, so a better one may have fewer. The reasons of the verdict count only distinctive matches: \
              image features that were paired before any lines were known.",
-        );
-        let gauge = Gauge::judged(Scale::MATCHES, count as f64, |v| format!("{v:.0}"));
-        facts.push(fact.on(Some(gauge).filter(|_| count > 0 && !estimate.is_judged_by_lines())));
+        ));
     }
     facts.extend(document.given.as_ref().map(|given| given_fact(given, estimate)));
-    // The rival is known only at the end.
-    let scales = (freshness == Freshness::Final)
-        .then(|| HypothesisScales::new(estimate, document.parameters.validation.line_score));
-    let gauge = |figure: HypothesisFigure| scales.as_ref()?.of_result(figure, figure.of(estimate));
     // The figures of a search do not judge a result that is fitted to matches. The steps of the method show
     // them.
     let is_fitted = estimate.is_refined();
     if !is_fitted {
-        facts.extend(line_figures(document, estimate, &gauge));
+        facts.extend(line_figures(document, estimate));
     }
     if let Some(support) = estimate.assessment.support.as_ref().filter(|_| !is_fitted) {
         let value = format!("{:.1}, over {} corners", support.score, support.matches);
-        let gauge =
-            scales.as_ref().and_then(|scales| scales.of_result(HypothesisFigure::Support, support.score));
-        facts.push(Fact::new("Support", value, SUPPORT).on(gauge));
+        facts.push(Fact::new("Support", value, SUPPORT));
     }
     if let Some(trace) = estimate.trace.as_ref().filter(|trace| trace.counts.left_out > 0) {
         facts.push(Fact::new(
@@ -182,7 +153,7 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
 }
 
 /// Returns the median symmetric distance of the matches, px.
-fn median_distance(estimate: &Estimate) -> Option<f64> {
+pub(super) fn median_distance(estimate: &Estimate) -> Option<f64> {
     let distance = |m: &RefinedMatch| symmetric_epipolar_distance(estimate.fundamental(), &m.pair);
     let distances: Vec<f64> = estimate.matches().iter().map(distance).filter(|d| d.is_finite()).collect();
     (!distances.is_empty()).then(|| median(&distances))
@@ -232,32 +203,24 @@ const SUPPORT: &str = "Image corners that find a match along their epipolar line
 /// Returns the margin of the result, and the hypothesis to which it is measured.
 fn margin(estimate: &Estimate) -> Fact {
     let Some(margin) = estimate.assessment.margin else {
-        return Fact { tone: Some(Tone::Good), ..Fact::new(MARGIN, "no rival", MARGIN_TOOLTIP) };
+        return Fact::new(MARGIN, "no rival", MARGIN_TOOLTIP);
     };
-    // The margin after refinement decides, if it was measured.
-    let decides = estimate.assessment.refined_margin.unwrap_or(margin);
-    let gauge = Gauge::judged(Scale::MARGIN, decides, |v| format!("{:.0} %", v * 100.0));
-    // Where the images show the lines, their probability decides.
-    let gauge = Some(gauge).filter(|_| !estimate.is_judged_by_lines());
-    Fact::new(MARGIN, format!("{:.0} %", decides * 100.0), MARGIN_TOOLTIP).on(gauge)
+    // The margin after refinement counts, if it was measured.
+    let margin = estimate.assessment.refined_margin.unwrap_or(margin);
+    Fact::new(MARGIN, format!("{:.0} %", margin * 100.0), MARGIN_TOOLTIP)
 }
 
 const MARGIN: &str = "Lead over rival";
 const MARGIN_TOOLTIP: &str = "How far the support of the result is ahead of that of the rival, the best clearly \
                               different geometry.";
 
-/// Returns the figures of a hypothesis shown in place of its result `of`.
-pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate, of: Option<&Estimate>) -> Vec<Fact> {
-    let scales = of.map(|of| HypothesisScales::new(of, document.parameters.validation.line_score));
-    let mut facts = epipoles(document, hypothesis.fundamental(), None);
-    let gauge = |figure: HypothesisFigure| scales.as_ref()?.gauge(figure, figure.of(hypothesis));
-    facts.extend(line_figures(document, hypothesis, &gauge));
-    if let Some(support) = hypothesis.support_score() {
-        let gauge = gauge(HypothesisFigure::Support);
-        facts.push(Fact::new("Support", format!("{support:.1}"), SUPPORT).on(gauge));
-    }
-    facts.extend(origin_fact(hypothesis));
-    facts
+/// Returns the figures of a hypothesis.
+pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate) -> Vec<Fact> {
+    let support = hypothesis.support_score();
+    line_figures(document, hypothesis)
+        .chain(support.map(|support| Fact::new("Support", format!("{support:.1}"), SUPPORT)))
+        .chain(origin_fact(hypothesis))
+        .collect()
 }
 
 /// Returns from what a geometry was proposed.
@@ -270,27 +233,6 @@ fn origin_fact(estimate: &Estimate) -> Option<Fact> {
          step Candidates, the best first.",
     ))
 }
-
-/// Returns the positions of the epipoles of a geometry, and their 95 % intervals if it is that of
-/// `estimate`.
-pub fn epipoles(document: &Document, f: &FundamentalMatrix, estimate: Option<&Estimate>) -> Vec<Fact> {
-    let frames = document.frames();
-    let bearings = estimate.zip(frames).and_then(|(estimate, frames)| estimate.epipole_bearings(frames));
-    let determined = estimate.zip(frames).and_then(|(estimate, frames)| estimate.determined(frames));
-    let value = |k: usize, epipole: &HomogeneousPoint| match (frames, bearings) {
-        (Some(frames), Some(bearings)) => bearing_text(epipole, frames[k], &bearings[k]),
-        _ => epipole_in_words(None, determined)
-            .unwrap_or_else(|| epipole_text(epipole, frames.map(|frames| frames[k]))),
-    };
-    vec![
-        Fact::new("Left epipole", value(0, &f.epipole1()), EPIPOLE),
-        Fact::new("Right epipole", value(1, &f.epipole2()), EPIPOLE),
-    ]
-}
-
-const EPIPOLE: &str = "Image of the other camera, where all epipolar lines of this image meet. Outside the image: its \
-                       side, and its distance from the middle of the image. The 95 % interval, if there is one, follows \
-                       from the matches.";
 
 pub fn pose_facts(fit: &PoseFit) -> Vec<Fact> {
     let deviation = |of: fn(&PoseUncertainty) -> f64| {
@@ -318,29 +260,8 @@ pub fn pose_facts(fit: &PoseFit) -> Vec<Fact> {
     ]
 }
 
-/// Describes an epipole outside the image by its side and its interval, and one inside by its place.
-pub(super) fn bearing_text(epipole: &HomogeneousPoint, frame: Frame, bearing: &EpipoleBearing) -> String {
-    if finite_point(epipole).is_some_and(|p| frame.contains(p)) {
-        return epipole_text(epipole, Some(frame));
-    }
-    let (sin, cos) = bearing.direction.sin_cos();
-    let side = direction(frame.centre() + Vector::new(cos, sin) * (2.0 * frame.longer_side()), frame);
-    let interval = interval_in_words(bearing);
-    // The tooltip says from where.
-    let interval = interval.strip_suffix(" away").unwrap_or(&interval);
-    if bearing.certainty() == EpipoleCertainty::Open {
-        interval.to_owned()
-    } else {
-        format!("{side}, {interval}")
-    }
-}
-
 /// Returns line cost and round trip. The first result of a computation has neither yet.
-fn line_figures(
-    document: &Document,
-    estimate: &Estimate,
-    gauge: &dyn Fn(HypothesisFigure) -> Option<Gauge>,
-) -> impl Iterator<Item = Fact> + use<> {
+fn line_figures(document: &Document, estimate: &Estimate) -> impl Iterator<Item = Fact> + use<> {
     let score = estimate.line_score().map(|score| match document.parameters.validation.line_score {
         LineScore::AgainstMismatched => Fact::new(
             "Line cost",
@@ -353,7 +274,6 @@ fn line_figures(
             "How unlike corresponding lines are, as published. Lower is better; compare hypotheses.",
         ),
     });
-    let score = score.map(|fact| fact.on(gauge(HypothesisFigure::LineScore)));
     let area = estimate.assessment.lines.as_ref().and_then(|lines| lines.round_trip_area);
     let round_trip = area.map(|area| {
         Fact::new(
@@ -362,52 +282,25 @@ fn line_figures(
             "Distance between a line and itself after mapping it to the other image and back. A good result \
              may have a large value: the verdict rests on the matches.",
         )
-        .on(gauge(HypothesisFigure::RoundTrip))
     });
     score.into_iter().chain(round_trip)
 }
 
-/// Returns the figures of the card: at most four, the most telling ones first.
-pub fn card_facts(facts: &[Fact]) -> impl Iterator<Item = &Fact> {
-    const ORDER: [&str; 8] = [
-        "True error",
-        "Agreement",
-        "Distinct lines",
-        "Matches",
-        MARGIN,
-        "Left epipole",
-        "Right epipole",
-        "Checked",
-    ];
-    let named = |name: &&str| facts.iter().find(|fact| fact.name == *name);
-    let all: Vec<&Fact> = ORDER.iter().filter_map(named).collect();
-    // The epipoles are always among them.
-    let most = 4 - all.iter().filter(|fact| fact.name.ends_with("epipole")).count();
-    let (epipoles, others): (Vec<&Fact>, Vec<&Fact>) =
-        all.into_iter().partition(|fact| fact.name.ends_with("epipole"));
-    others.into_iter().take(most).chain(epipoles)
+/// Returns whether a figure stands on the card itself: those of sequences, which have no matches.
+pub fn is_on_card(fact: &Fact) -> bool {
+    ["Agreement", "Distinct lines"].contains(&fact.name)
 }
 
 /// Distance of an epipole that counts as infinite, px. The lines in an image of 1,000 px turn by less than 0.6°.
-const FAR: f64 = 1e5;
+pub(super) const FAR: f64 = 1e5;
 
 /// Describes the position of an epipole.
-pub fn epipole_text(epipole: &HomogeneousPoint, frame: Option<Frame>) -> String {
-    let near = finite_point(epipole).filter(|p| p.coords.amax() < FAR || frame.is_some());
-    let Some(p) = near else {
+pub fn epipole_text(epipole: &HomogeneousPoint) -> String {
+    let Some(p) = finite_point(epipole).filter(|p| p.coords.amax() < FAR) else {
         return format!("at infinity, {:.1}°", far_direction(epipole));
     };
     // Far away, fractions of a pixel mean nothing.
-    let decimals = usize::from(p.coords.amax() < 1000.0);
-    let place = in_parentheses(p, decimals);
-    match frame {
-        Some(frame) if frame.contains(p) => format!("{place} inside the image"),
-        Some(frame) if p.coords.amax() < FAR => {
-            format!("{}, {:.0} px away", direction(p, frame), (p - frame.centre()).norm())
-        }
-        Some(frame) => format!("{}, far away", direction(p, frame)),
-        None => place,
-    }
+    in_parentheses(p, usize::from(p.coords.amax() < 1000.0))
 }
 
 /// Writes a position; −0 is written as 0.
@@ -427,12 +320,12 @@ pub fn short_epipole_text(epipole: &HomogeneousPoint) -> String {
 }
 
 /// Returns the direction of a far epipole, degrees in `[0, 180)`.
-fn far_direction(epipole: &HomogeneousPoint) -> f64 {
+pub(super) fn far_direction(epipole: &HomogeneousPoint) -> f64 {
     epipole.y.atan2(epipole.x).rem_euclid(PI).to_degrees()
 }
 
 /// Returns the side of an image on which a point outside lies.
-fn direction(p: Point, frame: Frame) -> &'static str {
+pub(super) fn direction(p: Point, frame: Frame) -> &'static str {
     let away = p - frame.centre();
     let [x, y] = [away.x / frame.width as f64, away.y / frame.height as f64];
     match (x.abs() >= y.abs(), x > 0.0, y > 0.0) {

@@ -3,6 +3,7 @@
 mod action;
 mod facts;
 mod gauge;
+mod glance;
 mod standing;
 #[cfg(test)]
 mod tests;
@@ -15,16 +16,17 @@ use crate::estimate::{
 };
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
 use crate::presentation::{
-    NOT_DETERMINED, named_error_in_words, named_reason_in_words, named_warning_in_words, probability_in_words,
+    named_error_in_words, named_reason_in_words, named_warning_in_words, probability_in_words,
 };
 
 pub use action::{CardAction, LineLook, USE_LENS};
 use facts::facts;
 pub use facts::{
-    Fact, card_facts, corrected_fact, epipole_text, epipoles, hypothesis_facts, import_facts, lens_fact,
-    pose_facts, short_epipole_text,
+    Fact, corrected_fact, epipole_text, hypothesis_facts, import_facts, is_on_card, lens_fact, pose_facts,
+    short_epipole_text,
 };
 pub use gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text};
+pub use glance::{EpipolePlace, Glance, epipole_places, epipoles_at_a_glance, lines_at_a_glance};
 pub use standing::Standing;
 pub use tone::Tone;
 
@@ -70,6 +72,7 @@ pub fn tone(document: &Document, computation: &Computation) -> Tone {
     match freshness {
         Freshness::Stale | Freshness::Followed | Freshness::Preliminary => Tone::Busy,
         Freshness::Stopped => Tone::Caution,
+        Freshness::Final if is_of_different_scenes(estimate) => Tone::Apart,
         Freshness::Final if trust.is_some_and(|trust| trust.verdict.is_unreliable()) => Tone::Bad,
         Freshness::Final => {
             let has_reasons = trust.is_some_and(|trust| !trust.reasons.is_empty());
@@ -78,6 +81,11 @@ pub fn tone(document: &Document, computation: &Computation) -> Tone {
             if is_doubtful { Tone::Caution } else { Tone::Good }
         }
     }
+}
+
+fn is_of_different_scenes(estimate: &Estimate) -> bool {
+    let trust = estimate.assessment.trust.as_ref();
+    trust.is_some_and(|trust| trust.verdict == estimate::Verdict::DifferentScenes)
 }
 
 /// Returns the warnings that count. Those about clicks say what clicks determine on their own, so they do not touch a
@@ -151,15 +159,14 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     // word, and it knows nothing of pairs that are only checked. Nor is there anything to promise of an
     // unreliable one.
     let of_clicks = assessment.trust.as_ref().is_some_and(Trust::doubts_clicks_alone);
-    let states = is_final && checked.is_none() && !of_clicks && tone != Tone::Bad;
+    let states = is_final && checked.is_none() && !of_clicks && matches!(tone, Tone::Good | Tone::Caution);
     let likely = Some(assessment).filter(|_| states).and_then(|assessment| {
         let frames = document.frames()?;
         let side = frames[0].longer_side().max(frames[1].longer_side());
         let words = probability_in_words(assessment, side);
         if estimate.says_one_plane() {
-            // The lines are right near the matches only, so the figure must not read like a recommendation.
-            let words = words.unwrap_or_else(|| "No probability is stated for this result.".into());
-            return Some([format!("epipole {NOT_DETERMINED}"), words]);
+            // The lines are right near the matches only, so the figure would read like a recommendation.
+            return None;
         }
         let percent = (100.0 * assessment.probability_within_one_percent()?).round();
         Some([format!("{percent:.0} % likely within {:.0} px", (0.01 * side).max(1.0)), words?])
@@ -179,12 +186,10 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
         Freshness::Preliminary => ("First result", format!("Being refined: {}", stage())),
         Freshness::Stopped => ("First result", "The search was stopped before refinement".into()),
         Freshness::Final => {
-            let verdict = assessment.trust.as_ref().map(|trust| trust.verdict);
-            let is_other_scene = verdict == Some(estimate::Verdict::DifferentScenes);
             let word = match tone {
                 Tone::Good if assessment.trust.is_none() => "Estimated",
                 Tone::Good => "Reliable",
-                Tone::Bad if is_other_scene => "Different scenes",
+                Tone::Apart => "Different scenes?",
                 Tone::Bad => "Unreliable",
                 _ => "Doubtful",
             };
@@ -197,7 +202,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
             let alone = assessment.of_given.then(|| "the given matches alone".to_owned());
             let from = alone.unwrap_or_else(|| used(document));
             let stop = if checks.is_empty() && !given.is_empty() { "." } else { checks };
-            let sentence = sentence.unwrap_or_else(|| format!("Estimated from {from}{stop}{given}"));
+            let sentence = sentence.unwrap_or_else(|| format!("Found from {from}{stop}{given}"));
             (word, sentence)
         }
     };
@@ -223,7 +228,7 @@ fn waiting(document: &Document) -> String {
 /// Maximum number of listed names. More pairs are only counted.
 const MOST_NAMES: usize = 4;
 
-/// Returns the used pairs in words: `pairs p and q`, or `12 pairs`.
+/// Returns the used pairs in words: `p and q`, or `12 pairs`.
 fn used(document: &Document) -> String {
     if document.is_unclicked() {
         return match document.used().count() {
@@ -235,7 +240,7 @@ fn used(document: &Document) -> String {
     let names: Vec<_> = document.used().map(pair_name).collect();
     match names.split_last() {
         _ if names.len() > MOST_NAMES => format!("{} pairs", names.len()),
-        Some((last, rest)) if !rest.is_empty() => format!("pairs {} and {last}", rest.join(", ")),
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
         _ => "the pairs".into(),
     }
 }

@@ -13,4 +13,6 @@ pub enum Tone {
     Caution,
     /// No result, or an unreliable one.
     Bad,
+    /// The pictures probably show different scenes, so there is no geometry to judge.
+    Apart,
 }

@@ -3,6 +3,7 @@
 use egui::{Key, Modifiers};
 
 use super::action::{Action, action, tab};
+use crate::app::model::crosshair::CrosshairCommand;
 use crate::app::model::look::Tool;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
@@ -29,6 +30,21 @@ pub fn with_keys() -> Vec<Action> {
         )
         .key(NONE, Key::Enter)
         .when(|model| model.accepted_suggestion().is_some()),
+        action(
+            CrosshairCommand::Toggle,
+            "Crosshair",
+            "Place points with the keyboard: arrow keys move the crosshair, Enter places a point, Tab changes the \
+             picture, Escape gives up.",
+        )
+        .key(NONE, Key::P)
+        .listed(|_| "Crosshair: place points with the keyboard")
+        .when(|model| model.document.pictures.is_some()),
+        action(Command::PlaceAtCrosshair, "Place at the crosshair", "Place a point at the crosshair.")
+            .key(NONE, Key::Enter)
+            .when(|model| model.open.crosshair.is_some()),
+        action(CrosshairCommand::ChangePicture, "Crosshair to the other picture", "Put the crosshair into the other picture.")
+            .key(NONE, Key::Tab)
+            .when(|model| model.open.crosshair.is_some()),
         action(
             Command::ShowMe,
             "Show me",

@@ -10,10 +10,11 @@ use crate::app::model::rectified::{RectifiedCommand, RectifiedLayout};
 use crate::app::model::replay::ReplayCommand;
 use crate::app::model::tones::TonesCommand;
 use crate::app::model::verdict::USE_LENS;
-use crate::app::model::{Command, ExchangeCommand, Model, Side};
+use crate::app::model::{Command, ExchangeCommand, MethodStep, Model, Side};
 use crate::estimate::{Method, Preset, Search};
 use crate::io::Notation;
 use crate::rectify::RectifyMethod;
+use crate::synthetic::Sample;
 
 /// Returns the actions that are listed among all commands and have no shortcuts.
 #[expect(clippy::too_many_lines, reason = "it is a table")]
@@ -89,8 +90,23 @@ pub fn by_name() -> Vec<Action> {
         .when(|model| model.document.pictures.is_some()),
         action(Command::ToggleLoupe, "Loupe", "Magnify the image around a point while you place or drag it.")
             .listed(|_| "Loupe while placing points"),
-        action(Command::OpenSample, "Sample", "Open the built-in image pair.")
-            .listed(|_| "Open the sample images"),
+        action(
+            Command::OpenSample(Sample::Alley),
+            "Sample",
+            "Open the built-in image pair of an alley: a step forward, with the epipoles in view.",
+        )
+        .listed(|_| "Open the sample images"),
+        action(
+            Command::OpenSample(Sample::Courtyard),
+            "Second sample",
+            "Open the built-in image pair of a courtyard: a step aside, with the epipoles far outside.",
+        )
+        .listed(|_| "Open the second sample images"),
+        action(
+            ReplayCommand::Play(MethodStep::default()),
+            "Replay a step",
+            "Replay this step of the search alone, and pause at its end.",
+        ),
         action(
             Command::OpenSampleSequences,
             "Sample sequences",

@@ -1,20 +1,22 @@
 //! The card of the verdict: one word, one sentence, at most four figures, one button.
 
+use egui::collapsing_header::CollapsingState;
 use egui::{
-    Align, Button, CollapsingHeader, Label, Layout, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui,
-    pos2, vec2,
+    Align, Button, Id, Label, Layout, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui, UiBuilder, vec2,
 };
 
 use super::dialog::named;
-use super::gauge::{self, tone_color};
+use super::gauge::tone_color;
 use super::menus::copy_fundamental_menu;
 use super::{busy, command_button, finish_button, main_button};
 use crate::app::model::comparison::Contestant;
+use crate::app::model::computation::Freshness;
 use crate::app::model::guide::guide;
 use crate::app::model::messages::MessageKind;
+use crate::app::model::sample::FIRST;
 use crate::app::model::verdict::{
-    CardAction, Fact, Tone, VerdictInWords, card_facts, corrected_fact, epipoles, hypothesis_facts,
-    import_facts, import_warning, lens_fact, pose_facts, verdict,
+    CardAction, Fact, Glance, Tone, VerdictInWords, corrected_fact, epipoles_at_a_glance, hypothesis_facts,
+    import_facts, import_warning, is_on_card, lens_fact, lines_at_a_glance, pose_facts, verdict,
 };
 use crate::app::model::{Command, ExchangeCommand, Model, OverlayId};
 use crate::app::view::theme;
@@ -26,25 +28,22 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui.set_max_width(ui.available_width() - theme::SCROLL_BAR);
         if model.is_at_start() {
             start(ui, model, commands);
-        } else {
-            if !another(ui, model, commands) {
-                result(ui, model, commands);
-            }
+        } else if another(ui, model, commands) {
             fundamental(ui, model, commands);
+        } else {
+            result(ui, model, commands);
         }
     });
 }
 
-/// Shows F of the shown geometry below a fold, with a menu that copies it.
+/// Shows F of the shown geometry, with a menu that copies it.
 fn fundamental(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let Some(shown) = model.shown() else { return };
-    CollapsingHeader::new("Fundamental matrix F").id_salt("fundamental").show_unindented(ui, |ui| {
-        let convention = "x2 · F x1 = 0 for a match of x1 in the left image and x2 in the right one, pixels, with \
-                          the centre of the upper left pixel at (0, 0).";
-        let rows = shown.fundamental.rows().map(|row| row.map(|value| format!("{value:>9.2e}")).join(" "));
-        ui.add(Label::new(RichText::new(rows.join("\n")).monospace()).extend()).on_hover_text(convention);
-        copy_fundamental_menu(ui, model, commands);
-    });
+    let Some(shown) = model.geometry_to_write() else { return };
+    let convention = "Fundamental matrix F: x2 · F x1 = 0 for a match of x1 in the left image and x2 in the right one, \
+                      pixels, with the centre of the upper left pixel at (0, 0).";
+    let rows = shown.fundamental.rows().map(|row| row.map(|value| format!("{value:>9.2e}")).join(" "));
+    ui.add(Label::new(RichText::new(rows.join("\n")).monospace()).extend()).on_hover_text(convention);
+    copy_fundamental_menu(ui, model, commands);
 }
 
 /// Shows the next step before anything was placed.
@@ -52,7 +51,8 @@ fn start(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.set_max_width(ui.available_width().min(560.0));
     ui.add_space(4.0);
     let mut text = guide(model);
-    if model.document.pictures.is_some() && model.document.too_small().is_none() {
+    let clicks = model.document.pictures.is_some() && model.document.too_small().is_none();
+    if clicks && model.lesson().is_none() {
         text += " Two such pairs give the epipolar geometry.";
     }
     ui.add(Label::new(RichText::new(text).size(15.0).color(ui.visuals().strong_text_color())).wrap());
@@ -65,7 +65,7 @@ fn start(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             }
             let open = main_button(ui, Command::ShowOpenDialog.name());
             finish_button(ui, open, Command::ShowOpenDialog, commands);
-            command_button(ui, Command::OpenSample, true, commands);
+            command_button(ui, Command::OpenSample(FIRST), true, commands);
             return;
         }
         if model.open.show_me.is_some() {
@@ -108,8 +108,8 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
     if let Some((number, hypothesis)) = shown.hypothesis {
         heading(ui, None, &format!("Hypothesis {}", number + 1));
         another_shown(ui, model, &format!("hypothesis {}", number + 1), commands);
-        let facts = hypothesis_facts(&model.document, hypothesis, model.open.computation.searched());
-        list(ui, true_error(model).into_iter().chain(facts));
+        at_a_glance(ui, epipoles_at_a_glance(&model.document, shown.fundamental, None));
+        list(ui, true_error(model).into_iter().chain(hypothesis_facts(&model.document, hypothesis)));
         return true;
     }
     let Some(contestant) = shown.contestant else { return false };
@@ -130,11 +130,6 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
     if let Some(warning) = imported.and_then(import_warning) {
         ui.add(Label::new(RichText::new(warning).color(tone_color(ui.visuals(), Tone::Caution))).wrap());
     }
-    let facts = imported.map(import_facts).unwrap_or_default().into_iter();
-    list(
-        ui,
-        true_error(model).into_iter().chain(facts).chain(epipoles(&model.document, shown.fundamental, None)),
-    );
     ui.horizontal_wrapped(|ui| {
         if imported.is_some() {
             let remove = ui.button("Remove it");
@@ -144,6 +139,8 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
             command_button(ui, Command::FindWithoutClicks, true, commands);
         }
     });
+    at_a_glance(ui, epipoles_at_a_glance(&model.document, shown.fundamental, None));
+    list(ui, true_error(model).into_iter().chain(imported.map(import_facts).unwrap_or_default()));
     true
 }
 
@@ -165,34 +162,23 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
     let warnings: Vec<String> = warnings.into_iter().filter(|warning| *warning != sentence).collect();
     ui.add(Label::new(sentence + &model.card_remarks()).wrap());
-    let action = model.card_action();
-    let switch = model.lines_switch().filter(|switch| action.as_ref() != Some(switch));
-    if action.is_some() {
-        ui.horizontal_wrapped(|ui| {
-            let others = model.card_alternative().into_iter().chain(switch);
-            for CardAction { label, command, enabled } in action.into_iter().chain(others) {
-                let button = ui.add_enabled(enabled, Button::new(label));
-                finish_button(ui, button, command, commands);
-            }
-        });
+    if tone != Tone::Apart {
+        figures(ui, model);
+        list(ui, true_error(model).into_iter().chain(facts.iter().filter(|fact| is_on_card(fact)).cloned()));
     }
-    let pose = model.scene().map(|scene| pose_facts(&scene.fit)).unwrap_or_default();
-    let lens =
-        model.offered_lens().zip(model.document.frames()).map(|(lens, frames)| lens_fact(lens, frames));
-    let lens = lens.or(model.open.corrected_lens().map(corrected_fact));
-    // The lens moves the epipoles by more than the matches tell.
-    let bent = model.offered_lens().and(model.result());
-    let bent = bent.map_or_else(Vec::new, |estimate| epipoles(&model.document, estimate.fundamental(), None));
-    let facts = facts.into_iter().filter(|fact| bent.iter().all(|other| other.name != fact.name));
-    let facts: Vec<Fact> =
-        true_error(model).into_iter().chain(facts).chain(bent.clone()).chain(pose).chain(lens).collect();
-    list(ui, card_facts(&facts).cloned());
-    let is_on_card = |fact: &Fact| card_facts(&facts).any(|other| other.name == fact.name);
-    let others: Vec<Fact> = facts.iter().filter(|fact| !is_on_card(fact)).cloned().collect();
-    if warnings.is_empty() && others.is_empty() {
+    ui.add_space(2.0);
+    let details =
+        CollapsingState::load_with_default_open(ui.ctx(), Id::unique("details of the verdict"), false);
+    let has_details = model.result().is_some();
+    let unfolds = buttons(ui, model, has_details.then_some(details.is_open()), commands);
+    let mut details = details;
+    if unfolds {
+        details.toggle(ui);
+    }
+    if !has_details {
         return;
     }
-    CollapsingHeader::new("Details").id_salt("details").show_unindented(ui, |ui| {
+    details.show_body_unindented(ui, |ui| {
         for warning in warnings {
             let color = tone_color(ui.visuals(), Tone::Caution);
             ui.add(Label::new(RichText::new(warning).color(color)).wrap());
@@ -204,11 +190,102 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             );
             ui.add(Label::new(text).wrap());
         }
-        list(ui, others.into_iter());
+        let pose = model.scene().map(|scene| pose_facts(&scene.fit)).unwrap_or_default();
+        let lens =
+            model.offered_lens().zip(model.document.frames()).map(|(lens, frames)| lens_fact(lens, frames));
+        let lens = lens.or(model.open.corrected_lens().map(corrected_fact));
+        list(ui, facts.into_iter().filter(|fact| !is_on_card(fact)).chain(pose).chain(lens));
         if model.open.corrected_lens().is_some() {
             command_button(ui, Command::RemoveCalibration, true, commands);
         }
+        fundamental(ui, model, commands);
     });
+}
+
+/// Shows the figures of the shown result.
+fn figures(ui: &mut Ui, model: &Model) {
+    let Some(shown) = model.shown() else { return };
+    let is_current = !matches!(shown.freshness, Freshness::Followed | Freshness::Stale);
+    let own = Some(shown.estimate).filter(|_| is_current);
+    at_a_glance(ui, own.and_then(|estimate| lines_at_a_glance(&model.document, estimate)));
+    // The lens moves the epipoles by more than the matches tell.
+    let own = own.filter(|_| model.offered_lens().is_none());
+    at_a_glance(ui, epipoles_at_a_glance(&model.document, shown.fundamental, own));
+}
+
+/// Shows what the verdict asks for, or else the menu that copies F, and a button for the details if it is told
+/// whether they are open. Returns whether that was clicked.
+fn buttons(ui: &mut Ui, model: &Model, details: Option<bool>, commands: &mut Vec<Command>) -> bool {
+    let action = model.card_action();
+    let switch = model.lines_switch().filter(|switch| action.as_ref() != Some(switch));
+    let mut unfolds = false;
+    ui.horizontal_wrapped(|ui| {
+        if action.is_none() && model.shown().is_some() {
+            copy_fundamental_menu(ui, model, commands);
+        }
+        let others = model.card_alternative().into_iter().chain(switch);
+        let count = usize::from(action.is_some());
+        for (place, CardAction { label, command, enabled }) in action.into_iter().chain(others).enumerate() {
+            let button = if place < count && enabled {
+                main_button(ui, &label)
+            } else {
+                ui.add_enabled(enabled, Button::new(label))
+            };
+            finish_button(ui, button, command, commands);
+        }
+        if let Some(open) = details {
+            unfolds = ui.add(Button::selectable(open, "Details")).clicked();
+        }
+    });
+    unfolds
+}
+
+/// Shows a row of two figures, with their ranges below.
+fn at_a_glance(ui: &mut Ui, row: Option<Glance>) {
+    let Some(Glance { name, common, heads, values, ranges, tooltip }) = row else { return };
+    let small = |text: &str| RichText::new(text).size(theme::CAPTION).weak();
+    ui.add_space(1.0);
+    let line = ui.visuals().widgets.noninteractive.bg_stroke;
+    let (top, _) = ui.allocate_exact_size(vec2(ui.available_width(), 1.0), Sense::hover());
+    ui.painter().hline(top.x_range(), top.center().y, line);
+    let is_one = values[0] == values[1] && ranges.iter().all(String::is_empty);
+    let [first, second] = heads.map(small);
+    let in_cells = |ui: &mut Ui, texts: [RichText; 3], height: f32| {
+        let (area, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
+        let right = area.width() * 0.36;
+        let mut end = area.max.x;
+        for (k, text) in texts.into_iter().enumerate().rev() {
+            let start = if k == 0 { area.min.x } else { end - right };
+            let cell = Rect::from_x_y_ranges(start..=end, area.y_range());
+            end = start;
+            let layout = match k {
+                0 => Layout::left_to_right(Align::Center),
+                _ => Layout::right_to_left(Align::Center),
+            };
+            if !text.is_empty() {
+                ui.scope_builder(UiBuilder::new().max_rect(cell).layout(layout), |ui| {
+                    ui.add(Label::new(text).truncate()).on_hover_text(tooltip);
+                });
+            }
+        }
+    };
+    if is_one {
+        let [value, _] = values;
+        ui.horizontal(|ui| {
+            ui.label(small(name)).on_hover_text(tooltip);
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                ui.label(RichText::new(value).strong()).on_hover_text(tooltip);
+            });
+        });
+        return;
+    }
+    in_cells(ui, [small(name), first, second], 14.0);
+    let [one, other] = values.map(|value| RichText::new(value).size(theme::FIGURE).strong());
+    in_cells(ui, [RichText::new(common), one, other], 18.0);
+    if ranges.iter().any(|range| !range.is_empty()) {
+        let [one, other] = ranges.each_ref().map(|range| small(range));
+        in_cells(ui, [RichText::default(), one, other], 14.0);
+    }
 }
 
 /// Shows the sign and the word of a verdict.
@@ -247,8 +324,19 @@ fn sign(ui: &mut Ui, tone: Tone) {
             let bar = Rect::from_center_size(centre, vec2(8.0, 2.4));
             ui.painter().rect_filled(bar, 0.0, ui.visuals().panel_fill);
         }
+        Tone::Apart => {
+            // Not equal.
+            ui.painter().circle_stroke(centre, 8.0, Stroke::new(1.8, color));
+            for bar in [
+                [vec2(-3.6, -1.8), vec2(3.6, -1.8)],
+                [vec2(-3.6, 1.8), vec2(3.6, 1.8)],
+                [vec2(-2.4, 4.2), vec2(2.4, -4.2)],
+            ] {
+                ui.painter().line_segment(bar.map(|at| centre + at), Stroke::new(1.4, color));
+            }
+        }
         Tone::Idle | Tone::Busy => {
-            ui.painter().circle_stroke(pos2(centre.x, centre.y), 5.5, Stroke::new(1.6, color));
+            ui.painter().circle_stroke(centre, 5.5, Stroke::new(1.6, color));
         }
     }
 }
@@ -284,15 +372,11 @@ fn list(ui: &mut Ui, facts: impl Iterator<Item = Fact>) {
     ui.spacing_mut().interact_size.y = theme::ROW - 3.0;
     ui.spacing_mut().item_spacing.y = 2.0;
     for fact in facts {
-        let tooltip = fact.explained();
         ui.horizontal(|ui| {
             let name = RichText::new(fact.name).size(theme::CAPTION).weak();
-            ui.label(name).on_hover_text(&tooltip);
+            ui.label(name).on_hover_text(fact.tooltip);
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let value = ui.add(Label::new(&fact.value).truncate()).on_hover_text(&tooltip);
-                if let Some(bar) = &fact.gauge {
-                    gauge::under(ui, &value, fact.name, bar);
-                }
+                ui.add(Label::new(&fact.value).truncate()).on_hover_text(fact.tooltip);
                 if let Some(tone) = fact.tone.filter(|tone| matches!(tone, Tone::Caution | Tone::Bad)) {
                     let (dot, _) = ui.allocate_exact_size(vec2(8.0, 16.0), Sense::hover());
                     ui.painter().circle_filled(dot.center(), 3.5, tone_color(ui.visuals(), tone));

@@ -55,6 +55,7 @@ pub fn tone_color(visuals: &Visuals, tone: Tone) -> Color32 {
     let palette = theme::palette(visuals);
     match tone {
         Tone::Idle | Tone::Busy => visuals.weak_text_color(),
+        Tone::Apart => visuals.text_color(),
         Tone::Good => palette.good,
         Tone::Caution => palette.caution,
         Tone::Bad => palette.bad,

@@ -100,7 +100,7 @@ pub fn place_menu(ui: &mut Ui, model: &Model, side: Side, point: Point, commands
 
 /// Shows the menu "Copy F as", with one entry per notation.
 pub fn copy_fundamental_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    ui.add_enabled_ui(model.shown().is_some(), |ui| {
+    ui.add_enabled_ui(model.geometry_to_write().is_some(), |ui| {
         ui.menu_button("Copy F as", |ui| {
             for notation in Notation::ALL {
                 menu_entry(ui, ExchangeCommand::CopyFundamental(notation).into(), true, commands);

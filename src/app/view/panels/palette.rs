@@ -3,7 +3,8 @@
 use egui::{Align2, Button, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window, vec2};
 
 use super::finish_button;
-use crate::app::model::{Command, Model, OverlayId};
+use crate::app::model::replay::ReplayCommand;
+use crate::app::model::{Command, MethodStep, Model, OverlayId};
 use crate::app::view::actions::ACTIONS;
 use crate::app::view::keyboard::key_text;
 
@@ -126,7 +127,12 @@ fn entries(model: &Model) -> Vec<PaletteEntry> {
         let title = format!("{verb} {}", overlay.name().to_lowercase());
         PaletteEntry { title, command: Command::ToggleOverlay(overlay), available: true }
     });
-    named.chain(overlays).collect()
+    let steps = MethodStep::ALL.into_iter().map(|step| PaletteEntry {
+        title: format!("Replay: {}", step.title().to_lowercase()),
+        command: ReplayCommand::Play(step).into(),
+        available: model.document.pictures.is_some(),
+    });
+    named.chain(steps).chain(overlays).collect()
 }
 
 /// Returns the entries that match the text, best first; all available ones for an empty text. Of equally good

@@ -14,8 +14,8 @@ const MOUSE: [(&str, &str); 8] = [
     ("Drag elsewhere", "Move the image; the middle button and Space do the same"),
     ("Right click", "Open the menu of a point, a pinned line, or a place"),
     ("Double click", "Show the whole image"),
-    ("Arrow keys", "Move the selected point by 0.1 px"),
-    ("Shift and arrow keys", "Move the selected point by 1 px"),
+    ("Arrow keys", "Move the crosshair or the selected point by 1 px"),
+    ("Shift or Alt and arrow keys", "Move it by 10 px or by 0.1 px"),
 ];
 
 /// Keys of the toolkit.

@@ -10,6 +10,7 @@ use crate::app::model::look::Tool;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::{Command, ExchangeCommand, Model, SessionCommand, StageId};
 use crate::app::view::theme;
+use crate::synthetic::Sample;
 
 /// Width from which the search has a field rather than an icon, screen points, and the room that the choice of a
 /// pair takes from it.
@@ -112,7 +113,8 @@ fn help(ui: &mut Ui, commands: &mut Vec<Command>) {
     let (menu, _) = MenuButton::from_button(button).ui(ui, |ui| {
         for (command, title) in [
             (Command::ToggleShortcuts, "Keys and mouse"),
-            (Command::OpenSample, "Open the sample pictures"),
+            (Command::OpenSample(Sample::Alley), "Open the sample pictures"),
+            (Command::OpenSample(Sample::Courtyard), "Open the second sample"),
             (Command::OpenSampleSequences, "Open the sample sequences"),
             (Command::ToggleTheme, "Light or dark theme"),
         ] {
@@ -128,7 +130,7 @@ fn help(ui: &mut Ui, commands: &mut Vec<Command>) {
 /// Shows the menu of exports. It has the accent colour once there is something to export.
 fn export(ui: &mut Ui, any: bool, model: &Model, commands: &mut Vec<Command>) {
     let palette = theme::palette(ui.visuals());
-    let has_result = model.shown().is_some();
+    let has_result = model.geometry_to_write().is_some();
     let (title, fill) = (RichText::new("Export"), has_result.then_some(palette.accent));
     let title = if has_result { title.color(palette.on_accent) } else { title };
     ui.add_enabled_ui(any, |ui| {

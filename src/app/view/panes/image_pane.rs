@@ -5,7 +5,8 @@ use egui::{Align2, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Strok
 use super::chip::Chip;
 use super::loupe;
 use super::overlays::{
-    Canvas, Labels, OVERLAYS, draw_measurement, pinned_at, pointed_at, replay, suggested_places,
+    Canvas, Labels, OVERLAYS, draw_crosshair, draw_measurement, pinned_at, pointed_at, replay,
+    suggested_places,
 };
 use super::texture::PictureTexture;
 use super::transform::{Transform, zoom_asked};
@@ -256,17 +257,12 @@ impl ImagePane {
             commands.push(Command::PointAt(target));
         }
         draw_measurement(&canvas);
+        draw_crosshair(&canvas);
         let due = model.document.half.is_some_and(|half| half.side != side);
         if due {
             painter.rect_stroke(rect, 0.0, egui::Stroke::new(2.0, palette.accent), StrokeKind::Inside);
         }
-        let hover = if let Some(Drag { what: Dragged::Point(at, _), .. }) = self.drag {
-            model.document.point(at).map(|point| Hover { side, point, dragging: true })
-        } else {
-            let under = response.hover_pos().map(|position| transform.image_from_screen(position));
-            let inside = under.filter(|point| frame.contains(*point));
-            inside.map(|point| Hover { side, point, dragging: false })
-        };
+        let hover = self.under_cursor(&response, &transform, frame, model);
         if let Some(point) = self.magnified(model, hover).filter(|_| model.look.loupe) {
             let uncovered: Vec<Pos2> = suggested_places(&canvas).into_iter().map(|(_, at)| at).collect();
             self.magnify(&painter, &transform, point, &uncovered, model);
@@ -278,6 +274,26 @@ impl ImagePane {
             self.chip = chip.show(ui, model);
         }
         hover
+    }
+
+    /// Returns the place in this image under the cursor, or under the crosshair of the keyboard.
+    fn under_cursor(
+        &self,
+        response: &Response,
+        transform: &Transform,
+        frame: Frame,
+        model: &Model,
+    ) -> Option<Hover> {
+        let side = self.side;
+        if let Some(crosshair) = model.crosshair_as_hover() {
+            return Some(crosshair).filter(|crosshair| crosshair.side == side);
+        }
+        if let Some(Drag { what: Dragged::Point(at, _), .. }) = self.drag {
+            return model.document.point(at).map(|point| Hover { side, point, dragging: true });
+        }
+        let under = response.hover_pos().map(|position| transform.image_from_screen(position));
+        let inside = under.filter(|point| frame.contains(*point));
+        inside.map(|point| Hover { side, point, dragging: false })
     }
 
     /// Returns the point below the loupe: the one that is dragged, or the place of a click that is due. The

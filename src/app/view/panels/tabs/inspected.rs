@@ -93,9 +93,9 @@ fn to_inspect(text: &str) -> String {
     format!("Inspect: {text}")
 }
 
-/// Draws the number of a pinned pair on its colour.
+/// Draws the number of a pinned pair on the colour of pins.
 fn swatch(ui: &Ui, area: Rect, number: usize) {
-    ui.painter().rect_filled(area.shrink(2.0), 3.0, theme::pin_color(number));
+    ui.painter().rect_filled(area.shrink(2.0), 3.0, theme::PINNED);
     let font = FontId::proportional(if number < 9 { 12.0 } else { 11.0 });
     ui.painter().text(area.center(), Align2::CENTER_CENTER, (number + 1).to_string(), font, Color32::BLACK);
 }

@@ -30,8 +30,8 @@ pub fn draw(canvas: &Canvas) {
         let lit = canvas.at_hand(canvas.model.open.focus.hovered()) == Some(Target::GivenMatch(number));
         let (radius, color) = match fits {
             _ if lit => (5.0, theme::SELECTED),
-            Some(false) => (2.6, theme::GIVEN_OFF),
-            _ => (2.6, theme::GIVEN),
+            Some(false) => (2.6, theme::UNRELIABLE),
+            _ => (2.6, theme::UNCHECKED),
         };
         // Rings distinguish them from the dots of the program's own matches.
         canvas.painter.circle_stroke(at, radius, Stroke::new(2.8, theme::HALO));

@@ -25,7 +25,7 @@ pub fn draw(canvas: &Canvas) {
         mark(
             canvas,
             &epipole(hypothesis),
-            theme::HYPOTHESIS.gamma_multiply(opacity * (0.15 + 0.7 * bright * bright)),
+            theme::UNCHECKED.gamma_multiply(opacity * (0.15 + 0.7 * bright * bright)),
             1.0,
         );
     }

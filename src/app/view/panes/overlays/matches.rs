@@ -17,7 +17,7 @@ pub fn draw(canvas: &Canvas) {
             continue;
         }
         let lit = canvas.at_hand(canvas.model.open.focus.hovered()) == Some(Target::Match(number));
-        let (radius, color) = if lit { (5.0, theme::SELECTED) } else { (2.2, theme::MATCH) };
+        let (radius, color) = if lit { (5.0, theme::SELECTED) } else { (2.2, theme::UNCHECKED) };
         canvas.painter.circle_filled(at, radius + 1.2, theme::HALO.gamma_multiply(opacity));
         canvas.painter.circle_filled(at, radius, color.gamma_multiply(opacity));
     }

@@ -1,5 +1,6 @@
 //! Overlays of the images, one file each, registered in [`OVERLAYS`].
 
+mod crosshair;
 mod epipoles;
 mod given;
 mod hover;
@@ -21,6 +22,7 @@ mod true_lines;
 mod true_matches;
 mod uncertainty;
 
+pub use crosshair::draw as draw_crosshair;
 pub use measure::draw as draw_measurement;
 pub use pinned::number_at as pinned_at;
 pub use suggestion::places as suggested_places;
@@ -37,7 +39,7 @@ use crate::app::model::shown::ShownGeometry;
 use crate::app::model::verdict::LineLook;
 use crate::app::model::{Model, OverlayId, Side, Target};
 use crate::app::view::theme;
-use crate::geometry::{Frame, FundamentalMatrix, Line, Point, PointPair};
+use crate::geometry::{Frame, FundamentalMatrix, Line, Point, PointPair, Segment};
 
 /// An item under the cursor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -123,6 +125,13 @@ impl Labels {
     }
 }
 
+/// Number of places tried for a text on a line, from the border inwards.
+const STEPS: usize = 7;
+/// Space between these places, screen points.
+const BETWEEN: f32 = 3.0;
+/// Share of a line, from the border, on which its text may stand. Farther inwards it would cover the image.
+const BORDER: f32 = 0.4;
+
 /// Number of pairs that hide the pictures if each has a ring, a name and a strong line.
 const CROWD: usize = 25;
 
@@ -200,34 +209,45 @@ impl Canvas<'_> {
 
     /// Draws the visible part of a line dashed, with a dark edge.
     fn dashed_line(&self, line: &Line, width: f32, color: Color32) {
-        // Dashes out of view would cost time: many thousands when magnified.
-        let path = self.in_sight(line);
-        self.stroke(&path, width + 1.5, theme::HALO.gamma_multiply(0.5));
-        self.painter.extend(Shape::dashed_line(&path, Stroke::new(width, color), 7.0, 5.0));
+        self.dashes(&self.in_sight(line), width, color);
     }
 
     /// Draws an epipolar line of the geometry shown, in the look of its verdict.
     fn epipolar_line(&self, line: &Line, width: f32, color: Color32) {
+        if let Some(part) = self.frame.clip(line) {
+            self.epipolar_part(&part, width, color);
+        }
+    }
+
+    /// Draws a part of an epipolar line of the geometry shown, in the look of its verdict.
+    fn epipolar_part(&self, part: &Segment, width: f32, color: Color32) {
         match self.model.line_look() {
-            LineLook::Solid | LineLook::Other => self.line(line, width, color),
-            LineLook::Dashed => self.dashed_line(line, width, color),
-            LineLook::Dotted => self.dotted_line(line, width, color),
+            LineLook::Solid | LineLook::Other => self.segment(part.start, part.end, width, color),
+            // Dashes out of view would cost time: many thousands when magnified.
+            LineLook::Dashed => self.dashes(&self.visible(part), width, color),
+            LineLook::Dotted => {
+                let path = self.visible(part);
+                for (radius, color) in [(width * 0.5 + 1.0, theme::HALO), (width * 0.5 + 0.4, color)] {
+                    self.painter.extend(Shape::dotted_line(&path, color, 3.0 * width + 3.0, radius));
+                }
+            }
             LineLook::Hidden => {}
         }
     }
 
-    /// Draws the visible part of a line dotted, with a dark edge.
-    fn dotted_line(&self, line: &Line, width: f32, color: Color32) {
-        let path = self.in_sight(line);
-        for (radius, color) in [(width * 0.5 + 1.0, theme::HALO), (width * 0.5 + 0.4, color)] {
-            self.painter.extend(Shape::dotted_line(&path, color, 3.0 * width + 3.0, radius));
-        }
+    fn dashes(&self, path: &[Pos2], width: f32, color: Color32) {
+        self.stroke(path, width + 1.5, theme::HALO.gamma_multiply(0.5));
+        self.painter.extend(Shape::dashed_line(path, Stroke::new(width, color), 12.0, 7.0));
     }
 
     /// Returns the visible part of a line on the screen; empty if there is none.
     fn in_sight(&self, line: &Line) -> Vec<Pos2> {
-        let Some(segment) = self.frame.clip(line) else { return Vec::new() };
-        let curve = self.transform.curve(segment.start, segment.end);
+        self.frame.clip(line).map_or_else(Vec::new, |part| self.visible(&part))
+    }
+
+    /// Returns the visible part of a segment on the screen; empty if there is none.
+    fn visible(&self, part: &Segment) -> Vec<Pos2> {
+        let curve = self.transform.curve(part.start, part.end);
         let mut path: Vec<Pos2> = Vec::new();
         for ends in curve.windows(2).filter_map(|ends| within([ends[0], ends[1]], self.sight())) {
             if path.last() != Some(&ends[0]) {
@@ -277,6 +297,46 @@ impl Canvas<'_> {
         let corner = Align2::CENTER_CENTER.align_size_within_rect(galley.size(), area).min;
         self.painter.galley(corner, galley, color);
     }
+
+    /// Writes a text onto a path that begins at the border, as near to the border as other texts allow. Leaves out a
+    /// text that would cover another one.
+    fn label_on(&self, path: &[Pos2], text: &str, color: Color32) {
+        let Some(labels) = self.labels else { return };
+        let galley = self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.0), color);
+        let size = galley.size() + vec2(8.0, 2.0);
+        let length: f32 = path.windows(2).map(|ends| ends[0].distance(ends[1])).sum();
+        let sight = self.sight();
+        let step = size.x + BETWEEN;
+        let ways =
+            (0..STEPS).map(|k| (0.5 + k as f32) * step).take_while(|way| *way <= (BORDER * length).max(step));
+        // The text of a line along the border is moved inside.
+        let mut areas = ways.map(|way| moved_into(Rect::from_center_size(along(path, way), size), sight));
+        let Some(area) = areas.find(|area| sight.contains_rect(*area) && labels.is_free(*area)) else {
+            return;
+        };
+        labels.take(area);
+        self.painter.rect_filled(area, 3.0, theme::LABEL_FILL);
+        let corner = Align2::CENTER_CENTER.align_size_within_rect(galley.size(), area).min;
+        self.painter.galley(corner, galley, color);
+    }
+}
+
+/// Returns the point of a path at a distance from its start.
+fn along(path: &[Pos2], mut way: f32) -> Pos2 {
+    for ends in path.windows(2) {
+        let length = ends[0].distance(ends[1]);
+        if way <= length && length > 0.0 {
+            return ends[0] + (ends[1] - ends[0]) * (way / length);
+        }
+        way -= length;
+    }
+    path.last().copied().unwrap_or_default()
+}
+
+/// Moves a rectangle by the smallest distance that brings it inside another one.
+fn moved_into(area: Rect, other: Rect) -> Rect {
+    let by = (other.min - area.min).max(vec2(0.0, 0.0)) + (other.max - area.max).min(vec2(0.0, 0.0));
+    area.translate(by)
 }
 
 /// Clips a segment to a rectangle.

@@ -20,11 +20,11 @@ pub fn draw(canvas: &Canvas) {
         .map(|k| at + RADIUS * egui::Vec2::angled(std::f32::consts::TAU * k as f32 / CORNERS as f32))
         .collect();
     canvas.painter.circle_stroke(at, RADIUS, Stroke::new(4.0, theme::HALO.gamma_multiply(0.6)));
-    canvas.painter.extend(Shape::dashed_line(&ring, Stroke::new(2.0, theme::SUGGESTED), 5.0, 4.0));
+    canvas.painter.extend(Shape::dashed_line(&ring, Stroke::new(2.0, theme::SELECTED), 5.0, 4.0));
     for arm in [vec2(1.0, 0.0), vec2(0.0, 1.0)] {
-        for (color, width) in [(theme::HALO, 3.5), (theme::SUGGESTED, 1.5)] {
+        for (color, width) in [(theme::HALO, 3.5), (theme::SELECTED, 1.5)] {
             canvas.painter.line_segment([at - arm * 4.0, at + arm * 4.0], Stroke::new(width, color));
         }
     }
-    canvas.label(at, "Add a pair here", theme::SUGGESTED);
+    canvas.label(at, "a pair here helps most", theme::SELECTED);
 }

@@ -22,7 +22,7 @@ pub fn draw(canvas: &Canvas) {
             let Some(hypothesis) = shown.estimate.hypotheses().get(number) else { return };
             for (_, other) in model.document.points(canvas.side.other()) {
                 if let Some(line) = canvas.line_from_other(hypothesis.fundamental(), other) {
-                    canvas.line(&line, theme::LINE_WIDTH, theme::HYPOTHESIS);
+                    canvas.line(&line, theme::LINE_WIDTH, theme::UNCHECKED);
                 }
             }
         }

@@ -54,7 +54,7 @@ pub fn draw(canvas: &Canvas, moment: &Moment) {
 fn color_of(canvas: &Canvas, ink: Ink) -> Color32 {
     match ink {
         Ink::Pair(pair) => theme::pair_color(pair),
-        Ink::Unchecked => theme::HYPOTHESIS,
+        Ink::Unchecked => theme::UNCHECKED,
         Ink::Lit => theme::HOVER,
         Ink::RoundTrip => theme::FORWARD,
         Ink::Verdict => theme::line_color(canvas.model.line_look()),

@@ -19,7 +19,7 @@ pub fn draw(canvas: &Canvas) {
         let (point, other) = (canvas.side.point(pair), canvas.side.other().point(pair));
         if let Some(line) = canvas.line_from_other(shown.fundamental, other) {
             let end = point + (line.foot(point) - point) * MAGNIFICATION;
-            let color = theme::RESIDUAL.gamma_multiply(opacity);
+            let color = theme::UNCHECKED.gamma_multiply(opacity);
             canvas.segment(point, end, 2.0, color);
             // A dot marks the start, so that the direction and short residuals are visible.
             canvas.dot(point, 2.0, color);

@@ -12,8 +12,7 @@ pub fn draw(canvas: &Canvas) {
         let (point, other) = (canvas.side.point(&matched.pair), canvas.side.other().point(&matched.pair));
         let mut end = point;
         end.y += (other.y - point.y) * MAGNIFICATION;
-        let color = if end.y < point.y { theme::FORWARD } else { theme::BACKWARD };
-        canvas.segment(point, end, 2.0, color);
-        canvas.dot(point, 2.0, color);
+        canvas.segment(point, end, 2.0, theme::UNCHECKED);
+        canvas.dot(point, 2.0, theme::UNCHECKED);
     }
 }

@@ -43,14 +43,14 @@ pub fn draw(canvas: &Canvas) {
     };
     for (rank, (correlation, at)) in places.iter().enumerate().rev() {
         let (radius, width, shade) = if rank == 0 { (11.0, 2.0, 1.0) } else { (7.0, 1.3, 0.6) };
-        for (color, width) in [(theme::HALO, width + 2.5), (theme::SUGGESTED.gamma_multiply(shade), width)] {
+        for (color, width) in [(theme::HALO, width + 2.5), (theme::UNCHECKED.gamma_multiply(shade), width)] {
             canvas.painter.circle_stroke(*at, radius, Stroke::new(width, color));
         }
         if rank == 0 {
             canvas.painter.circle_filled(*at, 2.0, color);
             canvas.label(*at, &format!("{offer}, similarity {correlation:.2} of 1"), color);
         } else if places[..rank].iter().all(|(_, better)| better.distance(*at) > LABEL_ROOM) {
-            canvas.label(*at, &format!("{correlation:.2}"), theme::SUGGESTED.gamma_multiply(0.8));
+            canvas.label(*at, &format!("{correlation:.2}"), theme::UNCHECKED.gamma_multiply(0.8));
         }
     }
 }

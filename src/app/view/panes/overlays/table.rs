@@ -31,7 +31,8 @@ pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
     },
     Overlay {
         id: OverlayId::Lines,
-        tooltip: "The line of each clicked point in the other image, on which its match must lie.",
+        tooltip: "Evenly spaced lines. A point of a line has its match on the line with the same number in the other image. \
+                  The selected pair has a line of its own.",
         color: theme::ESTIMATED,
         magnified: true,
         draw: lines::draw,
@@ -53,16 +54,16 @@ pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
     },
     Overlay {
         id: OverlayId::Pinned,
-        tooltip: "Line pairs pinned with the pin tool, each in its own colour, with a number at the left where \
-                  there is room. Right-click a line to see its number.",
-        color: theme::PINNED[0],
+        tooltip: "Line pairs pinned with the pin tool, with their numbers where there is room. Right-click a line to \
+                  see its number.",
+        color: theme::PINNED,
         magnified: true,
         draw: pinned::draw,
     },
     Overlay {
         id: OverlayId::Samples,
         tooltip: "Matched samples along the pinned line pair. Dots of the same colour match.",
-        color: theme::INSPECTED,
+        color: theme::HOVER,
         magnified: false,
         draw: samples::draw,
     },
@@ -77,14 +78,14 @@ pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
     Overlay {
         id: OverlayId::Given,
         tooltip: "Imported matches: violet rings fit the geometry to 1 px, red ones do not. At most 2,000 are drawn.",
-        color: theme::GIVEN,
+        color: theme::UNCHECKED,
         magnified: false,
         draw: given::draw,
     },
     Overlay {
         id: OverlayId::Matches,
         tooltip: "Patches that the refinement matched along the epipolar lines. The geometry is fitted to them.",
-        color: theme::MATCH,
+        color: theme::UNCHECKED,
         magnified: true,
         draw: matches::draw,
     },
@@ -92,15 +93,15 @@ pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
         id: OverlayId::MagnifiedResiduals,
         tooltip: "Distance from each refined match to its epipolar line, magnified 50 times: 1 pixel is drawn \
                   as 50 pixels.",
-        color: theme::RESIDUAL,
+        color: theme::UNCHECKED,
         magnified: false,
         draw: residuals::draw,
     },
     Overlay {
         id: OverlayId::RowOffsets,
-        tooltip: "Distance from each match to the row of its partner, magnified 50 times; the colour tells up from \
-                  down. In a rectified pair there is none.",
-        color: theme::FORWARD,
+        tooltip: "Distance from each match to the row of its partner, magnified 50 times. In a rectified pair there \
+                  is none.",
+        color: theme::UNCHECKED,
         magnified: false,
         draw: rows::draw,
     },
@@ -108,7 +109,7 @@ pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
         id: OverlayId::Hypotheses,
         tooltip: "Epipoles of the hypotheses, the best ones brightest. An arrow at the edge points to an \
                   epipole outside.",
-        color: theme::HYPOTHESIS,
+        color: theme::UNCHECKED,
         magnified: false,
         draw: hypotheses::draw,
     },
@@ -132,14 +133,14 @@ pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
         tooltip: "After the first click of a pair: the most similar places in the other image. The number is the \
                   correlation of their surroundings with those of the click, 1 for equal ones. Enter accepts a \
                   clear match.",
-        color: theme::SUGGESTED,
+        color: theme::UNCHECKED,
         magnified: true,
         draw: suggestion::draw,
     },
     Overlay {
         id: OverlayId::NextClick,
         tooltip: "The place in the left image where one more pair would help most, while the result is doubtful.",
-        color: theme::SUGGESTED,
+        color: theme::SELECTED,
         magnified: false,
         draw: next_click::draw,
     },

@@ -7,7 +7,7 @@ use crate::app::model::document::Side;
 use crate::app::model::verdict::LineLook;
 use crate::app::view::theme;
 use crate::estimate::{EpipoleEllipse, Uncertainty};
-use crate::geometry::{Line, Point, Vector};
+use crate::geometry::{Point, Segment, Vector};
 
 /// Half-width of a band, in standard deviations.
 const REACH: f64 = 2.0;
@@ -26,15 +26,20 @@ pub fn draw(canvas: &Canvas) {
     if canvas.model.line_look() == LineLook::Hidden {
         return;
     }
-    let document = &canvas.model.document;
     let hovered = canvas
         .at_hand(canvas.model.open.hover)
         .filter(|hover| hover.side != canvas.side)
         .map(|hover| hover.point);
-    let points = document.points(canvas.side.other()).map(|(_, point)| point);
-    for other in points.chain(hovered) {
-        if let Some(line) = canvas.line_from_other(shown.fundamental, other) {
-            band(canvas, uncertainty, other, &line, opacity);
+    for lines in canvas.model.numbered_lines() {
+        let [own, other] = [canvas.side, canvas.side.other()].map(|side| lines.parts[side.index()]);
+        if let Some((own, other)) = own.zip(other) {
+            band(canvas, uncertainty, nalgebra::center(&other.start, &other.end), &own, opacity);
+        }
+    }
+    if let Some(other) = hovered {
+        let line = canvas.line_from_other(shown.fundamental, other);
+        if let Some(own) = line.and_then(|line| canvas.frame.clip(&line)) {
+            band(canvas, uncertainty, other, &own, opacity);
         }
     }
     // Where only a plane is certain, other epipoles explain the matches as well.
@@ -50,9 +55,10 @@ pub fn draw(canvas: &Canvas) {
     }
 }
 
-fn band(canvas: &Canvas, uncertainty: &Uncertainty, other: Point, line: &Line, opacity: f32) {
-    let Some(segment) = canvas.frame.clip(line) else { return };
-    let normal = Vector::new(line.coefficients().x, line.coefficients().y);
+/// Draws the band of a part of a line, which is the epipolar line of the point `other`.
+fn band(canvas: &Canvas, uncertainty: &Uncertainty, other: Point, segment: &Segment, opacity: f32) {
+    let Some(along) = (segment.end - segment.start).try_normalize(f64::EPSILON) else { return };
+    let normal = Vector::new(-along.y, along.x);
     let color = theme::BAND.gamma_multiply(0.45 * opacity);
     let (mut mesh, mut widest) = (Mesh::default(), 0f32);
     for k in 0..=PIECES {

@@ -86,7 +86,7 @@ fn cells(ui: &Ui, area: Rect, record: &Record, crossed: Option<[usize; 2]>) {
         painter.rect(
             own.expand(2.0),
             1.0,
-            theme::HYPOTHESIS,
+            theme::UNCHECKED,
             Stroke::new(1.5, Color32::WHITE),
             StrokeKind::Outside,
         );

@@ -44,7 +44,7 @@ pub fn show(ui: &mut Ui, model: &Model) {
         // Dots side by side would hide each other.
         let row = (k * 7 % 11) as f32 / 11.0;
         let y = egui::lerp(plot.min.y + 24.0..=plot.max.y - 8.0, row);
-        painter.circle_filled(pos2(x(*gap), y), 3.0, theme::HYPOTHESIS.gamma_multiply(0.8));
+        painter.circle_filled(pos2(x(*gap), y), 3.0, theme::UNCHECKED.gamma_multiply(0.8));
     }
     if let Some(gap) = model.open.replay.moment().and_then(|moment| moment.gap) {
         painter.vline(x(gap), plot.y_range(), Stroke::new(2.0, theme::FORWARD));

@@ -173,7 +173,7 @@ fn epipole<'a>(listed: &'a Listed, model: &Model, side: Side, is_narrow: bool) -
     let text = move |row: usize| match listed.number(row) {
         None if is_open => "not determined".to_owned(),
         _ if is_narrow => short_epipole_text(&epipole(row)),
-        _ => epipole_text(&epipole(row), None),
+        _ => epipole_text(&epipole(row)),
     };
     Column::figures(title, 130.0, tooltip, away, |_| String::new()).written(text)
 }
@@ -181,7 +181,7 @@ fn epipole<'a>(listed: &'a Listed, model: &Model, side: Side, is_narrow: bool) -
 /// Describes the epipoles of a row, one line each.
 fn both_epipoles(listed: &Listed, row: usize) -> String {
     let [left, right] =
-        Side::BOTH.map(|side| epipole_text(&side.epipole(listed.hypothesis(row).fundamental()), None));
+        Side::BOTH.map(|side| epipole_text(&side.epipole(listed.hypothesis(row).fundamental())));
     format!("Left epipole, px: {left}\nRight epipole, px: {right}")
 }
 

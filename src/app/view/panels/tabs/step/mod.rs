@@ -32,6 +32,9 @@ fn tools(ui: &mut Ui, model: &Model, _: &mut Vec<Command>) {
 fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     pale_earlier(ui, model.open.computation.is_behind());
     let Some(place) = model.replayed() else {
+        if features::show_different_scenes(ui, model) {
+            return;
+        }
         hypotheses::show(ui, model, commands);
         return;
     };

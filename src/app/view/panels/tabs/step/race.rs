@@ -9,7 +9,7 @@ use crate::app::view::theme;
 /// Largest height of a row, screen points.
 const ROW: f32 = 24.0;
 /// Widths of the names and of the figures beside the bars.
-const NAME: f32 = 118.0;
+const NAME: f32 = 140.0;
 const VALUE: f32 = 52.0;
 
 /// A bar with its name and its figure.
@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, model: &Model) {
         value: format!("{:.0}", own.support),
         share: own.support / most,
         row: own.row,
-        color: theme::HYPOTHESIS.gamma_multiply(if own.row < 0.5 { 1.0 } else { 0.6 }),
+        color: theme::UNCHECKED.gamma_multiply(if own.row < 0.5 { 1.0 } else { 0.6 }),
     };
     bars(ui, "race of the hypotheses", &moment.race.iter().map(bar).collect::<Vec<_>>());
 }
