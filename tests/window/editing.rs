@@ -2,11 +2,12 @@
 
 use crate::support::*;
 
-use egui::{Key, Modifiers, PointerButton, Pos2, Rect, vec2};
+use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Rect, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::estimate::{Method, Trust, Verdict};
 use epiline::geometry::{Point, Vector, symmetric_epipolar_distance};
 use epiline::internals::app::Start;
+use epiline::internals::app::model::StageId;
 use epiline::internals::app::model::document::Side;
 
 #[test]
@@ -366,6 +367,28 @@ fn a_small_window_and_a_large_one_hold_everything() {
             assert!(whole.contains_rect(pane(&window, side)), "{size:?}");
         }
     }
+}
+
+#[test]
+fn the_first_sample_shows_what_epipolar_lines_are_and_knows_its_cameras() {
+    let mut window = started(Start::default(), services());
+    assert!(painted(&window, "the other camera"), "before the mouse moves, too");
+    window.hover_at(at(&window, Side::Left, 0.2, 0.2));
+    settle(&mut window);
+    let f = *window.state().model().lesson().unwrap();
+    let place = image_position(&window, Side::Left, at(&window, Side::Left, 0.2, 0.2));
+    let line = f.line2_from_point1(place).unwrap();
+    let drawn = lines(&window, Side::Right, Color32::from_rgb(244, 239, 110));
+    let ends = drawn.iter().flatten();
+    assert!(
+        !drawn.is_empty()
+            && ends.into_iter().all(|end| line.distance(image_position(&window, Side::Right, *end)) < 0.5)
+    );
+    click_two_pairs(&mut window);
+    assert!(!painted(&window, "the other camera") && window.state().model().lesson().is_none());
+    press(&mut window, Key::Num7);
+    assert!(window.query_by_label("Focal lengths").is_none(), "its scene needs no question");
+    assert_eq!(window.state().model().stage(), StageId::Scene);
 }
 
 #[test]

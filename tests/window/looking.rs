@@ -47,13 +47,6 @@ fn every_sign_of_the_window_has_a_glyph() {
     assert!(signs.is_empty(), "no glyph for {signs:?}");
 }
 
-/// Where in a fitting image a place of the screen is.
-fn image_position(window: &Window, side: Side, at: Pos2) -> Point {
-    let offset = (at - pane(window, side).center()) / fitting_scale(window, side);
-    window.state().document().frame(side).unwrap().centre()
-        + epiline::geometry::Vector::new(f64::from(offset.x), f64::from(offset.y))
-}
-
 /// The square frame of the loupe in an image, if it is drawn.
 fn loupe_in(window: &Window, side: Side) -> Option<egui::Rect> {
     let pane = pane(window, side);

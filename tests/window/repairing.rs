@@ -192,7 +192,7 @@ fn no_pair_is_asked_for_where_only_a_plane_is_certain_or_all_pairs_contradict_th
 
 /// Whether the left image has a label that asks for a pair.
 fn is_marked(window: &Window) -> bool {
-    let is_label = |shape: &egui::Shape| matches!(shape, egui::Shape::Text(text) if text.galley.text() == "Add a pair here");
+    let is_label = |shape: &egui::Shape| matches!(shape, egui::Shape::Text(text) if text.galley.text() == "a pair here helps most");
     let pane = pane(window, Side::Left);
     window
         .output()

@@ -19,6 +19,7 @@ use epiline::internals::app::model::look::Look;
 use epiline::internals::app::{Inspector, Opening, Services, Start, install_theme};
 use epiline::similarity::CostMatrix;
 use epiline::suggest::SuggestError;
+use epiline::synthetic::Sample;
 use nalgebra::{Matrix3, Vector3};
 
 /// Long enough for a loaded machine; reached only when something is wrong.
@@ -156,6 +157,13 @@ pub const ESTIMATED: Color32 = Color32::from_rgb(31, 199, 152);
 /// Lines of a geometry that is shown in place of the result.
 pub const OTHER: Color32 = Color32::from_rgb(184, 113, 242);
 
+/// Where in a fitting image a place of the screen is.
+pub fn image_position(window: &Window, side: Side, at: Pos2) -> Point {
+    let offset = (at - pane(window, side).center()) / fitting_scale(window, side);
+    window.state().document().frame(side).unwrap().centre()
+        + epiline::geometry::Vector::new(f64::from(offset.x), f64::from(offset.y))
+}
+
 /// Whether the numbered lines of a geometry are drawn in the right image, in this colour.
 pub fn shows_lines(window: &Window, f: &FundamentalMatrix, color: Color32) -> bool {
     let [left, right] = window.state().document().frames().unwrap();
@@ -191,7 +199,16 @@ pub fn services() -> Services {
 
 pub type Window = Harness<'static, Inspector>;
 
+/// Opens the second sample in place of the first one: its epipoles are outside, and its focal lengths are unknown.
 pub fn window(start: Start, services: Services) -> Window {
+    let start = match start.opening {
+        Opening::Sample(_) => Start { opening: Opening::Sample(Sample::Courtyard), ..start },
+        _ => start,
+    };
+    started(start, services)
+}
+
+pub fn started(start: Start, services: Services) -> Window {
     let mut window = Harness::builder()
         .with_size(vec2(1280.0, 848.0))
         .with_max_steps(30)

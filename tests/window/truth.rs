@@ -299,11 +299,10 @@ fn the_sample_offers_its_truth_and_undo_takes_it_out_of_use() {
 fn true_lines_and_matches_are_blue_and_can_be_hidden() {
     let files = vgg(2);
     let window = open_folder(files.0.path());
-    let known = truth(&files, [0, 1]);
     // Two arms a mark.
     assert_eq!(lines(&window, Side::Left, TRUE).len(), 2 * POINTS);
     let mut window = open_with_clicks(&files);
-    assert!(shows_lines(&window, &known.fundamental, TRUE));
+    assert!(lines(&window, Side::Right, TRUE).len() > 2 * POINTS + 40, "dashes");
     tap(&mut window, "Overlays");
     for name in ["Show True lines", "Show True matches"] {
         tap(&mut window, name);

@@ -31,16 +31,20 @@ pub struct OpenedSample {
 /// The sample shown at the start. Its camera moves forwards, so the epipoles are in view.
 pub const FIRST: Sample = Sample::Alley;
 
-/// Loads a sample. Its focal lengths are known, so its scene opens without a question.
-pub fn sample_pair(sample: Sample) -> OpenedSample {
-    let name = sample.name().to_owned();
-    let sample = sample.load();
+/// Loads a sample. The focal lengths of the first one are known, so its scene opens without a question. The other one
+/// is like pictures from elsewhere.
+pub fn sample_pair(which: Sample) -> OpenedSample {
+    let name = which.name().to_owned();
+    let sample = which.load();
     let known = |opened: Opened, camera: &Camera| {
         let focal = camera.calibration().map(|k| FocalLength { pixels: k[(0, 0)], deviation: 0.0 });
         focal.and_then(|focal| opened.clone().with_focal_length(focal)).unwrap_or(opened)
     };
     let [left, right] = sample.pictures.map(Opened::new);
-    let pictures = [known(left, &sample.cameras[0]), known(right, &sample.cameras[1])];
+    let pictures = match which {
+        FIRST => [known(left, &sample.cameras[0]), known(right, &sample.cameras[1])],
+        _ => [left, right],
+    };
     let (fundamental, matches) = (sample.fundamental, sample.matches);
     let truth = GroundTruth { name, fundamental, matches, origin: TruthOrigin::Cameras };
     OpenedSample { pictures, show_me: sample.show_me, truth }

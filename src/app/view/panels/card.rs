@@ -56,6 +56,9 @@ fn start(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         text += " Two such pairs give the epipolar geometry.";
     }
     ui.add(Label::new(RichText::new(text).size(15.0).color(ui.visuals().strong_text_color())).wrap());
+    if model.lesson().is_some() {
+        ui.weak("Or click a point, then the same point in the other picture. Two such pairs give the epipolar geometry.");
+    }
     ui.add_space(6.0);
     ui.horizontal_wrapped(|ui| {
         if model.document.pictures.is_none() {

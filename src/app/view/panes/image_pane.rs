@@ -307,7 +307,8 @@ impl ImagePane {
             let other = PointRef { side: self.side, ..dragged };
             return if here { Some(hover.point) } else { document.point(other) };
         }
-        if self.drag.is_some() || model.tool != Tool::Points {
+        // The lesson of the sample is about lines.
+        if self.drag.is_some() || model.tool != Tool::Points || model.lesson().is_some() {
             return None;
         }
         match document.half {

@@ -39,7 +39,7 @@ pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
     },
     Overlay {
         id: OverlayId::TrueLines,
-        tooltip: "True epipolar lines of the clicked points and of the cursor, from the ground truth. Dashed, \
+        tooltip: "True lines through the same places as the numbered lines, and of the cursor, from the ground truth. Dashed, \
                   so that an estimated line below shows through.",
         color: theme::TRUE,
         magnified: true,
