@@ -111,12 +111,6 @@ impl Inspector {
             }
             Command::EndDrag => model.history.close_step(),
             Command::Crosshair(command) => model.apply_to_crosshair(command),
-            Command::PlaceAtCrosshair => {
-                if let Some((side, point)) = model.marked_by_crosshair() {
-                    self.apply(ctx, Command::Place(side, point));
-                    self.model.advance_crosshair((side, point));
-                }
-            }
             Command::Nudge(by) => {
                 // An arrow key moves the point that way on the screen.
                 let own = model.open.crosshair.map(|own| own.side);
@@ -184,7 +178,15 @@ impl Inspector {
             }
             Command::ToggleLoupe => model.look.loupe = !model.look.loupe,
             Command::AcceptSuggestion => {
-                if let Some((side, point)) = model.accepted_suggestion() {
+                let suggested = model.accepted_suggestion();
+                if let Some((side, point)) = model.marked_by_crosshair() {
+                    if suggested == Some((side, point)) {
+                        model.edit(|document| document.accept(side, point));
+                    } else {
+                        self.apply(ctx, Command::Place(side, point));
+                    }
+                    self.model.advance_crosshair((side, point));
+                } else if let Some((side, point)) = suggested {
                     model.edit(|document| document.accept(side, point));
                 } else {
                     let text =

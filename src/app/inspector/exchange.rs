@@ -182,6 +182,7 @@ impl Inspector {
                 model.edit(|document| document.rectification = method);
             }
             RectifiedCommand::LayOut(layout) => model.look.rectified.layout = layout,
+            RectifiedCommand::ToggleTurned => model.look.rectified.as_in_the_file ^= true,
             RectifiedCommand::ToggleGuides => model.look.rectified.hides_guides ^= true,
             RectifiedCommand::View(view) => model.open.viewing.view = view,
             RectifiedCommand::Shift(shift) => model.open.viewing.shift = shift,

@@ -78,8 +78,6 @@ pub enum Command {
     /// Move the selected point by an offset, px.
     Nudge(Vector),
     Crosshair(CrosshairCommand),
-    /// Place a point at the crosshair.
-    PlaceAtCrosshair,
     Select(Option<PointRef>),
     SetMethod(Method),
     SetPreset(Preset),

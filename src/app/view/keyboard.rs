@@ -35,8 +35,8 @@ pub fn pressed(ctx: &egui::Context, keyboard: KeyboardState) -> Vec<Command> {
             let command = &action.command;
             if typing && !action.works_while_typing
                 || menu_open && *command == Command::Cancel
-                || *command == Command::AcceptSuggestion && (!keyboard.suggestion || keyboard.crosshair)
-                || is_of_crosshair(command) && !keyboard.crosshair
+                || *command == Command::AcceptSuggestion && !(keyboard.suggestion || keyboard.crosshair)
+                || *command == CrosshairCommand::ChangePicture.into() && !keyboard.crosshair
             {
                 continue;
             }
@@ -86,11 +86,6 @@ pub fn pressed(ctx: &egui::Context, keyboard: KeyboardState) -> Vec<Command> {
     });
     commands.extend(by_space);
     commands
-}
-
-/// Returns whether a command needs the crosshair.
-fn is_of_crosshair(command: &Command) -> bool {
-    matches!(command, Command::PlaceAtCrosshair | Command::Crosshair(CrosshairCommand::ChangePicture))
 }
 
 /// Returns the modifiers of the space bar if it was released now, and nothing was dragged while it was down.

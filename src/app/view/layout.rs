@@ -13,8 +13,6 @@ use crate::app::model::pane_view::PaneView;
 use crate::app::model::{Command, Model, Side, StageId};
 use crate::geometry::Frame as FrameSize;
 
-/// Ratio of aspects from which a rectified pair is arranged on its own.
-const OTHER_SHAPE: f64 = 1.5;
 /// Height of the bar under two sequences, screen points.
 const PLAYER: f32 = 36.0;
 
@@ -182,10 +180,7 @@ impl View {
     /// Splits the room below the bars into dock and stage.
     fn split(&mut self, ctx: &Context, room: Rect, timeline: f32, model: &Model) -> (Option<Rect>, Rect) {
         let window = ctx.content_rect().size();
-        let frames = self.frames(model);
-        // Rows are compared side by side.
-        let beside = (model.stage() == StageId::Rectified).then_some(false);
-        let look = (&model.look.dock, model.look.stacked.or(beside));
+        let look = (&model.look.dock, model.look.stacked);
         let size = |v: Vec2| [v.x, v.y];
         // Other pictures are arranged afresh.
         let originals = self.originals(model);
@@ -193,7 +188,7 @@ impl View {
             self.placement = None;
         }
         // The arrangement is kept while pictures load.
-        let frames = frames.or(self.arranged).unwrap_or([FrameSize::new(4000, 3000); 2]);
+        let frames = originals.or(self.arranged).unwrap_or([FrameSize::new(4000, 3000); 2]);
         let beside_timeline = room.size() - vec2(0.0, timeline);
         self.placement = Some(placed(size(window), size(beside_timeline), frames, look, self.placement));
         let Some(Placement { edge, size, .. }) = self.placement.filter(|_| !model.open.alone) else {
@@ -223,20 +218,6 @@ impl View {
         Some([turned(0), turned(1)])
     }
 
-    /// Returns the sizes by which the stage is arranged. A rectified pair of about the same shape keeps
-    /// the arrangement of the pictures, so that nothing moves when the stage changes.
-    fn frames(&self, model: &Model) -> Option<[FrameSize; 2]> {
-        let originals = self.originals(model)?;
-        let drawn = model.open.rectified.as_ref().and_then(|rectified| rectified.outcome.as_ref().ok());
-        let Some(drawn) = drawn.filter(|_| model.stage() == StageId::Rectified) else {
-            return Some(originals);
-        };
-        let aspect = |frame: FrameSize| frame.width.max(1) as f64 / frame.height.max(1) as f64;
-        let ratio = aspect(drawn.frame()) / aspect(originals[0]);
-        let is_alike = (1.0 / OTHER_SHAPE..OTHER_SHAPE).contains(&ratio);
-        Some(if is_alike { originals } else { [drawn.frame(); 2] })
-    }
-
     /// Shows the pictures. Returns the image position under the cursor.
     fn stage(
         &mut self,
@@ -249,7 +230,7 @@ impl View {
         ui.painter().rect_filled(area, 0.0, theme::palette(ui.visuals()).canvas);
         if model.stage() == StageId::Rectified {
             let mut inside = ui.new_child(UiBuilder::new().max_rect(area).id_salt("rectified"));
-            panels::tabs::rectified::show_pictures(&mut inside, stacked, model, commands);
+            panels::tabs::rectified::show_pictures(&mut inside, model, commands);
             return None;
         }
         if model.stage() == StageId::Scene {

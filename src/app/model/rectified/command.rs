@@ -11,6 +11,8 @@ pub enum RectifiedCommand {
     SetMethod(RectifyMethod),
     LayOut(RectifiedLayout),
     ToggleGuides,
+    /// Show high pictures turned, or as in the files.
+    ToggleTurned,
     /// Show a part of the pictures; `None` shows all.
     View(Option<RectifiedView>),
     /// Shift the right picture to the right, px of the written pictures.

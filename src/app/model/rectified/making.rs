@@ -6,7 +6,9 @@
 
 use std::borrow::Cow;
 
+use super::RectifiedLook;
 use super::disparity::DisparityMap;
+use crate::app::model::pane_view::QuarterTurns;
 use crate::app::model::picture::{Opened, Pictures};
 use crate::app::model::revision;
 use crate::app::model::shared::Shared;
@@ -130,6 +132,9 @@ impl RectifyQuestion {
     }
 }
 
+/// Ratio of height to width from which pictures count as high.
+const HIGH: f64 = 1.5;
+
 pub struct Rectified {
     pub fundamental: FundamentalMatrix,
     /// Name of the matches behind the measures.
@@ -164,6 +169,22 @@ impl DrawnPair {
     /// Returns the number of drawn pixels per written pixel.
     pub fn reduction(&self) -> f64 {
         self.shown.size.height as f64 / self.full.size.height as f64
+    }
+
+    /// Returns whether the pictures are much higher than wide: unrolled about an epipole.
+    pub fn is_high(&self) -> bool {
+        let size = self.full.size;
+        size.height as f64 > HIGH * size.width as f64
+    }
+
+    /// Returns whether the pictures are shown turned, so that they fill a wide window.
+    pub fn is_turned(&self, look: &RectifiedLook) -> bool {
+        self.is_high() && !look.as_in_the_file
+    }
+
+    /// Returns the turn of the pictures on the screen. The epipole is at the top of turned ones.
+    pub fn turn(&self, look: &RectifiedLook) -> QuarterTurns {
+        QuarterTurns::from(u8::from(self.is_turned(look)))
     }
 
     /// Returns the shift of the right picture that makes a point pair coincide, px of the written

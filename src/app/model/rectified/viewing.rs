@@ -79,6 +79,8 @@ pub struct RectifiedLook {
     pub layout: RectifiedLayout,
     /// Whether the horizontal lines for comparing rows are hidden.
     pub hides_guides: bool,
+    /// Whether high pictures, unrolled about an epipole, are shown upright, as in the files.
+    pub as_in_the_file: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -177,8 +177,8 @@ mod tests {
             let place = EpipolePlace::of(&epipole, frame, Some(&bearing(direction, farthest)), None);
             (place.side, place.label())
         };
-        assert_eq!(told(0.1, Some(1010.0)), ("right", "epipole 950 px away, ± 60".to_owned()));
-        assert_eq!(told(3.1, Some(2500.0)), ("left", "epipole 950 px away, 900 to 2500".to_owned()));
+        assert_eq!(told(0.1, Some(1010.0)), ("right", "epipole 900 px away, ± 60".to_owned()));
+        assert_eq!(told(3.1, Some(2500.0)), ("left", "epipole 1000 px away, 900 to 2500".to_owned()));
         assert_eq!(told(-1.5, None), ("above", "epipole far away, direction ± 1.1°".to_owned()));
     }
 

@@ -119,6 +119,11 @@ pub fn in_dialogs() -> Vec<Action> {
             "Draw horizontal lines over the rectified pictures, for comparing rows, or hide them.",
         ),
         action(
+            RectifiedCommand::ToggleTurned,
+            "Turned to fit",
+            "Show pictures that are unrolled about an epipole turned by 90°, one above the other, or as in the files.",
+        ),
+        action(
             RectifiedCommand::RunBlink,
             "Automatic",
             "Alternate the two rectified pictures automatically.",

@@ -26,10 +26,10 @@ pub fn with_keys() -> Vec<Action> {
         action(
             Command::AcceptSuggestion,
             "Accept the suggested match",
-            "Place the second point of the pair at the suggested match.",
+            "Place the second point of the pair at the suggested match, or a point at the crosshair.",
         )
         .key(NONE, Key::Enter)
-        .when(|model| model.accepted_suggestion().is_some()),
+        .when(|model| model.accepted_suggestion().is_some() || model.open.crosshair.is_some()),
         action(
             CrosshairCommand::Toggle,
             "Crosshair",
@@ -39,9 +39,6 @@ pub fn with_keys() -> Vec<Action> {
         .key(NONE, Key::P)
         .listed(|_| "Crosshair: place points with the keyboard")
         .when(|model| model.document.pictures.is_some()),
-        action(Command::PlaceAtCrosshair, "Place at the crosshair", "Place a point at the crosshair.")
-            .key(NONE, Key::Enter)
-            .when(|model| model.open.crosshair.is_some()),
         action(CrosshairCommand::ChangePicture, "Crosshair to the other picture", "Put the crosshair into the other picture.")
             .key(NONE, Key::Tab)
             .when(|model| model.open.crosshair.is_some()),

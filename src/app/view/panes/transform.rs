@@ -62,11 +62,15 @@ impl PaneView {
 impl Viewing {
     /// Returns the view for pictures and a pane of this size. The size of the pictures changes with
     /// the geometry; the visible part stays.
-    pub fn view(&self, frame: Frame, rect: Rect) -> PaneView {
+    pub fn view(&self, frame: Frame, rect: Rect, turn: QuarterTurns) -> PaneView {
+        let turned = |view: PaneView| PaneView { turn, ..view };
         match self.view {
-            None => PaneView::fitting(frame),
-            Some(RectifiedView { frame: own, view }) if own == frame => view,
-            Some(RectifiedView { frame: own, view }) => view.carried_over((own, rect), &view, (frame, rect)),
+            None => turned(PaneView::fitting(frame)),
+            Some(RectifiedView { frame: own, view }) if own == frame => turned(view),
+            Some(RectifiedView { frame: own, view }) => {
+                let view = turned(view);
+                view.carried_over((own, rect), &view, (frame, rect))
+            }
         }
     }
 }
@@ -95,8 +99,17 @@ pub struct Transform {
 impl Transform {
     /// Creates a transform with `centre` in the middle of `rect`, at `scale` screen points per
     /// image pixel, not turned.
+    #[cfg(test)]
     pub fn new(rect: Rect, centre: Point, scale: f64) -> Self {
         Self { rect, centre, scale, turn: QuarterTurns::default(), lens: None }
+    }
+
+    /// Returns the same view of a reduced picture, each of whose pixels covers `times` pixels along a side.
+    #[must_use]
+    pub fn of_reduced(self, times: f64) -> Self {
+        let reduced = |v: f64| (v + 0.5) / times - 0.5;
+        let centre = Point::new(reduced(self.centre.x), reduced(self.centre.y));
+        Self { centre, scale: self.scale * times, ..self }
     }
 
     /// Returns the same view in another rectangle and at another scale.

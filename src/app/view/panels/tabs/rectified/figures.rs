@@ -54,6 +54,20 @@ fn choosers(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Co
     ui.horizontal(|ui| method_chooser(ui, model, commands));
     ui.horizontal(|ui| shift_chooser(ui, model, drawn, commands));
     ui.horizontal(|ui| guide_chooser(ui, model, commands));
+    if drawn.is_high() {
+        ui.horizontal(|ui| {
+            name(ui, "Shown");
+            let look = &model.look.rectified;
+            for (chosen, title) in
+                [(!look.as_in_the_file, "Turned to fit"), (look.as_in_the_file, "As in the file")]
+            {
+                let choice = ui.add(Button::selectable(chosen, title));
+                if !chosen {
+                    finish_button(ui, choice, RectifiedCommand::ToggleTurned.into(), commands);
+                }
+            }
+        });
+    }
 }
 
 fn warnings(ui: &mut Ui, model: &Model, rectified: &Rectified, drawn: &DrawnPair) {
@@ -82,6 +96,11 @@ fn method(ui: &mut Ui, model: &Model, drawn: &DrawnPair) {
         format!("{}, because {}.", full.method.name(), full.reason)
     };
     ui.weak(sentence(&text));
+    if drawn.is_turned(&model.look.rectified) {
+        ui.weak(
+            "Both pictures are unrolled about the epipole and turned: matching points stand in one column.",
+        );
+    }
 }
 
 fn measures(ui: &mut Ui, model: &Model, rectified: &Rectified, drawn: &DrawnPair) {

@@ -17,10 +17,10 @@ use crate::rectify::{RectifyError, RectifyMethod};
 pub use pictures::forget_textures;
 
 /// Shows the pictures on the stage.
-pub fn show_pictures(ui: &mut Ui, stacked: bool, model: &Model, commands: &mut Vec<Command>) {
+pub fn show_pictures(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let drawn = model.open.rectified.as_ref().and_then(|rectified| rectified.outcome.as_ref().ok());
     if let Some(drawn) = drawn {
-        pictures::show(ui, stacked, model, drawn, commands);
+        pictures::show(ui, model, drawn, commands);
         return;
     }
     let text = match model.open.rectified {

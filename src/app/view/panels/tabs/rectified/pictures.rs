@@ -13,7 +13,6 @@ use crate::app::model::tones::{Channel, Rendition};
 use crate::app::model::{Command, Model, Side, Target};
 use crate::app::view::panes::{PictureTexture, Transform, halves, zoom_asked};
 use crate::app::view::theme;
-use crate::geometry::Point;
 
 /// Distance within which the cursor grabs the line of a wipe, screen points.
 const WIPE_REACH: f32 = 7.0;
@@ -54,8 +53,8 @@ impl RectifiedSheet {
 }
 
 /// Shows the pictures in all available space.
-pub fn show(ui: &mut Ui, stacked: bool, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Command>) {
-    let places: Vec<SheetPlace> = arranged(ui, stacked, model)
+pub fn show(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Command>) {
+    let places: Vec<SheetPlace> = arranged(ui, model, drawn)
         .into_iter()
         .map(|(sheet, rect)| {
             let name = sheet.name(model.look.rectified.layout);
@@ -104,12 +103,12 @@ pub fn show(ui: &mut Ui, stacked: bool, model: &Model, drawn: &DrawnPair, comman
 /// Returns the transform of the picture of one image. The right picture is displaced by the shift.
 fn transform_of(model: &Model, drawn: &DrawnPair, rect: Rect, side: Side) -> Transform {
     let frame = drawn.frame();
-    let mut view = model.open.viewing.view(frame, rect);
-    let scale = view.transform(frame, rect).scale;
+    let mut view = model.open.viewing.view(frame, rect, drawn.turn(&model.look.rectified));
+    view.scale = Some(view.transform(frame, rect).scale);
     if side == Side::Right {
         view.centre.x -= model.open.viewing.shift * drawn.reduction();
     }
-    Transform::new(rect, view.centre, scale)
+    view.transform(frame, rect)
 }
 
 fn paint(
@@ -153,9 +152,7 @@ fn paint(
             let Some((map, _)) = &drawn.disparity else { return };
             let transform = &transforms[Side::Left.index()];
             let times = drawn.frame().width as f64 / f64::from(map.picture.width());
-            let centre = transform.image_from_screen(transform.rect.center());
-            let centre = Point::new((centre.x + 0.5) / times - 0.5, (centre.y + 0.5) / times - 0.5);
-            let coarse = Transform::new(transform.rect, centre, transform.scale * times);
+            let coarse = transform.of_reduced(times);
             with_texture(ctx, drawn, Kept::Disparity, |texture| texture.draw(painter, &coarse));
         }
     }
@@ -258,10 +255,12 @@ fn with_texture(ctx: &egui::Context, drawn: &DrawnPair, which: Kept, draw: impl 
 }
 
 /// Returns the pictures of the layout and their positions.
-fn arranged(ui: &Ui, stacked: bool, model: &Model) -> Vec<(RectifiedSheet, Rect)> {
+fn arranged(ui: &Ui, model: &Model, drawn: &DrawnPair) -> Vec<(RectifiedSheet, Rect)> {
     let area = ui.available_rect_before_wrap();
     match model.look.rectified.layout {
         RectifiedLayout::SideBySide => {
+            // Rows are compared side by side, columns one above the other.
+            let stacked = drawn.is_turned(&model.look.rectified);
             [RectifiedSheet::Left, RectifiedSheet::Right].into_iter().zip(halves(area, stacked)).collect()
         }
         RectifiedLayout::Anaglyph | RectifiedLayout::Wipe => vec![(RectifiedSheet::Both, area)],
@@ -283,7 +282,7 @@ fn look(ui: &Ui, place: &SheetPlace, model: &Model, drawn: &DrawnPair) -> Option
         return Some(RectifiedCommand::View(None).into());
     }
     let frame = drawn.frame();
-    let before = model.open.viewing.view(frame, *rect);
+    let before = model.open.viewing.view(frame, *rect, drawn.turn(&model.look.rectified));
     let mut view = before;
     if let Some((at, factor)) = zoom_asked(ui, response) {
         view.zoom(&view.transform(frame, *rect), frame, at, factor);

@@ -97,15 +97,31 @@ impl SheetCanvas<'_> {
         let reduction = self.drawn.reduction();
         let spacing = guide_spacing(self.transform().scale * reduction) * reduction;
         let visible = self.painter.clip_rect();
-        let rows = [visible.min, visible.max].map(|corner| self.transform().image_from_screen(corner).y);
+        let [one, other] =
+            [visible.min, visible.max].map(|corner| self.transform().image_from_screen(corner).y);
         let bottom = self.drawn.frame().bottom();
-        let (first, last) = ((rows[0].max(0.0) / spacing).ceil(), (rows[1].min(bottom) / spacing).floor());
+        let first = (one.min(other).max(0.0) / spacing).ceil();
+        let last = (one.max(other).min(bottom) / spacing).floor();
         let mut k = first;
         while k <= last {
-            let y = self.transform().screen_from_image(Point::new(0.0, k * spacing)).y;
-            self.painter.hline(visible.x_range(), y, Stroke::new(1.0, theme::GUIDE));
+            let at = self.transform().screen_from_image(Point::new(0.0, k * spacing));
+            self.along_row(at, Stroke::new(1.0, theme::GUIDE));
             k += 1.0;
         }
+    }
+
+    /// Draws the row through a position of the screen. It is a column where the pictures are turned.
+    fn along_row(&self, at: Pos2, stroke: Stroke) {
+        let visible = self.painter.clip_rect();
+        if self.is_turned() {
+            self.painter.vline(at.x, visible.y_range(), stroke);
+        } else {
+            self.painter.hline(visible.x_range(), at.y, stroke);
+        }
+    }
+
+    fn is_turned(&self) -> bool {
+        self.drawn.is_turned(&self.model.look.rectified)
     }
 
     /// Draws the row of the cursor and its position in the row.
@@ -113,7 +129,7 @@ impl SheetCanvas<'_> {
         let at = self.transform().screen_from_image(row.at);
         let visible = self.painter.clip_rect();
         for (width, color) in [(3.4, theme::HALO), (1.4, theme::HOVER)] {
-            self.painter.hline(visible.x_range(), at.y, Stroke::new(width, color));
+            self.along_row(at, Stroke::new(width, color));
         }
         let own = row.side.is_none() || self.sheet.side().is_none() || row.side == self.sheet.side();
         if own {
@@ -130,7 +146,8 @@ impl SheetCanvas<'_> {
         } else {
             // Marks the same column, for reading the disparity.
             for (width, color) in [(3.4, theme::HALO), (1.4, theme::HOVER)] {
-                self.painter.vline(at.x, at.y - 6.0..=at.y + 6.0, Stroke::new(width, color));
+                let across = if self.is_turned() { vec2(6.0, 0.0) } else { vec2(0.0, 6.0) };
+                self.painter.line_segment([at - across, at + across], Stroke::new(width, color));
             }
         }
     }
