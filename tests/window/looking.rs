@@ -301,6 +301,10 @@ fn linked_views_follow_the_match_and_alt_moves_one_alone() {
 #[test]
 fn the_loupe_shows_while_a_point_is_placed_or_dragged() {
     let mut window = sample();
+    // Before anything is placed, the sample shows lines.
+    for side in Side::BOTH {
+        click_at(&mut window, side, 0.3, 0.3);
+    }
     let cursor = at(&window, Side::Left, 0.0, 0.1);
     window.hover_at(cursor);
     settle(&mut window);

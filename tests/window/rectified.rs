@@ -21,7 +21,7 @@ use epiline::synthetic::Sample;
 use nalgebra::Vector3;
 
 const CURSOR: Color32 = Color32::from_rgb(244, 239, 110);
-const GUIDE: Color32 = Color32::from_rgba_premultiplied(118, 82, 0, 131);
+const GUIDE: Color32 = Color32::from_rgba_premultiplied(110, 110, 110, 131);
 
 /// The estimator finds this F, whatever is clicked.
 fn finding(fundamental: FundamentalMatrix) -> Services {

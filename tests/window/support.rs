@@ -166,12 +166,16 @@ pub fn image_position(window: &Window, side: Side, at: Pos2) -> Point {
 
 /// Whether the numbered lines of a geometry are drawn in the right image, in this colour.
 pub fn shows_lines(window: &Window, f: &FundamentalMatrix, color: Color32) -> bool {
-    let [left, right] = window.state().document().frames().unwrap();
+    let document = window.state().document();
+    let found: Vec<_> = window.state().model().matched_pairs().collect();
+    let matches = if found.is_empty() { &document.pairs } else { &found };
+    let numbered = fan::numbered(f, document.frames().unwrap(), matches);
     let drawn = lines(window, Side::Right, color);
-    let parts = fan::places(f, left).into_iter().filter_map(|place| right.clip(&f.line2_from_point1(place)?));
-    let mut parts = parts.map(|part| [part.start, part.end].map(|end| screen_of(window, Side::Right, end)));
-    let is_near = |a: &[Pos2; 2], b: &[Pos2; 2]| a.iter().zip(b).all(|(a, b)| a.distance(*b) < 0.5);
-    parts.all(|[a, b]| drawn.iter().any(|drawn| is_near(drawn, &[a, b]) || is_near(drawn, &[b, a])))
+    let mut parts = numbered.iter().filter_map(|own| own.parts[1]);
+    parts.all(|part| {
+        let ends = [part.start, part.end].map(|end| screen_of(window, Side::Right, end));
+        drawn.iter().any(|drawn| drawn.iter().zip(&ends).all(|(a, b)| a.distance(*b) < 0.5))
+    })
 }
 
 /// Where an image position appears in a fitting image.
