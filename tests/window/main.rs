@@ -4,6 +4,7 @@
 mod album;
 mod calibrated;
 mod clipboard;
+mod colmap;
 mod computing;
 mod editing;
 mod exchange;

@@ -9,7 +9,7 @@ use crate::app::model::comparison::Contestant;
 use crate::app::model::document::{AS_READ, Checked, GIVEN_FIT, Given, Imported, counted};
 use crate::app::model::exchange::{
     ExportContent, ExportKind, ExportOrder, ImportFound, ImportQuestion, ImportSource, ImportedFile,
-    ImportedMatrix, PendingImport, ViewPart, content, sources, trust_note, undistorted,
+    ImportedMatrix, PendingImport, ViewPart, colmap, content, sources, trust_note, undistorted,
 };
 use crate::app::model::messages::{MessageAction, MessageKind};
 use crate::app::model::rectified::{Blink, RectifiedCommand, RectifiedLayout, RectifyOrder};
@@ -28,8 +28,7 @@ impl Inspector {
     /// Applies a command about files of other programs.
     pub(super) fn apply_to_exchange(&mut self, ctx: &Context, command: ExchangeCommand) {
         match command {
-            ExchangeCommand::ShowExport => self.show_file_export(None),
-            ExchangeCommand::ShowPlaneExport => self.show_file_export(Some(ExportKind::Plane)),
+            ExchangeCommand::ShowExport(what) => self.show_file_export(what),
             ExchangeCommand::Export(order) => self.export_file(order),
             ExchangeCommand::CopyFundamental(notation) => {
                 if let Some(shown) = self.model.geometry_to_write() {
@@ -75,13 +74,12 @@ impl Inspector {
             return self.export_rectified(order.path, order.rectified);
         }
         if order.what == ExportKind::Undistorted {
-            match undistorted(&self.model, order.path.clone()) {
-                Some(work) => {
-                    self.tasks.saver.ask(saver::export_folder(order.path, work));
-                }
-                None => self.model.messages.tell(NOTHING_TO_EXPORT),
-            }
-            return;
+            let work = undistorted(&self.model, order.path.clone());
+            return self.write_by(order.path, work);
+        }
+        if order.what == ExportKind::Colmap {
+            let work = colmap(&order, &self.model, self.image_files());
+            return self.write_by(order.path, work);
         }
         if order.what == ExportKind::Figure {
             let panes = self.view.panes.each_ref().map(ImagePane::place);
@@ -105,12 +103,27 @@ impl Inspector {
         if dialogs.export.is_awaited() && !dialogs.is_open() {
             return dialogs.export.refuse(problem);
         }
-        let again = MessageAction { label: "Export again", command: ExchangeCommand::ShowExport.into() };
+        let again =
+            MessageAction { label: "Export again", command: ExchangeCommand::ShowExport(None).into() };
         self.model.messages.say(MessageKind::Problem, problem, vec![again]);
     }
 
     fn write(&mut self, path: PathBuf, what: String, content: ExportContent) {
         self.tasks.saver.ask(saver::export(path, what, content, self.image_files()));
+    }
+
+    /// Runs work that writes by itself.
+    fn write_by(
+        &mut self,
+        path: PathBuf,
+        work: Option<impl FnOnce() -> Result<String, String> + Send + 'static>,
+    ) {
+        match work {
+            Some(work) => {
+                self.tasks.saver.ask(saver::export_by(path, work));
+            }
+            None => self.model.messages.tell(NOTHING_TO_EXPORT),
+        }
     }
 
     /// Requests the picture of a view in the next frame, and writes the picture once it is there.

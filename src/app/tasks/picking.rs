@@ -31,7 +31,9 @@ pub fn picking(
     Task::answering("file dialog", waker, move |purpose: PickPurpose| {
         let start = Instant::now();
         let picked = match &purpose {
-            PickPurpose::Image(_) | PickPurpose::Lost(_) | PickPurpose::Import => pick_file(),
+            PickPurpose::Image(_) | PickPurpose::Lost(_) | PickPurpose::Import | PickPurpose::Database => {
+                pick_file()
+            }
             PickPurpose::Folder | PickPurpose::Export => pick_folder(),
             PickPurpose::Session(suggested) | PickPurpose::ExportFile(suggested) => pick_save(suggested),
         };
