@@ -62,7 +62,7 @@ fn point_pairs_become_those_of_the_document_in_one_step() {
     assert_eq!(window.state().document().pairs, pairs[..5]);
     let words = "outside the images: 1 of the 6 point pairs of m.csv (number 6)";
     assert!(told(&window, words), "the one outside is named");
-    window.get_by_label("Imported 5 point pairs from m.csv");
+    window.get_by_label("5 point pairs from m.csv, each can be dragged.");
     undo(&mut window);
     assert_eq!(window.state().document().pairs, before);
 }
@@ -335,7 +335,20 @@ fn matches_of_another_program_are_searched_with_shown_and_kept() {
     let before = pairs(&window).unwrap();
     assert!(before.len() == 400 && window.state().document().pairs.is_empty());
     assert_eq!(asked.lock().unwrap().last(), Some(&Some(400)));
-    assert!(window.state().messages().next().is_none());
+    assert!(
+        window.state().messages().all(|text| text.starts_with("400 given matches from m.csv, not editable"))
+    );
+    // The other way, and back.
+    tap(&mut window, "Make point pairs");
+    let editable = |window: &Window| (window.state().document().pairs.len(), given(window).is_none());
+    assert_eq!(editable(&window), (400, true));
+    window.get_by_label("400 point pairs from m.csv, each can be dragged.");
+    tap(&mut window, "Make given matches");
+    assert_eq!(editable(&window), (0, false));
+    undo(&mut window);
+    undo(&mut window);
+    assert_eq!((editable(&window), pairs(&window).as_ref()), ((0, false), Some(&before)));
+    press(&mut window, Key::Escape);
     tap(&mut window, "Details");
     window.get_by_label_contains("of 400 fit to 1 px");
     press(&mut window, Key::Num3);

@@ -176,6 +176,10 @@ pub enum ExchangeCommand {
     Reject,
     RemoveImported,
     RemoveGiven,
+    /// Turn the given matches into point pairs.
+    EditGiven,
+    /// Turn the imported point pairs into given matches of this file.
+    GiveImported(String),
 }
 
 /// Purpose of an open file dialog.

@@ -6,6 +6,7 @@ mod order;
 mod profile;
 mod source;
 mod table;
+mod taking;
 mod trust;
 
 pub use exporting::{ExportContent, colmap, content, undistorted};

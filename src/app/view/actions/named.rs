@@ -272,6 +272,22 @@ pub fn by_name() -> Vec<Action> {
         )
         .listed(|_| "Remove the given matches")
         .when(|model| model.document.given.is_some()),
+        action(
+            ExchangeCommand::EditGiven,
+            "Make point pairs",
+            "Turn the given matches into point pairs, each of which can be dragged. Their weights are lost. Undo brings \
+             them back.",
+        )
+        .listed(|_| "Turn the given matches into point pairs")
+        .when(Model::can_edit_given),
+        action(
+            ExchangeCommand::GiveImported("the point pairs".to_owned()),
+            "Make given matches",
+            "Turn the imported point pairs into given matches, which nobody has to edit. Pairs that you moved stay. Undo \
+             goes back.",
+        )
+        .listed(|_| "Turn the imported point pairs into given matches")
+        .when(Model::can_give_imported),
         method(Method::TwoPoint).listed(|_| "Published search: two-point method"),
         method(Method::ThreePoint).listed(|_| "Published search: three-point method"),
         preset(Preset::Robust).listed(|_| "Preset: robust"),
