@@ -15,17 +15,17 @@ use epiline::internals::app::{Opening, Services, Start};
 use epiline::io::{Format, GeometryFile};
 use epiline::synthetic::{Sample, SamplePair};
 
-fn truth() -> SamplePair {
+pub fn truth() -> SamplePair {
     Sample::default().load()
 }
 
-fn file(files: &Files, name: &str, text: &str) -> PathBuf {
+pub fn file(files: &Files, name: &str, text: &str) -> PathBuf {
     let path = files.0.path().join(name);
     std::fs::write(&path, text).unwrap();
     path
 }
 
-fn rows(f: &FundamentalMatrix) -> String {
+pub fn rows(f: &FundamentalMatrix) -> String {
     f.rows().map(|row| row.map(|v| format!("{v:e}")).join(" ")).join("\n")
 }
 
@@ -38,7 +38,7 @@ fn csv(pairs: &[PointPair]) -> String {
     "x1,y1,x2,y2\n".to_owned() + &pairs.iter().map(row).collect::<String>()
 }
 
-fn imported(window: &Window) -> Option<FundamentalMatrix> {
+pub fn imported(window: &Window) -> Option<FundamentalMatrix> {
     window.state().document().imported.as_ref().map(|imported| imported.fundamental)
 }
 
@@ -46,7 +46,7 @@ fn is_near(a: &FundamentalMatrix, b: &FundamentalMatrix) -> bool {
     (a.matrix() - b.matrix()).norm() < 1e-9
 }
 
-fn told(window: &Window, words: &str) -> bool {
+pub fn told(window: &Window, words: &str) -> bool {
     window.state().messages().any(|text| text.contains(words))
 }
 

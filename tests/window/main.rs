@@ -9,6 +9,7 @@ mod computing;
 mod editing;
 mod exchange;
 mod figures;
+mod imports;
 mod killed;
 mod looking;
 mod measuring;

@@ -19,7 +19,7 @@ pub enum Picked {
     /// The user cancelled.
     Nothing,
     /// The dialog could not open.
-    Unseen,
+    Unseen(PickPurpose),
 }
 
 /// Starts the thread. The functions ask for a file, a folder, and a path for saving.
@@ -40,7 +40,7 @@ pub fn picking(
         Some(match picked {
             Some(path) => Picked::Path(purpose, path),
             None if start.elapsed() > UNSEEN => Picked::Nothing,
-            None => Picked::Unseen,
+            None => Picked::Unseen(purpose),
         })
     })
 }
