@@ -26,8 +26,12 @@ use crate::estimate::Estimate;
 use crate::geometry::PointPair;
 
 /// Message where the file dialog of the system cannot open.
-const NO_FILE_DIALOG: &str =
-    "The file dialog could not be opened here. Type a path, or drop the files on this window.";
+const NO_FILE_DIALOG: &str = if cfg!(all(unix, not(target_os = "macos"))) {
+    "The file dialog could not be opened here. It needs the service xdg-desktop-portal or the program zenity: install one \
+     of them. Until then, type a path, or drop the files on this window."
+} else {
+    "The file dialog could not be opened here. Type a path, or drop the files on this window."
+};
 
 /// The whole window.
 pub struct Inspector {
