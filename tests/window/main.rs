@@ -25,5 +25,6 @@ mod scene;
 mod sequences;
 mod sessions;
 mod support;
+mod terms;
 mod truth;
 mod unclicked;
