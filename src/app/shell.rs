@@ -9,7 +9,7 @@ use thiserror::Error;
 use super::Start;
 use super::inspector::Inspector;
 use super::tasks::{Services, panic_text};
-use super::view::theme;
+use super::view::{SystemFonts, theme};
 
 /// Name of the program for the desktop, and of the folder with the window size and theme.
 const APP_ID: &str = "epiline";
@@ -91,6 +91,7 @@ pub fn run(start: Start, mut services: Services) -> Result<(), AppError> {
             options,
             Box::new(move |creation| {
                 theme::install(&creation.egui_ctx);
+                creation.egui_ctx.add_font_provider(Arc::new(SystemFonts::default()));
                 // The toolkit keeps scroll positions, which belong to the content of another run.
                 creation
                     .egui_ctx

@@ -91,14 +91,9 @@ fn to_colmap(arguments: &ConvertArguments, database: &Path) -> Result<(), CliErr
     } else {
         file.add_to_colmap(names, database, &output)?
     };
-    let [left, right] = pair.names.each_ref().map(|name| excerpt(name));
-    let mut text = format!(
-        "{} matches of {left} and {right}, {} of them within 4 px of the geometry, to {}\n",
-        pair.matches,
-        pair.verified,
-        shown_path(output.path())
-    );
+    let mut text = format!("{pair}, to {}\n", shown_path(output.path()));
     if !is_list {
+        let [left, right] = pair.names.each_ref().map(|name| excerpt(name));
         let [first, second] = pair.keypoints;
         let _ = writeln!(text, "New keypoints: {first} in {left}, {second} in {right}");
     }

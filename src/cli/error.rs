@@ -70,7 +70,7 @@ pub enum CliError {
     #[error(transparent)]
     Read(#[from] ReadError),
     /// A pair cannot be added to a database of COLMAP.
-    #[error(transparent)]
+    #[error("{}", colmap_in_words(.0))]
     Colmap(#[from] ColmapError),
     /// A result cannot be written.
     #[error(transparent)]
@@ -84,6 +84,14 @@ pub enum CliError {
     /// The window cannot be opened.
     #[error("{0}")]
     Window(String),
+}
+
+/// Returns the message of an error, with the option that helps.
+fn colmap_in_words(error: &ColmapError) -> String {
+    match error {
+        ColmapError::Names(_) => format!("{error}. Name both images with their folders (--names)"),
+        ColmapError::Read(_) | ColmapError::Write(_) => error.to_string(),
+    }
 }
 
 /// Returns the message of an error, with the options that help.

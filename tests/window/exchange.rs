@@ -15,17 +15,17 @@ use epiline::internals::app::{Opening, Services, Start};
 use epiline::io::{Format, GeometryFile};
 use epiline::synthetic::{Sample, SamplePair};
 
-fn truth() -> SamplePair {
+pub fn truth() -> SamplePair {
     Sample::default().load()
 }
 
-fn file(files: &Files, name: &str, text: &str) -> PathBuf {
+pub fn file(files: &Files, name: &str, text: &str) -> PathBuf {
     let path = files.0.path().join(name);
     std::fs::write(&path, text).unwrap();
     path
 }
 
-fn rows(f: &FundamentalMatrix) -> String {
+pub fn rows(f: &FundamentalMatrix) -> String {
     f.rows().map(|row| row.map(|v| format!("{v:e}")).join(" ")).join("\n")
 }
 
@@ -38,7 +38,7 @@ fn csv(pairs: &[PointPair]) -> String {
     "x1,y1,x2,y2\n".to_owned() + &pairs.iter().map(row).collect::<String>()
 }
 
-fn imported(window: &Window) -> Option<FundamentalMatrix> {
+pub fn imported(window: &Window) -> Option<FundamentalMatrix> {
     window.state().document().imported.as_ref().map(|imported| imported.fundamental)
 }
 
@@ -46,7 +46,7 @@ fn is_near(a: &FundamentalMatrix, b: &FundamentalMatrix) -> bool {
     (a.matrix() - b.matrix()).norm() < 1e-9
 }
 
-fn told(window: &Window, words: &str) -> bool {
+pub fn told(window: &Window, words: &str) -> bool {
     window.state().messages().any(|text| text.contains(words))
 }
 
@@ -62,7 +62,7 @@ fn point_pairs_become_those_of_the_document_in_one_step() {
     assert_eq!(window.state().document().pairs, pairs[..5]);
     let words = "outside the images: 1 of the 6 point pairs of m.csv (number 6)";
     assert!(told(&window, words), "the one outside is named");
-    window.get_by_label("Imported 5 point pairs from m.csv");
+    window.get_by_label("5 point pairs from m.csv, each can be dragged.");
     undo(&mut window);
     assert_eq!(window.state().document().pairs, before);
 }
@@ -335,7 +335,20 @@ fn matches_of_another_program_are_searched_with_shown_and_kept() {
     let before = pairs(&window).unwrap();
     assert!(before.len() == 400 && window.state().document().pairs.is_empty());
     assert_eq!(asked.lock().unwrap().last(), Some(&Some(400)));
-    assert!(window.state().messages().next().is_none());
+    assert!(
+        window.state().messages().all(|text| text.starts_with("400 given matches from m.csv, not editable"))
+    );
+    // The other way, and back.
+    tap(&mut window, "Make point pairs");
+    let editable = |window: &Window| (window.state().document().pairs.len(), given(window).is_none());
+    assert_eq!(editable(&window), (400, true));
+    window.get_by_label("400 point pairs from m.csv, each can be dragged.");
+    tap(&mut window, "Make given matches");
+    assert_eq!(editable(&window), (0, false));
+    undo(&mut window);
+    undo(&mut window);
+    assert_eq!((editable(&window), pairs(&window).as_ref()), ((0, false), Some(&before)));
+    press(&mut window, Key::Escape);
     tap(&mut window, "Details");
     window.get_by_label_contains("of 400 fit to 1 px");
     press(&mut window, Key::Num3);

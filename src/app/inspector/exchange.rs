@@ -6,10 +6,10 @@ use egui::Context;
 
 use super::Inspector;
 use crate::app::model::comparison::Contestant;
-use crate::app::model::document::{AS_READ, Checked, GIVEN_FIT, Given, Imported, counted};
+use crate::app::model::document::{AS_READ, Checked, Given, Imported};
 use crate::app::model::exchange::{
     ExportContent, ExportKind, ExportOrder, ImportFound, ImportQuestion, ImportSource, ImportedFile,
-    ImportedMatrix, PendingImport, ViewPart, content, sources, trust_note, undistorted,
+    ImportedMatrix, PendingImport, ViewPart, colmap, content, sources, trust_note, undistorted,
 };
 use crate::app::model::messages::{MessageAction, MessageKind};
 use crate::app::model::rectified::{Blink, RectifiedCommand, RectifiedLayout, RectifyOrder};
@@ -17,7 +17,6 @@ use crate::app::model::session::suggested_path;
 use crate::app::model::{ExchangeCommand, Side};
 use crate::app::tasks::saver;
 use crate::app::view::{Destination, ImagePane, ReadingDialog, WantedView, excerpt, figure, screen_as_png};
-use crate::estimate::{Match, Search};
 use crate::io::{PairOrigin, RectifiedOptions};
 use crate::rectify::RectifyMethod;
 
@@ -28,8 +27,7 @@ impl Inspector {
     /// Applies a command about files of other programs.
     pub(super) fn apply_to_exchange(&mut self, ctx: &Context, command: ExchangeCommand) {
         match command {
-            ExchangeCommand::ShowExport => self.show_file_export(None),
-            ExchangeCommand::ShowPlaneExport => self.show_file_export(Some(ExportKind::Plane)),
+            ExchangeCommand::ShowExport(what) => self.show_file_export(what),
             ExchangeCommand::Export(order) => self.export_file(order),
             ExchangeCommand::CopyFundamental(notation) => {
                 if let Some(shown) = self.model.geometry_to_write() {
@@ -50,6 +48,8 @@ impl Inspector {
             ExchangeCommand::Accept { reading, with_pairs } => self.accept(reading, with_pairs),
             ExchangeCommand::Reject => self.view.dialogs.reading = None,
             ExchangeCommand::RemoveGiven => self.model.edit(|document| document.given = None),
+            ExchangeCommand::EditGiven => self.model.edit_given(),
+            ExchangeCommand::GiveImported(file) => self.model.give_imported(&file),
             ExchangeCommand::RemoveImported => {
                 self.model.edit(|document| document.imported = None);
                 self.model.open.focus.choose_hypothesis(None);
@@ -75,13 +75,12 @@ impl Inspector {
             return self.export_rectified(order.path, order.rectified);
         }
         if order.what == ExportKind::Undistorted {
-            match undistorted(&self.model, order.path.clone()) {
-                Some(work) => {
-                    self.tasks.saver.ask(saver::export_folder(order.path, work));
-                }
-                None => self.model.messages.tell(NOTHING_TO_EXPORT),
-            }
-            return;
+            let work = undistorted(&self.model, order.path.clone());
+            return self.write_by(order.path, work);
+        }
+        if order.what == ExportKind::Colmap {
+            let work = colmap(&order, &self.model, self.image_files());
+            return self.write_by(order.path, work);
         }
         if order.what == ExportKind::Figure {
             let panes = self.view.panes.each_ref().map(ImagePane::place);
@@ -105,12 +104,27 @@ impl Inspector {
         if dialogs.export.is_awaited() && !dialogs.is_open() {
             return dialogs.export.refuse(problem);
         }
-        let again = MessageAction { label: "Export again", command: ExchangeCommand::ShowExport.into() };
+        let again =
+            MessageAction { label: "Export again", command: ExchangeCommand::ShowExport(None).into() };
         self.model.messages.say(MessageKind::Problem, problem, vec![again]);
     }
 
     fn write(&mut self, path: PathBuf, what: String, content: ExportContent) {
         self.tasks.saver.ask(saver::export(path, what, content, self.image_files()));
+    }
+
+    /// Runs work that writes by itself.
+    fn write_by(
+        &mut self,
+        path: PathBuf,
+        work: Option<impl FnOnce() -> Result<String, String> + Send + 'static>,
+    ) {
+        match work {
+            Some(work) => {
+                self.tasks.saver.ask(saver::export_by(path, work));
+            }
+            None => self.model.messages.tell(NOTHING_TO_EXPORT),
+        }
     }
 
     /// Requests the picture of a view in the next frame, and writes the picture once it is there.
@@ -225,34 +239,16 @@ impl Inspector {
         }
         let given = std::mem::take(&mut found.matches);
         if !given.is_empty() {
-            self.take_given(found.name.clone(), given);
+            self.model.take_given(Given::new(found.name.clone(), given));
         }
         if let Some(matrix) = found.matrix.take() {
             let has_pairs = !self.model.document.pairs.is_empty();
             self.view.dialogs.reading = Some(ReadingDialog::new(found, matrix, has_pairs));
             return;
         }
-        if found.pairs.is_empty() {
-            return;
+        if !found.pairs.is_empty() {
+            self.model.take_pairs(&found.name, found.pairs);
         }
-        let count = counted(found.pairs.len());
-        self.model.edit(|document| document.set_pairs(found.pairs, PairOrigin::Imported));
-        self.model.open.done.tell(format!("Imported {count} from {}", found.name));
-    }
-
-    /// Searches with matches of another program, without clicks if there are too few.
-    fn take_given(&mut self, name: String, matches: Vec<Match>) {
-        let given = Given::new(name, matches);
-        let count = given.matches.len();
-        let text = format!(
-            "{count} matches from {}: violet rings fit to {GIVEN_FIT} px, red ones do not",
-            given.file
-        );
-        self.model.open.done.tell(text);
-        self.model.edit(|document| {
-            document.unclicked |= document.parameters.search == Search::Patches;
-            document.given = Some(given);
-        });
     }
 
     /// Accepts the matrix of the dialog.
@@ -278,18 +274,21 @@ impl Inspector {
             check: checked,
         };
         let pairs = with_pairs.then(|| dialog.found().pairs.clone()).filter(|pairs| !pairs.is_empty());
-        let what = pairs.as_ref().map_or(String::new(), |pairs| format!(" and {}", counted(pairs.len())));
+        let has_pairs = pairs.is_some();
         self.model.edit(|document| {
             document.imported = Some(imported);
             if let Some(pairs) = pairs {
                 document.set_pairs(pairs, PairOrigin::Imported);
             }
         });
+        if has_pairs {
+            self.model.tell_of_pairs(&name);
+        }
         // Without a result, the imported geometry is shown anyway, until there is a first result.
         if self.model.result().is_some() {
             self.model.open.focus.choose_contestant(Contestant::Imported);
         }
-        self.model.open.done.tell(format!("Imported a geometry{what} from {name}"));
+        self.model.open.done.tell(format!("Imported a geometry from {name}"));
     }
 }
 

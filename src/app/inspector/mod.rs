@@ -25,6 +25,14 @@ use super::view::{KeyboardState, View, pressed};
 use crate::estimate::Estimate;
 use crate::geometry::PointPair;
 
+/// Message where the file dialog of the system cannot open.
+const NO_FILE_DIALOG: &str = if cfg!(all(unix, not(target_os = "macos"))) {
+    "The file dialog could not be opened here. It needs the service xdg-desktop-portal or the program zenity: install one \
+     of them. Until then, type a path, or drop the files on this window."
+} else {
+    "The file dialog could not be opened here. Type a path, or drop the files on this window."
+};
+
 /// The whole window.
 pub struct Inspector {
     model: Model,
@@ -171,10 +179,17 @@ impl Inspector {
         self.take_written();
         self.take_imports();
         match self.tasks.picking.poll() {
+            Some((_, Ok(Picked::Path(PickPurpose::Import, path)))) if !self.view.dialogs.open.open => {
+                self.import(vec![path]);
+            }
             Some((_, Ok(Picked::Path(purpose, path)))) => self.view.dialogs.offer(&purpose, &path),
-            Some((_, Ok(Picked::Unseen) | Err(_))) => self.model.messages.tell(
-                "The file dialog could not be opened here. Type a path, or drop the files on this window.",
-            ),
+            Some((_, unseen @ (Ok(Picked::Unseen(_)) | Err(_)))) => {
+                self.model.messages.tell(NO_FILE_DIALOG);
+                // The path is typed there.
+                if matches!(unseen, Ok(Picked::Unseen(PickPurpose::Import))) && !self.view.dialogs.open.open {
+                    self.view.dialogs.open.show_empty();
+                }
+            }
             Some((_, Ok(Picked::Nothing))) | None => {}
         }
     }

@@ -7,7 +7,7 @@ use super::comparison::{Contestant, Subject};
 use super::crosshair::CrosshairCommand;
 use super::dock::DockEdge;
 use super::document::{PointRef, Role, Side};
-use super::exchange::ExportOrder;
+use super::exchange::{ExportKind, ExportOrder};
 use super::focus::{LineSource, Target};
 use super::ids::{OverlayId, StageId, TabId};
 use super::look::Tool;
@@ -157,8 +157,8 @@ pub enum SessionCommand {
 /// A command about a file of another program.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ExchangeCommand {
-    ShowExport,
-    ShowPlaneExport,
+    /// Open the export dialog, for this kind if there is one.
+    ShowExport(Option<ExportKind>),
     Export(ExportOrder),
     CopyFundamental(Notation),
     /// Copies F for the pictures with their distortion, valid near the selected pair.
@@ -174,6 +174,10 @@ pub enum ExchangeCommand {
     Reject,
     RemoveImported,
     RemoveGiven,
+    /// Turn the given matches into point pairs.
+    EditGiven,
+    /// Turn the imported point pairs into given matches of this file.
+    GiveImported(String),
 }
 
 /// Purpose of an open file dialog.
@@ -189,6 +193,8 @@ pub enum PickPurpose {
     Session(PathBuf),
     /// A file for an export. The dialog suggests this path.
     ExportFile(PathBuf),
+    /// A database of COLMAP to export to.
+    Database,
     Import,
     /// A missing image of a session.
     Lost(Side),

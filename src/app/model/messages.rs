@@ -23,6 +23,8 @@ pub enum MessageKind {
     /// A finished task that took some time.
     Done,
     Answer,
+    /// How imported points were taken. The next such message replaces it.
+    Taken,
     /// An offer to restore unsaved work.
     LeftBehind,
     /// A question whether to replace a file that another program changed.
@@ -50,7 +52,7 @@ impl MessageKind {
     fn stays(self) -> Option<f64> {
         match self {
             Self::Done => Some(STAYS),
-            Self::Problem | Self::Answer | Self::OfPair => Some(STAYS_LONG),
+            Self::Problem | Self::Answer | Self::Taken | Self::OfPair => Some(STAYS_LONG),
             Self::LeftBehind | Self::Replace | Self::Unprotected => None,
         }
     }

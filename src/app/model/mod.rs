@@ -20,6 +20,7 @@
 //! | [`command`] | all commands |
 //! | [`questions`] | requests to the tasks, made from the current state |
 //! | [`verdict`], [`step`], [`guide`], [`residuals`] | the state in words and figures |
+//! | [`glossary`] | terms of the field |
 //! | [`replay`] | the course of a search, drawn slowly |
 //! | [`recents`] | recently opened files |
 //! | [`session`], [`exchange`] | saved work; files from and for other programs |
@@ -33,6 +34,7 @@ pub mod dock;
 pub mod document;
 pub mod exchange;
 pub mod focus;
+pub mod glossary;
 pub mod guide;
 pub mod heat;
 pub mod history;

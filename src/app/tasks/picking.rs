@@ -19,7 +19,7 @@ pub enum Picked {
     /// The user cancelled.
     Nothing,
     /// The dialog could not open.
-    Unseen,
+    Unseen(PickPurpose),
 }
 
 /// Starts the thread. The functions ask for a file, a folder, and a path for saving.
@@ -31,14 +31,16 @@ pub fn picking(
     Task::answering("file dialog", waker, move |purpose: PickPurpose| {
         let start = Instant::now();
         let picked = match &purpose {
-            PickPurpose::Image(_) | PickPurpose::Lost(_) | PickPurpose::Import => pick_file(),
+            PickPurpose::Image(_) | PickPurpose::Lost(_) | PickPurpose::Import | PickPurpose::Database => {
+                pick_file()
+            }
             PickPurpose::Folder | PickPurpose::Export => pick_folder(),
             PickPurpose::Session(suggested) | PickPurpose::ExportFile(suggested) => pick_save(suggested),
         };
         Some(match picked {
             Some(path) => Picked::Path(purpose, path),
             None if start.elapsed() > UNSEEN => Picked::Nothing,
-            None => Picked::Unseen,
+            None => Picked::Unseen(purpose),
         })
     })
 }

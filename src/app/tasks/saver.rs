@@ -66,15 +66,11 @@ pub fn export(path: PathBuf, what: String, content: ExportContent, inputs: Vec<P
     })
 }
 
-/// Writes a folder. `work` returns a description of it.
-pub fn export_folder(
-    path: PathBuf,
-    work: impl FnOnce() -> Result<String, String> + Send + 'static,
-) -> SaveJob {
+/// Runs the work that writes a folder or a file by itself, and returns a description of it.
+pub fn export_by(path: PathBuf, work: impl FnOnce() -> Result<String, String> + Send + 'static) -> SaveJob {
     Box::new(move || {
-        let result = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|payload| {
-            Err(format!("writing the folder failed ({})", panic_text(payload.as_ref())))
-        });
+        let result = catch_unwind(AssertUnwindSafe(work))
+            .unwrap_or_else(|payload| Err(format!("writing failed ({})", panic_text(payload.as_ref()))));
         Some(Written::Export { path, result })
     })
 }

@@ -160,6 +160,7 @@ fn pick_file() -> Option<PathBuf> {
     let dialog = dialog.add_filter("Sequences of frames", &VIDEO_EXTENSIONS);
     dialog
         .add_filter("Sessions, point pairs, matches, matrices", &others)
+        .add_filter("Databases of COLMAP", &["db"])
         .add_filter("All files", &["*"])
         .pick_file()
 }

@@ -56,6 +56,7 @@ impl Dialogs {
             PickPurpose::Folder => self.open.offer_folder(path),
             PickPurpose::Import => self.open.offer_import(path),
             PickPurpose::Export | PickPurpose::ExportFile(_) => self.export.offer(path),
+            PickPurpose::Database => self.export.offer_database(path),
             PickPurpose::Session(_) => self.save.iter_mut().for_each(|dialog| dialog.offer(path)),
             PickPurpose::Lost(side) => self.relocate.iter_mut().for_each(|dialog| dialog.offer(*side, path)),
         }

@@ -9,6 +9,7 @@ mod keyboard;
 mod layout;
 mod panels;
 mod panes;
+mod system_fonts;
 pub mod theme;
 
 pub use capture::{Destination, WantedView, excerpt, screen_as_png};
@@ -17,3 +18,4 @@ pub use keyboard::{KeyboardState, pressed};
 pub use layout::View;
 pub use panels::{FocalDialog, OpenDialog, ReadingDialog, RelocateDialog, SaveDialog};
 pub use panes::ImagePane;
+pub use system_fonts::SystemFonts;

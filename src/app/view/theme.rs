@@ -132,7 +132,8 @@ pub fn palette(visuals: &Visuals) -> Palette {
     }
 }
 
-/// Returns the fonts of all text, in the window and in figures.
+/// Returns the fonts of all text. The window adds fonts of the system for letters that these lack; figures do not, so
+/// that they are the same on any machine.
 pub fn fonts() -> FontDefinitions {
     let mut fonts = FontDefinitions::default();
     if let Some(family) = fonts.families.get_mut(&FontFamily::Proportional) {

@@ -12,7 +12,7 @@ use rusqlite::{Connection, OpenFlags, OptionalExtension, params_from_iter};
 
 use super::super::output::{OutputFile, StagedFile};
 use super::super::read::ReadError;
-use super::error::ColmapError;
+use super::error::{ColmapError, ImageProblem};
 use super::keypoints::Keypoints;
 use crate::foreign::{excerpt, open_input, reason};
 use crate::geometry::Frame;
@@ -85,7 +85,7 @@ impl Database {
     }
 
     /// Returns the image of a name. Folders before the name may be missing.
-    pub(super) fn image(&self, wanted: &str) -> Result<Image, String> {
+    pub(super) fn image(&self, wanted: &str) -> Result<Image, ImageProblem> {
         let sql = "SELECT image_id, name, width, height FROM images JOIN cameras USING (camera_id)";
         let inside = format!("/{wanted}");
         let mut found: Vec<Image> = Vec::new();
@@ -110,14 +110,16 @@ impl Database {
         all.map_err(|e| in_words(&e))?;
         match &found[..] {
             [image] if (0..MOST_IMAGES).contains(&image.id) => Ok(image.clone()),
-            [image] => Err(format!("the image {} has the impossible image_id {}", excerpt(wanted), image.id)),
-            [] => Err(format!("there is no image {} in it. Name both images (--names)", excerpt(wanted))),
-            [first, second, ..] => Err(format!(
-                "{} may be {} or {}. Name both images with their folders (--names)",
+            [image] => {
+                Err(format!("the image {} has the impossible image_id {}", excerpt(wanted), image.id).into())
+            }
+            [] => Err(ImageProblem::Names(format!("there is no image {} in it", excerpt(wanted)))),
+            [first, second, ..] => Err(ImageProblem::Names(format!(
+                "{} may be {} or {}",
                 excerpt(wanted),
                 excerpt(&first.name),
                 excerpt(&second.name)
-            )),
+            ))),
         }
     }
 

@@ -21,13 +21,14 @@ mod keypoints;
 mod tests;
 
 use std::collections::HashSet;
-use std::fmt::Write;
+use std::fmt::{self, Display, Formatter, Write};
 use std::path::Path;
 
 use nalgebra::{Matrix3, UnitQuaternion};
 
 use self::database::{Database, Image, StoredGeometry};
 pub use self::error::ColmapError;
+use self::error::ImageProblem;
 use self::keypoints::Keypoints;
 use super::geometry_file::{GeometryFile, moved_fundamental, moved_pair, shift};
 use super::output::OutputFile;
@@ -52,6 +53,18 @@ pub struct ColmapPair {
     pub verified: usize,
     /// Number of new keypoints in each image.
     pub keypoints: [usize; 2],
+}
+
+impl Display for ColmapPair {
+    /// Tells the matches and the images in a clause.
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        let [left, right] = self.names.each_ref().map(|name| excerpt(name));
+        let Self { matches, verified, .. } = self;
+        write!(
+            f,
+            "{matches} matches of {left} and {right}, {verified} of them within {MOST_DISTANCE} px of the geometry"
+        )
+    }
 }
 
 /// A match of a result.
@@ -121,33 +134,31 @@ impl GeometryFile {
         output: &OutputFile,
     ) -> Result<(Database, [Image; 2], Vec<Pair>), ColmapError> {
         let copy = Database::copied(database, output)?;
-        let found = self.images_in(&copy, names).and_then(|images| Ok((images, self.colmap_pairs()?)));
-        let (images, pairs) = found.map_err(refused(database))?;
+        let images = self.images_in(&copy, names).map_err(|problem| problem.of(database))?;
+        let pairs = self.colmap_pairs().map_err(refused(database))?;
         Ok((copy, images, pairs))
     }
 
     /// Finds both images, and compares their sizes.
-    fn images_in(&self, database: &Database, names: Option<[&str; 2]>) -> Result<[Image; 2], String> {
+    fn images_in(&self, database: &Database, names: Option<[&str; 2]>) -> Result<[Image; 2], ImageProblem> {
         let notes = self.images.as_ref();
         let own = || notes.map(|notes| notes.each_ref().map(|note| note.name.as_str()));
-        let unnamed = "the result does not name its images. Give their names in the database (--names)";
-        let [first, second] = names.or_else(own).ok_or(unnamed)?;
+        let unnamed = || ImageProblem::Names("the result does not name its images".into());
+        let [first, second] = names.or_else(own).ok_or_else(unnamed)?;
         let images = [database.image(first)?, database.image(second)?];
         if images[0].id == images[1].id {
-            return Err(format!(
-                "both images of the result would be {}. Name two images (--names)",
-                images[0].name
-            ));
+            let name = &images[0].name;
+            return Err(ImageProblem::Names(format!("both images of the result would be {name}")));
         }
         let originals = self.calibrated.as_ref().and_then(|calibrated| calibrated.frames);
         let frames = originals.or_else(|| notes.map(|notes| notes.each_ref().map(|note| note.frame)));
         for (image, frame) in images.iter().zip(frames.into_iter().flatten()) {
             if image.frame != frame {
-                return Err(format!(
-                    "{} has {}×{} px in the database and {}×{} px in the result. Give the pictures of the database to \
-                     estimate",
+                let problem = format!(
+                    "{} has {}×{} px in the database and {}×{} px in the result. Use the pictures of the database",
                     image.name, image.frame.width, image.frame.height, frame.width, frame.height
-                ));
+                );
+                return Err(problem.into());
             }
         }
         Ok(images)
@@ -181,6 +192,12 @@ impl GeometryFile {
 
     /// Returns the geometry in the convention of COLMAP, for the images in the order of the result.
     fn colmap_geometry(&self) -> Result<Geometry, String> {
+        if self.is_of_different_scenes {
+            return Err(
+                "the pictures of the result probably show different scenes, so there is no geometry to add"
+                    .into(),
+            );
+        }
         // A pose without a covariance belongs to an epipole that is not determined.
         let certain = self.calibrated.as_ref().filter(|calibrated| calibrated.pose_covariance.is_some());
         let pose = certain.and_then(|calibrated| calibrated.pose);

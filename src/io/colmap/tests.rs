@@ -222,11 +222,16 @@ fn what_cannot_be_added_is_refused_in_a_sentence() {
         size.contains("b/left.jpg has 768×576 px in the database and 384×288 px in the result"),
         "{size}"
     );
-    assert!(refused(&GeometryFile { images: None, ..example() }, None, &source).contains("--names"));
+    assert!(
+        refused(&GeometryFile { images: None, ..example() }, None, &source)
+            .contains("does not name its images")
+    );
     assert!(refused(&GeometryFile::of(PicturesOf::Untold), names, &source).contains("has no matches"));
     assert!(
         refused(&GeometryFile { fundamental: None, ..example() }, names, &source).contains("no fundamental")
     );
+    let apart = GeometryFile { is_of_different_scenes: true, ..example() };
+    assert!(refused(&apart, names, &source).contains("different scenes"));
     let bent = GeometryFile { pictures: PicturesOf::Undistorted(None), ..example() };
     assert!(refused(&bent, names, &source).contains("does not have its points in the pictures"));
     for (name, content) in [("empty.db", ""), ("text.db", "This is no database, but it is long enough.")] {

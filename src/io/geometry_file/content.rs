@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Matrix6, SMatrix};
 use serde::{Deserialize, Serialize};
 
 use super::labels::{PairLabel, TrustNote};
-use crate::camera::{PicturesOf, PointCloud, PoseFit, RelativePose};
+use crate::camera::{PicturesOf, PointCloud, PoseFit, RelativePose, UndistortedView, ViewPair};
 use crate::estimate::Match;
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
 use crate::image::Interpretation;
@@ -67,6 +67,8 @@ pub struct GeometryFile {
     pub not_fundamental: Option<String>,
     /// Scene points of the matches. Written only, as PLY.
     pub cloud: Option<PointCloud>,
+    /// Whether the verdict says that the pictures show different scenes: chance explains the geometry. Read only.
+    pub is_of_different_scenes: bool,
 }
 
 /// Calibrated part of a result.
@@ -91,6 +93,14 @@ impl CalibratedNote {
             ..Self::default()
         }
     }
+
+    /// Adds the sizes of the pictures as they are, and these points of the views in them.
+    #[must_use]
+    pub fn seen_by<'a>(self, views: &ViewPair, pairs: impl Iterator<Item = &'a PointPair>) -> Self {
+        let frames = Some(views.views.each_ref().map(UndistortedView::original));
+        let originals = pairs.map(|pair| views.original_from_undistorted(pair)).collect();
+        Self { frames, originals, ..self }
+    }
 }
 
 impl GeometryFile {
@@ -114,6 +124,7 @@ impl GeometryFile {
             essential: None,
             not_fundamental: None,
             cloud: None,
+            is_of_different_scenes: false,
         }
     }
 

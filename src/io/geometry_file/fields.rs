@@ -85,6 +85,8 @@ pub(super) struct Fields {
     pub(super) covariance: Option<SMatrix<f64, 9, 9>>,
     /// Calibrated part of a result.
     pub(super) calibrated: Option<CalibratedNote>,
+    /// Whether the verdict of a result says that the pictures show different scenes.
+    pub(super) is_of_different_scenes: bool,
     /// Matches in arrays with the names of matchers.
     matches: Option<FoundMatches>,
     /// Reason why arrays with the names of matchers give no matches.
@@ -213,6 +215,7 @@ impl Fields {
             found: self.found.clone(),
             covariance: self.covariance,
             calibrated: self.calibrated.clone(),
+            is_of_different_scenes: self.is_of_different_scenes,
             fundamental,
             essential: self.get(Quantity::Fundamental, NumberTable::matrix3)?.filter(looks_essential),
             cameras: self.both([Quantity::Camera1, Quantity::Camera2], camera)?,
@@ -236,6 +239,7 @@ impl Fields {
         }
         let empty = GeometryFile {
             calibrated: self.calibrated,
+            is_of_different_scenes: self.is_of_different_scenes,
             covariance: self.covariance,
             remarks: file.remarks.clone(),
             not_fundamental: file.not_fundamental.clone(),

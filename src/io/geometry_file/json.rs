@@ -13,6 +13,7 @@ use super::fields::{Fields, table};
 use super::quantity::{Quantity, insert};
 use super::{ImageNote, Problem};
 use crate::camera::{PicturesOf, RelativePose};
+use crate::estimate::Verdict;
 use crate::geometry::{Frame, PointPair};
 
 #[derive(Serialize)]
@@ -75,6 +76,9 @@ pub(super) fn read(text: &str) -> Result<Fields, Problem> {
     fields.covariance =
         value.get("covariance").and_then(|rows| numbers(rows, 9, 9)).map(|n| SMatrix::from_row_slice(&n));
     fields.calibrated = value.get("calibrated").map(calibrated);
+    let verdict = value.get("verdict").and_then(Value::as_str).unwrap_or_default();
+    // Results have the verdict as a name, exports of the window in words.
+    fields.is_of_different_scenes = verdict.replace('-', " ") == Verdict::DifferentScenes.label();
     Ok(fields)
 }
 

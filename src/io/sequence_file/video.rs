@@ -76,14 +76,17 @@ pub(super) fn read(
     drop(frames);
     let status = running.0.wait().map_err(|e| failed(&crate::foreign::reason(&e)))?;
     let words = complaints.and_then(|thread| thread.join().ok()).unwrap_or_default();
-    let last =
-        words.lines().map(str::trim).rfind(|line| !line.is_empty()).unwrap_or("it gave no frames").to_owned();
+    let last = match words.lines().map(str::trim).rfind(|line| !line.is_empty()) {
+        // Versions before 5.1 do not know this option.
+        Some(_) if words.contains("fps_mode") => "it is too old. Install ffmpeg 5.1 or newer",
+        last => last.unwrap_or("it gave no frames"),
+    };
     if gathered.sequence.is_empty() {
-        return Err(failed(&last));
+        return Err(failed(last));
     }
     if !status.success() {
         let read = gathered.sequence.len();
-        gathered.notes.push(format!("ffmpeg stopped in {shown} after {read} frames: {}", excerpt(&last)));
+        gathered.notes.push(format!("ffmpeg stopped in {shown} after {read} frames: {}", excerpt(last)));
     }
     gathered.finish()
 }
@@ -149,6 +152,7 @@ mod tests {
         assert!(told("echo 'moov atom not found' >&2; exit 1").ends_with("as a video: moov atom not found"));
         assert!(told("printf 'P6 4 3 255 abc'").contains("not as expected"));
         assert!(told("printf 'P5 99999999 99999999 255 abc'").contains("pixels"), "no memory is asked for");
+        assert!(told("echo \"Unrecognized option 'fps_mode'.\" >&2; exit 1").contains("Install ffmpeg 5.1"));
         assert!(told(FRAME).contains("single frame"));
         let cut = read_with(&format!("{FRAME}{FRAME} echo 'end of file' >&2; exit 1")).unwrap();
         assert_eq!(cut.notes.len(), 1);

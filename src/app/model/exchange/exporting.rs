@@ -13,16 +13,18 @@ use crate::camera::PicturesOf;
 use crate::estimate::PlaneHomography;
 use crate::geometry::PointPair;
 use crate::io::{
-    Format, GeometryFile, ImageNote, PairLabel, PairOrigin, ResultFile, UndistortedFiles, fundamental_as_npy,
-    result_in_words,
+    CalibratedNote, ColmapError, Format, GeometryFile, ImageNote, OutputFile, PairLabel, PairOrigin,
+    ResultFile, UndistortedFiles, fundamental_as_npy, refuse_clashes, result_in_words,
 };
 use crate::presentation::pictures_in_words;
 use crate::rectify::Limits;
+use crate::study::PoseOutcome;
 
 impl ExportKind {
     /// Returns the reason why this cannot be exported now, if there is one.
     pub fn missing(self, model: &Model) -> Option<&'static str> {
         let is_apart = model.shown().is_some() && model.geometry_to_write().is_none();
+        let shows_result = model.shown().is_none_or(|shown| shown.is_result());
         let (there, why) = match self {
             Self::Array if model.open.undistorted().is_some() => (
                 false,
@@ -32,10 +34,13 @@ impl ExportKind {
                 model.open.undistorted().is_some() && model.geometry_to_write().is_some(),
                 "No lens is corrected, or there is no geometry yet.",
             ),
-            Self::Geometry | Self::Array | Self::Rectified if is_apart => {
+            Self::Geometry | Self::Array | Self::Rectified | Self::Colmap if is_apart => {
                 (false, "The pictures probably show different scenes, so there is no geometry to write.")
             }
-            Self::Geometry | Self::Array => {
+            Self::Colmap if model.open.undistorted().is_some() && !shows_result => {
+                (false, "With the lens corrected, COLMAP needs the pose of the result. Show the result (R).")
+            }
+            Self::Geometry | Self::Array | Self::Colmap => {
                 (model.shown().is_some(), "There is no geometry yet: click two point pairs, or import one.")
             }
             Self::Plane => (
@@ -140,7 +145,11 @@ pub fn content(
                 "the profile of the inspected line pair".to_owned(),
             )
         }
-        ExportKind::Figure | ExportKind::View | ExportKind::Rectified | ExportKind::Undistorted => {
+        ExportKind::Figure
+        | ExportKind::View
+        | ExportKind::Colmap
+        | ExportKind::Rectified
+        | ExportKind::Undistorted => {
             return Err("This is drawn, not composed.".to_owned());
         }
     })
@@ -171,6 +180,44 @@ pub fn undistorted(
         let drawn = pictures.each_ref().map(|picture| &**picture);
         files.write(drawn, geometry).map_err(|error| error.to_string())?;
         Ok("the pictures without distortion and their geometry".to_owned())
+    })
+}
+
+/// Returns the task that adds the shown geometry to a copy of a database of COLMAP, as `epiline convert` does with a
+/// result. The copy replaces none of the files `inputs`. `None` without a geometry.
+pub fn colmap(
+    order: &ExportOrder,
+    model: &Model,
+    mut inputs: Vec<PathBuf>,
+) -> Option<impl FnOnce() -> Result<String, String> + use<>> {
+    let shown = model.shown()?;
+    let result = Some(shown.estimate).filter(|_| shown.is_result());
+    let mut file = GeometryFile {
+        fundamental: Some(*shown.fundamental),
+        homography21: plane(model).filter(|_| result.is_some()).map(|plane| plane.homography21),
+        pairs: pairs(model, false),
+        found: model.matched_pairs().collect(),
+        images: notes(model),
+        ..GeometryFile::of(model.open.pictures_of())
+    };
+    file.calibrated = model.open.views().map(|views| {
+        let pose = result.map(|result| PoseOutcome::new(result, &views));
+        let note = CalibratedNote::new(pose.as_ref().and_then(PoseOutcome::fit));
+        note.seen_by(&views, file.pairs.iter().chain(&file.found))
+    });
+    let (path, database) = (order.path.clone(), order.database.clone());
+    Some(move || {
+        let output = OutputFile::prepare(&path).map_err(|error| error.to_string())?;
+        inputs.push(database.clone());
+        let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+        refuse_clashes(&[output.path()], &inputs).map_err(|error| error.to_string())?;
+        let added = file.add_to_colmap(None, &database, &output).map_err(|error| match error {
+            ColmapError::Names(_) => {
+                format!("{error}. Open the two pictures under the names that they have in the database")
+            }
+            ColmapError::Read(_) | ColmapError::Write(_) => error.to_string(),
+        })?;
+        Ok(format!("{added},"))
     })
 }
 

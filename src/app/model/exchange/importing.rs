@@ -13,8 +13,8 @@ use crate::io::{CalibratedCamera, Calibration, Format, GeometryFile, MatchFile, 
 use crate::presentation::lenses_in_words;
 use crate::study::matches_in;
 
-/// Maximum number of placed pairs. More handles hide the image and cost time in every frame, and nobody
-/// clicks so many: they become given matches.
+/// Maximum number of pairs that a list of points places. More handles hide the image, and nobody clicks so many: they
+/// become given matches, and the message offers the other way.
 const MOST_PAIRS: usize = 300;
 /// Maximum number of pairs listed in a message.
 const MOST_NAMED: usize = 5;

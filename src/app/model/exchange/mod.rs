@@ -6,9 +6,10 @@ mod order;
 mod profile;
 mod source;
 mod table;
+mod taking;
 mod trust;
 
-pub use exporting::{ExportContent, content, undistorted};
+pub use exporting::{ExportContent, colmap, content, undistorted};
 pub use importing::{ImportFound, ImportQuestion, ImportedFile, ImportedMatrix, PendingImport};
 pub use order::{ExportKind, ExportOrder, FigureChoices, FigureFormat, ReportFormat, ViewPart};
 pub use profile::CONVENTION as PROFILE_CONVENTION;

@@ -26,6 +26,8 @@ pub enum ExportKind {
     Figure,
     /// Picture of the screen.
     View,
+    /// A copy of a database of COLMAP with the shown geometry and its matches.
+    Colmap,
     /// The rectified pair: a folder with both pictures.
     Rectified,
     /// Both pictures without the distortion of their lens: a folder with their geometry.
@@ -34,7 +36,7 @@ pub enum ExportKind {
 
 impl ExportKind {
     /// All kinds in the order of the dialog: names, endings of suggested file names, tooltips.
-    const TABLE: [(Self, &'static str, &'static str, &'static str); 11] = [
+    const TABLE: [(Self, &'static str, &'static str, &'static str); 12] = [
         (
             Self::Geometry,
             "Geometry",
@@ -76,6 +78,13 @@ impl ExportKind {
             "Both images with the visible overlays, for a paper: SVG or PDF with lines and text.",
         ),
         (Self::View, "Picture", "view", "A picture of the screen."),
+        (
+            Self::Colmap,
+            "COLMAP database",
+            "epiline",
+            "A copy of a database of COLMAP with the shown geometry, the point pairs and the matches added, for the \
+             mapper of COLMAP. The database needs both pictures, under the same names and with the same sizes.",
+        ),
         (
             Self::Rectified,
             "Rectified pair",
@@ -192,6 +201,8 @@ pub struct ExportOrder {
     /// Path of the file, or of the folder of a rectified pair.
     pub path: PathBuf,
     pub what: ExportKind,
+    /// Database of COLMAP to copy.
+    pub database: PathBuf,
     /// Format of geometry and point pairs.
     pub format: Format,
     /// Whether to add the matches behind the result to the point pairs.
@@ -207,6 +218,7 @@ impl Default for ExportOrder {
     fn default() -> Self {
         Self {
             path: PathBuf::new(),
+            database: PathBuf::new(),
             what: ExportKind::default(),
             format: Format::Json,
             with_matches: false,

@@ -5,6 +5,7 @@ use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::computation::{EstimateFailure, Freshness};
 use crate::app::model::document::{Role, pair_name};
+use crate::app::model::exchange::ExportKind;
 use crate::estimate::{Estimate, Reason, Suspect, Verdict};
 
 /// Text of the button that undoes the distortion of the lens.
@@ -64,7 +65,7 @@ impl Model {
             return lens;
         }
         if estimate.assessment.plane.is_some() && self.tone() != Tone::Bad {
-            let command = ExchangeCommand::ShowPlaneExport.into();
+            let command = ExchangeCommand::ShowExport(Some(ExportKind::Plane)).into();
             return Some(CardAction::new("Export the homography…", command));
         }
         if matches!(self.open.next_click, Some(Some(_))) {

@@ -170,7 +170,7 @@ pub fn with_keys() -> Vec<Action> {
         .listed(|_| "Export rectified pair…")
         .when(|model| model.shown().is_some() && model.activity.writing.is_none()),
         action(
-            ExchangeCommand::ShowExport,
+            ExchangeCommand::ShowExport(None),
             "Export…",
             "Write the geometry, the point pairs, the result, a profile or the view as a file for other programs.",
         )

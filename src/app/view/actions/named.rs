@@ -4,6 +4,7 @@ use super::action::{Action, action};
 use crate::app::model::command::PickPurpose;
 use crate::app::model::comparison::Contestant;
 use crate::app::model::dock::DockEdge;
+use crate::app::model::exchange::ExportKind;
 use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::{RectifiedCommand, RectifiedLayout};
@@ -81,6 +82,13 @@ pub fn by_name() -> Vec<Action> {
         near(Notation::Matlab).listed(|_| "Copy F near the pair, with lens distortion, as MATLAB"),
         near(Notation::Latex).listed(|_| "Copy F near the pair, with lens distortion, as LaTeX"),
         near(Notation::Json).listed(|_| "Copy F near the pair, with lens distortion, as JSON"),
+        action(
+            ExchangeCommand::ShowExport(Some(ExportKind::Colmap)),
+            "Export to COLMAP…",
+            "Add the shown geometry and its matches to a copy of a database of COLMAP.",
+        )
+        .listed(|_| "Export to a COLMAP database…")
+        .when(|model| ExportKind::Colmap.missing(model).is_none()),
         action(
             Command::CopyView,
             "Copy the view",
@@ -264,6 +272,22 @@ pub fn by_name() -> Vec<Action> {
         )
         .listed(|_| "Remove the given matches")
         .when(|model| model.document.given.is_some()),
+        action(
+            ExchangeCommand::EditGiven,
+            "Make point pairs",
+            "Turn the given matches into point pairs, each of which can be dragged. Their weights are lost. Undo brings \
+             them back.",
+        )
+        .listed(|_| "Turn the given matches into point pairs")
+        .when(Model::can_edit_given),
+        action(
+            ExchangeCommand::GiveImported("the point pairs".to_owned()),
+            "Make given matches",
+            "Turn the imported point pairs into given matches, which nobody has to edit. Pairs that you moved stay. Undo \
+             goes back.",
+        )
+        .listed(|_| "Turn the imported point pairs into given matches")
+        .when(Model::can_give_imported),
         method(Method::TwoPoint).listed(|_| "Published search: two-point method"),
         method(Method::ThreePoint).listed(|_| "Published search: three-point method"),
         preset(Preset::Robust).listed(|_| "Preset: robust"),

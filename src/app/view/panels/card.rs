@@ -8,7 +8,7 @@ use egui::{
 use super::dialog::named;
 use super::gauge::tone_color;
 use super::menus::copy_fundamental_menu;
-use super::{busy, command_button, finish_button, main_button};
+use super::{busy, command_button, finish_button, main_button, terms};
 use crate::app::model::comparison::Contestant;
 use crate::app::model::computation::Freshness;
 use crate::app::model::guide::guide;
@@ -164,7 +164,7 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         }
     });
     let warnings: Vec<String> = warnings.into_iter().filter(|warning| *warning != sentence).collect();
-    ui.add(Label::new(sentence + &model.card_remarks()).wrap());
+    terms::label(ui, sentence + &model.card_remarks());
     if tone != Tone::Apart {
         figures(ui, model);
         list(ui, true_error(model).into_iter().chain(facts.iter().filter(|fact| is_on_card(fact)).cloned()));
@@ -267,7 +267,10 @@ fn at_a_glance(ui: &mut Ui, row: Option<Glance>) {
             };
             if !text.is_empty() {
                 ui.scope_builder(UiBuilder::new().max_rect(cell).layout(layout), |ui| {
-                    ui.add(Label::new(text).truncate()).on_hover_text(tooltip);
+                    let words = text.text().to_owned();
+                    let label = ui.add(Label::new(text).truncate());
+                    let meaning = terms::mark(ui, label.rect, &words).unwrap_or_default();
+                    label.on_hover_text(format!("{meaning} {tooltip}").trim_start());
                 });
             }
         }

@@ -1,30 +1,26 @@
 //! The export dialog: content, format and file.
 
+mod conventions;
+mod options;
+
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use egui::{
-    Align, Button, ComboBox, DragValue, Label, Layout, RichText, Role, ScrollArea, Ui, WidgetInfo, vec2,
-};
+use egui::{Align, Button, Label, Layout, RichText, ScrollArea, Ui, vec2};
 
 use super::copy_fundamental_menu;
-use super::dialog::{PathField, dialog, ending, path_of, row_label};
+use super::dialog::{PathField, dialog, ending, path_of};
 use crate::app::model::command::PickPurpose;
-use crate::app::model::exchange::{
-    ExportKind, ExportOrder, FigureFormat, PROFILE_CONVENTION, ReportFormat, ViewPart, result_note,
-    trust_note,
-};
-use crate::app::model::{Command, ExchangeCommand, Model, OverlayId};
+use crate::app::model::exchange::{ExportKind, ExportOrder, ReportFormat};
+use crate::app::model::{Command, ExchangeCommand, Model};
 use crate::app::view::theme;
-use crate::camera::PicturesOf;
-use crate::io::{Format, PictureFormat, TrustNote, has_extension};
-use crate::presentation::pictures_in_words;
+use crate::io::{Format, has_extension};
 
 /// Width of the dialog, of its list of kinds, and height of the options, screen points. They do not
 /// depend on the kind, so that nothing moves under the cursor.
 const WIDTH: f32 = 700.0;
 const KINDS_WIDTH: f32 = 160.0;
-const OPTIONS_HEIGHT: f32 = 290.0;
+const OPTIONS_HEIGHT: f32 = 310.0;
 
 /// Time after an export during which nobody begins anything else. A failure within it opens the dialog again.
 const AWAITED: Duration = Duration::from_secs(2);
@@ -35,6 +31,8 @@ pub struct FileExport {
     pub open: bool,
     order: ExportOrder,
     path: String,
+    /// Typed path of a database of COLMAP.
+    database: String,
     /// Folder and stem of exports of the open images.
     images: PathBuf,
     /// Folder and stem of suggested file names: the folder of the latest typed path, and the stem of the images.
@@ -83,6 +81,13 @@ impl FileExport {
         self.path = path.display().to_string();
     }
 
+    /// Fills in a database of COLMAP. The copy is suggested beside it.
+    pub fn offer_database(&mut self, path: &Path) {
+        self.database = path.display().to_string();
+        self.note_typed();
+        self.suggest();
+    }
+
     /// Returns the file extension for the present choices; empty for a folder.
     fn extension(&self) -> &'static str {
         match self.order.what {
@@ -92,6 +97,7 @@ impl FileExport {
             ExportKind::Report => "txt",
             ExportKind::Table | ExportKind::Profile => "csv",
             ExportKind::Figure => self.order.figure.format.extension(),
+            ExportKind::Colmap => "db",
             ExportKind::View => "png",
             ExportKind::Rectified | ExportKind::Undistorted => "",
         }
@@ -112,8 +118,9 @@ impl FileExport {
         let kind = self.order.what.file_name();
         // MATLAB runs a script by its name, so the name must be a valid identifier.
         let separator = if self.extension() == Format::Matlab.extension() { '_' } else { '-' };
-        let stem =
-            self.begin.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let database = path_of(&self.database).filter(|_| self.order.what == ExportKind::Colmap);
+        let begin = database.map_or_else(|| self.begin.clone(), |database| database.with_extension(""));
+        let stem = begin.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let mut name = format!("{stem}{separator}{kind}");
         if separator == '_' {
             name = name.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
@@ -121,7 +128,7 @@ impl FileExport {
                 name.insert(0, 'e');
             }
         }
-        let own = self.begin.with_file_name(name).with_added_extension(self.extension());
+        let own = begin.with_file_name(name).with_added_extension(self.extension());
         self.suggested = own.display().to_string();
         self.path = match &self.typed[self.order.what as usize] {
             Some(typed) if self.extension().is_empty() => typed.display().to_string(),
@@ -165,7 +172,7 @@ impl FileExport {
                 options
                     .min_scrolled_height(OPTIONS_HEIGHT)
                     .auto_shrink(false)
-                    .show(ui, |ui| ui.vertical(|ui| self.options(ui, model)));
+                    .show(ui, |ui| ui.vertical(|ui| self.options(ui, model, commands)));
             });
             ui.separator();
             let suggested = path_of(&self.path).unwrap_or_else(|| PathBuf::from(&self.suggested));
@@ -187,6 +194,9 @@ impl FileExport {
             let path = path_of(&self.path).map(|path| self.completed(path));
             let missing = self.order.what.missing(model);
             let missing = missing.or_else(|| names_a_file(path.as_deref().filter(|_| is_folder)?));
+            let database = path_of(&self.database);
+            let lacks_database = self.order.what == ExportKind::Colmap && database.is_none();
+            let missing = missing.or(lacks_database.then_some("Choose the database that has both pictures."));
             let replaces = !is_folder && path.as_ref().is_some_and(|path| path.exists());
             let palette = theme::palette(ui.visuals());
             let note = match (&self.problem, missing) {
@@ -199,8 +209,12 @@ impl FileExport {
             };
             ui.add(Label::new(note).wrap());
             ui.add_space(6.0);
-            let order =
-                path.filter(|_| missing.is_none()).map(|path| ExportOrder { path, ..self.order.clone() });
+            let database = database.unwrap_or_default();
+            let order = path.filter(|_| missing.is_none()).map(|path| ExportOrder {
+                path,
+                database,
+                ..self.order.clone()
+            });
             self.buttons(ui, model, order, commands);
         });
         self.just_opened = false;
@@ -220,178 +234,20 @@ impl FileExport {
     }
 
     /// Shows the description, the options and the conventions of the chosen kind.
-    fn options(&mut self, ui: &mut Ui, model: &Model) {
+    fn options(&mut self, ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui.add(Label::new(RichText::new(self.order.what.tooltip()).weak()).wrap());
         ui.add_space(4.0);
         let formats = |order: &ExportOrder| (order.format, order.reported, order.figure.format);
-        let before = formats(&self.order);
-        self.choices(ui, model);
-        if before != formats(&self.order) {
+        let before = (formats(&self.order), self.database.clone());
+        options::options(ui, &mut self.order, &mut self.database, model, commands);
+        if before != (formats(&self.order), self.database.clone()) {
+            self.problem = None;
             self.note_typed();
             self.suggest();
         }
         ui.add_space(4.0);
-        self.conventions(ui, model);
-        trust(ui, self.order.what, model);
-    }
-
-    fn choices(&mut self, ui: &mut Ui, model: &Model) {
-        match self.order.what {
-            ExportKind::Plane => self.formats(ui),
-            ExportKind::Geometry | ExportKind::Pairs => {
-                self.formats(ui);
-                let count = model.matches().len();
-                if count > 0 {
-                    row(ui, "", |ui| {
-                        ui.checkbox(
-                            &mut self.order.with_matches,
-                            format!("Include the {count} matches that support the result"),
-                        )
-                    });
-                }
-            }
-            ExportKind::Report => row(ui, "Format", |ui| {
-                ui.radio_value(&mut self.order.reported, ReportFormat::Text, "Plain text")
-                    .on_hover_text("Words and figures, for reading.");
-                ui.radio_value(&mut self.order.reported, ReportFormat::Json, "JSON")
-                    .on_hover_text("The format of epiline estimate, for Epiline and other programs.");
-            }),
-            ExportKind::Array | ExportKind::Table | ExportKind::Profile | ExportKind::Undistorted => {}
-            ExportKind::Figure => {
-                self.figure(ui);
-                self.layers(ui, model);
-            }
-            ExportKind::View => row(ui, "Part", |ui| {
-                ui.radio_value(&mut self.order.part, ViewPart::Images, "Both images")
-                    .on_hover_text("The two images with all overlays.");
-                ui.radio_value(&mut self.order.part, ViewPart::Window, "The whole window");
-            }),
-            ExportKind::Rectified => self.rectified(ui),
-        }
-    }
-
-    fn formats(&mut self, ui: &mut Ui) {
-        ui.horizontal(|ui| {
-            let label = row_label(ui, "Format");
-            let formats = ComboBox::from_id_salt("export format")
-                .selected_text(self.order.format.label())
-                .width(240.0)
-                .show_ui(ui, |ui| {
-                    for format in Format::ALL {
-                        ui.selectable_value(&mut self.order.format, format, format.label());
-                    }
-                });
-            formats.response.labelled_by(label.id);
-        });
-    }
-
-    fn figure(&mut self, ui: &mut Ui) {
-        let figure = &mut self.order.figure;
-        row(ui, "Format", |ui| {
-            ui.radio_value(&mut figure.format, FigureFormat::Svg, "SVG")
-                .on_hover_text("Vector lines and text, for editing and for the web.");
-            ui.radio_value(&mut figure.format, FigureFormat::Pdf, "PDF")
-                .on_hover_text("Vector lines and text, for LaTeX and printing.");
-        });
-        row(ui, "Images", |ui| {
-            ui.radio_value(&mut figure.seen, false, "Whole");
-            ui.radio_value(&mut figure.seen, true, "Current view")
-                .on_hover_text("The part of the image that each pane shows.");
-        });
-        row(ui, "Style", |ui| {
-            ui.checkbox(&mut figure.labels, "Labels").on_hover_text("The names of points and lines.");
-            ui.checkbox(&mut figure.dark, "Dark background")
-                .on_hover_text("A dark colour between and around the images.");
-        });
-    }
-
-    fn rectified(&mut self, ui: &mut Ui) {
-        let rectified = &mut self.order.rectified;
-        row(ui, "Pictures", |ui| {
-            ui.radio_value(&mut rectified.format, PictureFormat::Png, "PNG")
-                .on_hover_text("8 or 16 bits with transparency. Every program reads PNG.");
-            ui.radio_value(&mut rectified.format, PictureFormat::Tiff, "TIFF")
-                .on_hover_text("8 or 16 bits or floating point, with transparency.");
-        });
-        ui.horizontal(|ui| {
-            let label = row_label(ui, "Guide lines");
-            let spacing = DragValue::new(&mut rectified.guide_spacing).range(0..=1000);
-            ui.add(spacing.prefix("every ").suffix(" rows"))
-                .labelled_by(label.id)
-                .on_hover_text("Rows between two guide lines in the picture of both. 0 draws none.");
-        });
-        row(ui, "Maps", |ui| {
-            let text = "Source position of each pixel, as .npy arrays for cv2.remap";
-            ui.checkbox(&mut rectified.maps, text).on_hover_text(
-                "Rows × columns × (x, y) in pixels of the original image, as 32-bit floats. Empty pixels \
-                 have (-1, -1).",
-            );
-        });
-    }
-
-    /// Shows which visible layers the figure contains.
-    fn layers(&mut self, ui: &mut Ui, model: &Model) {
-        let figure = &mut self.order.figure;
-        row(ui, "Layers", |ui| {
-            ui.horizontal_wrapped(|ui| {
-                let shown =
-                    |id: &OverlayId| id.is_for_figures() && model.offers(*id) && model.look.shows(*id);
-                for layer in OverlayId::ALL.into_iter().filter(shown) {
-                    let mut on = figure.has(layer);
-                    let switch = ui.checkbox(&mut on, layer.name());
-                    let name = format!("{} on the figure", layer.name());
-                    switch.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, on, &name));
-                    figure.set(layer, on);
-                }
-            });
-        });
-    }
-
-    /// Shows the conventions of the numbers in the file. Every file states them, too.
-    fn conventions(&self, ui: &mut Ui, model: &Model) {
-        let mut sentences: Vec<String> = match self.order.what {
-            ExportKind::Geometry => self.order.format.convention(),
-            ExportKind::Array => {
-                let convention = Format::Json.convention().into_iter().take(2);
-                convention.chain(["The array is 3 x 3, float64, row by row.".to_owned()]).collect()
-            }
-            // Sentences about F do not apply to points.
-            ExportKind::Plane | ExportKind::Pairs => {
-                self.order.format.convention().into_iter().skip(1).take(2).collect()
-            }
-            // The format chosen for other kinds does not apply to the table.
-            ExportKind::Table => Format::Text.convention().into_iter().skip(1).take(1).collect(),
-            ExportKind::Report => Format::Json.convention(),
-            ExportKind::Profile => PROFILE_CONVENTION.map(str::to_owned).to_vec(),
-            ExportKind::Figure => vec![match self.order.figure.format {
-                FigureFormat::Svg => {
-                    "Contains the images at full resolution. Lines and text can be edited.".to_owned()
-                }
-                FigureFormat::Pdf => {
-                    "One page with the images at full resolution. Lines and text are vectors, and the font \
-                     is embedded."
-                        .to_owned()
-                }
-            }],
-            ExportKind::View => vec!["A PNG file at the resolution of the screen.".to_owned()],
-            ExportKind::Rectified | ExportKind::Undistorted => {
-                vec!["Existing files of the same names are replaced.".to_owned()]
-            }
-        };
-        let pictures_of = match self.order.what {
-            ExportKind::Geometry
-            | ExportKind::Array
-            | ExportKind::Plane
-            | ExportKind::Report
-            | ExportKind::Profile => model.open.pictures_of(),
-            ExportKind::Pairs | ExportKind::Table => PicturesOf::Original,
-            _ => PicturesOf::Untold,
-        };
-        // The lens itself is in the file.
-        sentences.extend(pictures_in_words(&pictures_of, 0.0).into_iter().take(1));
-        for sentence in sentences {
-            ui.add(Label::new(RichText::new(sentence).weak().small()).wrap());
-        }
+        conventions::conventions(ui, &self.order, model);
+        conventions::trust(ui, self.order.what, model);
     }
 
     fn buttons(&self, ui: &mut Ui, model: &Model, order: Option<ExportOrder>, commands: &mut Vec<Command>) {
@@ -409,31 +265,6 @@ impl FileExport {
     }
 }
 
-/// Shows a warning if the geometry is not reliable. All files but an array contain the same warning.
-fn trust(ui: &mut Ui, what: ExportKind, model: &Model) {
-    let note = match what {
-        ExportKind::Report => result_note(model),
-        // The homography is certain where F is not.
-        ExportKind::Plane | ExportKind::Pairs => None,
-        _ => trust_note(model),
-    };
-    let Some(note) = note.filter(|note| note.verdict != "reliable") else { return };
-    let palette = theme::palette(ui.visuals());
-    let color = if note.verdict == "unreliable" { palette.bad } else { palette.caution };
-    ui.add_space(4.0);
-    let tells = if what == ExportKind::Array { "the file cannot say so" } else { "the file says so" };
-    let is_result = note.geometry == TrustNote::RESULT;
-    let named = if is_result { &note.verdict } else { &note.geometry };
-    let text = format!("This geometry is {named}, and {tells}.");
-    let reasons = note.reasons.join("\n");
-    let label = ui.add(Label::new(RichText::new(text).color(color).strong()).wrap());
-    if !reasons.is_empty() {
-        label.on_hover_text(&reasons);
-        let first: String = note.reasons.first().cloned().unwrap_or_default();
-        ui.add(Label::new(RichText::new(first).color(color).small()).wrap());
-    }
-}
-
 /// Tells that a new folder would have the name of a file; `None` if it would not.
 fn names_a_file(folder: &Path) -> Option<&'static str> {
     let others = ["csv", "json", "npy", "pdf", "png", "svg", "tiff", "txt"];
@@ -447,12 +278,4 @@ fn names_a_file(folder: &Path) -> Option<&'static str> {
 /// Returns whether a file can be created at a path, as far as its folder matters.
 fn has_folder(path: &Path) -> bool {
     path.parent().is_none_or(|folder| folder.as_os_str().is_empty() || folder.is_dir())
-}
-
-/// Shows a labelled option, aligned with the others.
-fn row<R>(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui) -> R) {
-    ui.horizontal(|ui| {
-        row_label(ui, name);
-        content(ui);
-    });
 }

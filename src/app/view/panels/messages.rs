@@ -34,7 +34,7 @@ pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<C
                         (palette.message_fill, palette.bad)
                     }
                     MessageKind::Replace => (ui.visuals().panel_fill, palette.caution),
-                    MessageKind::LeftBehind | MessageKind::Answer => {
+                    MessageKind::LeftBehind | MessageKind::Answer | MessageKind::Taken => {
                         (ui.visuals().panel_fill, palette.accent)
                     }
                     MessageKind::Done => (ui.visuals().panel_fill, palette.good),

@@ -26,6 +26,7 @@ mod status;
 mod step_words;
 mod table;
 pub mod tabs;
+mod terms;
 pub mod timeline;
 mod tones;
 mod top_bar;

@@ -102,6 +102,7 @@ fn list_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.separator();
     command_button(ui, Command::ClearPairs, any || model.document.half.is_some(), commands);
     if model.document.given.is_some() {
+        command_button(ui, ExchangeCommand::EditGiven.into(), model.can_edit_given(), commands);
         command_button(ui, ExchangeCommand::RemoveGiven.into(), true, commands);
     }
 }

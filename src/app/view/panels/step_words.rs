@@ -4,6 +4,7 @@ use egui::{Align, Button, CollapsingHeader, Label, Layout, RichText, ScrollArea,
 
 use super::finish_button;
 use super::tabs::parameters;
+use super::terms;
 use crate::app::model::step::{result_text, sentence, title};
 use crate::app::model::{Command, MethodStep, Model};
 use crate::app::view::theme;
@@ -16,8 +17,8 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
         ui.set_max_width(ui.available_width() - theme::SCROLL_BAR);
         let title = title(step, model.document.search_plan());
         let strong = ui.visuals().strong_text_color();
-        ui.label(RichText::new(title).size(theme::VERDICT).color(strong));
-        ui.add(Label::new(sentence(step, model.document.search_plan())).wrap());
+        terms::label(ui, RichText::new(title).size(theme::VERDICT).color(strong));
+        terms::label(ui, sentence(step, model.document.search_plan()));
         ui.add_space(2.0);
         let figures = model.open.replay.moment().map_or(&[][..], |moment| &moment.figures);
         ui.scope(|ui| {

@@ -8,7 +8,7 @@ use egui::{
     Align2, Color32, FontId, Id, Rect, Role, ScrollArea, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
 
-use super::gauge;
+use super::{gauge, terms};
 use crate::app::model::verdict::Gauge;
 use crate::app::view::theme;
 
@@ -277,7 +277,9 @@ impl Table<'_> {
                 let mark = title.right_center() + vec2(8.0, 0.0);
                 sort_mark(ui, mark, sort.descending, color);
             }
-            if response.on_hover_text(format!("{} Click to sort.", column.tooltip)).clicked() {
+            let meaning = terms::mark(ui, title, column.title).unwrap_or_default();
+            let tooltip = format!("{meaning} {} Click to sort.", column.tooltip);
+            if response.on_hover_text(tooltip.trim_start()).clicked() {
                 clicked = Some(number);
             }
         }

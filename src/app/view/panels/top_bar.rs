@@ -136,7 +136,7 @@ fn export(ui: &mut Ui, any: bool, model: &Model, commands: &mut Vec<Command>) {
     ui.add_enabled_ui(any, |ui| {
         let menu = menu_button(ui, title, fill, |ui| {
             let all = ui.button("Export geometry, points or figure…");
-            if finish_button(ui, all, ExchangeCommand::ShowExport.into(), commands).clicked() {
+            if finish_button(ui, all, ExchangeCommand::ShowExport(None).into(), commands).clicked() {
                 ui.close();
             }
             let can = has_result && model.activity.writing.is_none();

@@ -2,9 +2,11 @@
 
 use egui::{Label, RichText, ScrollArea, Ui};
 
+use super::super::finish_button;
 use super::super::table::{Column, RowLook, Table};
 use super::Tab;
 use super::residuals::{choice, contestants, measured, missing, px, tools};
+use crate::app::model::command::PickPurpose;
 use crate::app::model::comparison::{Comparison, Contestant, PointSet, Subject};
 use crate::app::model::{Command, Model, TabId};
 use crate::app::view::theme;
@@ -22,10 +24,11 @@ const ROOM_FOR_ALL: f32 = 560.0;
 const LEAST_WIDTH: f32 = 270.0;
 
 fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let Some(comparison) = measured(ui, model, commands) else { return };
+    let Some(comparison) = measured(ui, model, commands) else { return offer_import(ui, model, commands) };
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0;
         inputs(ui, model, comparison, commands);
+        offer_import(ui, model, commands);
     });
     // The comparison may be older than the import.
     let imported = model.document.imported.as_ref().map(|imported| imported.fundamental);
@@ -48,6 +51,14 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui.set_width(room.max(LEAST_WIDTH));
         summary(ui, model, comparison, room < ROOM_FOR_ALL, commands);
     });
+}
+
+/// Offers to import a geometry for the comparison, if there is none.
+fn offer_import(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    if model.document.pictures.is_some() && model.document.imported.is_none() {
+        let button = ui.button("Import a geometry…");
+        finish_button(ui, button, Command::Browse(PickPurpose::Import), commands);
+    }
 }
 
 /// Shows the choice of the pairs given to the other methods.

@@ -119,8 +119,7 @@ fn known_figures<'a>(
         (
             "Support",
             74.0,
-            "Image corners that find a match along their epipolar line, weighted by similarity. Higher is better; \
-             compare rows.",
+            "Weighted by similarity. Higher is better; compare rows.",
             HypothesisFigure::Support,
             1,
         ),
@@ -135,9 +134,8 @@ fn known_figures<'a>(
         (
             "Round trip",
             100.0,
-            "Distance, px, between a line and its image after the maps H (to the other image) and G (back). A small \
-             distance means that both directions agree. A good result may have a large distance, and a wrong \
-             result a small one.",
+            "In px. A small distance means that both directions agree. A good result may have a large distance, and a \
+             wrong result a small one.",
             HypothesisFigure::RoundTrip,
             2,
         ),
