@@ -65,7 +65,7 @@ pub use verdict::constants::{
     CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, EVEN_LINES, FAR_TOO_FEW,
     SURE_LINES,
 };
-pub use verdict::events::{DistinctMatch, Event, EventKind, HypothesisNote, RankedHypothesis};
+pub use verdict::events::{DistinctMatch, Event, EventKind, HypothesisNote, LinePairNote, RankedHypothesis};
 pub use verdict::result::{
     Apart, Assessment, Determined, Estimate, PlaneHomography, SearchCounts, SearchTrace, StageTiming,
 };

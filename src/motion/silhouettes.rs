@@ -134,6 +134,19 @@ impl Silhouettes {
         self.bits.chunks_exact(self.words).map(of_pixel).collect()
     }
 
+    /// Returns the number of frames before `end` in which each pixel moves, row by row.
+    pub fn moved_before(&self, end: usize) -> Vec<u32> {
+        let first = |word: usize| match end.saturating_sub(word * WORD) {
+            0 => 0,
+            few if few < WORD => (1u64 << few) - 1,
+            _ => u64::MAX,
+        };
+        let masks: Vec<u64> = (0..self.words).map(first).collect();
+        let of_pixel =
+            |own: &[u64]| own.iter().zip(&masks).map(|(word, mask)| (word & mask).count_ones()).sum();
+        self.bits.chunks_exact(self.words.max(1)).map(of_pixel).collect()
+    }
+
     /// Returns the barcode of a line, in pixels of an image that is `scale` times as large as the
     /// masks.
     pub fn barcode(&self, line: &AnchoredLine, scale: f64) -> Barcode {
@@ -306,6 +319,16 @@ mod tests {
         assert_eq!(found.barcode(&twice, 2.0), barcode);
         assert!(found.halved().barcode(&line, 2.0).ones() >= barcode.ones());
         assert_eq!(found.at_times(&[35, 36, 70]).mask(1), found.mask(36));
+        for end in [0, 1, 63, 64, 70, 80] {
+            let mut counts = vec![0; 96 * 72];
+            for time in 0..end {
+                counts
+                    .iter_mut()
+                    .zip(found.mask(time))
+                    .for_each(|(count, moving)| *count += u32::from(moving));
+            }
+            assert_eq!(found.moved_before(end), counts, "{end}");
+        }
     }
 
     #[test]

@@ -25,6 +25,9 @@ fn in_words(kind: &EventKind) -> Option<String> {
                 counts.join(" and ")
             )
         }
+        EventKind::Lines { compared: [left, right], candidates, .. } => {
+            format!("{left} and {right} lines compared: the best {} line pairs kept", candidates.len())
+        }
         EventKind::Matched { all, .. } => format!("{all} features matched"),
         EventKind::Proposed { examined, hypotheses } => match hypotheses.first() {
             Some(best) => format!("{examined} combinations examined, the best proposed by {}", by(best)),
@@ -33,6 +36,9 @@ fn in_words(kind: &EventKind) -> Option<String> {
         EventKind::Ranked(hypotheses) => {
             let best = hypotheses.first()?;
             format!("Hypotheses ranked, the first proposed by {}", by(&best.hypothesis))
+        }
+        EventKind::Refined { selected, matches: 0, .. } => {
+            format!("Refined on motion barcodes, proposed by {}", by(selected))
         }
         EventKind::Refined { selected, matches, .. } => {
             format!("Refined on {matches} matches, proposed by {}", by(selected))

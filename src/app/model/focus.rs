@@ -35,6 +35,8 @@ pub enum Target {
     GivenMatch(usize),
     /// A sample of the inspected line of image 1, by its index (0 is the anchor).
     Sample(i32),
+    /// A part of the replayed search.
+    Replayed(Replayed),
     /// A place in the rectified pictures.
     Rectified {
         /// The picture, by its side; `None` where both are drawn in one.
@@ -42,6 +44,23 @@ pub enum Target {
         /// The position, px of the rectified pictures as drawn.
         at: Point,
     },
+}
+
+/// A part of the replayed search, by its place in the record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Replayed {
+    /// A proposed geometry.
+    Hypothesis(usize),
+    /// A hypothesis of the race.
+    Racer(usize),
+    /// A line of the left picture with its best partner, compared by motion barcodes.
+    Swept(usize),
+    /// A candidate among all lines.
+    Candidate(usize),
+    /// A match of features.
+    Match(usize),
+    /// One of the evenly spaced lines of a geometry, or of a round trip.
+    Line(usize),
 }
 
 /// Origin of a pair of lines. Lines from a point follow the geometry when it changes.

@@ -40,6 +40,10 @@ named! {
     /// A step of a search, as a person follows it.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
     pub enum MethodStep {
+        /// Moving objects of two sequences, frame by frame.
+        Motion = "Motion",
+        /// Comparison of the motion barcodes of lines.
+        Barcodes = "Barcodes",
         /// Comparison of all lines through a click with all lines through its match.
         #[default]
         Pencils = "Pencils",

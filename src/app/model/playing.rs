@@ -53,9 +53,12 @@ impl Model {
         Some(first..=first + count.max(1) - 1)
     }
 
-    /// Returns the visible frames, left and right.
+    /// Returns the visible frames, left and right: those of the replay, if it runs through the frames.
     pub fn shown_frames(&self) -> Option<[usize; 2]> {
         let synchronised = self.synchronised()?;
+        if let Some(frames) = self.open.replay.moment().and_then(|moment| moment.frames) {
+            return Some(frames);
+        }
         let playable = self.playable()?;
         let left = (self.open.player.position as usize).clamp(*playable.start(), *playable.end());
         let last = synchronised.recordings[1].sequence.len() - 1;
@@ -107,6 +110,11 @@ impl Model {
     /// Applies a command to the sequences. Searching for the offset is a task and is not done here.
     pub fn apply_to_player(&mut self, command: PlayerCommand) {
         let (Some(playable), Some([shown, _])) = (self.playable(), self.shown_frames()) else { return };
+        // The replay and the player do not run through the frames at the same time.
+        let runs_frames = self.open.replay.moment().is_some_and(|moment| moment.frames.is_some());
+        if runs_frames && !matches!(command, PlayerCommand::ToggleSilhouettes) {
+            self.open.replay.stop();
+        }
         let player = &mut self.open.player;
         match command {
             PlayerCommand::TogglePlay => {

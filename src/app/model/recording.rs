@@ -9,18 +9,50 @@ use crate::motion::{
     BackgroundParameters, Barcode, FrameSequence, MotionError, OffsetAgreement, Silhouettes, common_frames,
 };
 
+/// Largest number of frames in a [`Pile`].
+const PILED: usize = 32;
+/// Longest side of the silhouettes of a [`Pile`], px.
+const PILE_SIDE: usize = 320;
+
 #[derive(Debug)]
 pub struct Recording {
     pub sequence: FrameSequence,
     /// Moving parts of the frames.
     pub silhouettes: Silhouettes,
+    pub pile: Pile,
+}
+
+/// Silhouettes of some frames, small, for an overview of the motion.
+#[derive(Debug)]
+pub struct Pile {
+    /// Numbers of the frames, evenly spread.
+    frames: Vec<usize>,
+    pub silhouettes: Silhouettes,
+}
+
+impl Pile {
+    fn of(silhouettes: &Silhouettes) -> Self {
+        let kept = silhouettes.len().min(PILED);
+        let frames: Vec<usize> = (0..kept).map(|k| k * silhouettes.len() / kept).collect();
+        let mut few = silhouettes.at_times(&frames);
+        while few.size().width.max(few.size().height) > PILE_SIDE {
+            few = few.halved();
+        }
+        Self { frames, silhouettes: few }
+    }
+
+    /// Returns the number of silhouettes up to a frame.
+    pub fn until(&self, frame: usize) -> usize {
+        self.frames.partition_point(|own| *own <= frame)
+    }
 }
 
 impl Recording {
     /// Finds the silhouettes of a sequence. This takes a while.
     pub fn new(sequence: FrameSequence, cancel: &CancelFlag) -> Result<Self, MotionError> {
         let silhouettes = Silhouettes::new(&sequence, &BackgroundParameters::default(), cancel)?;
-        Ok(Self { sequence, silhouettes })
+        let pile = Pile::of(&silhouettes);
+        Ok(Self { sequence, silhouettes, pile })
     }
 }
 
@@ -111,4 +143,19 @@ pub fn example(frames: usize) -> Recording {
     let thrown = ThrownBalls { frame: Frame::new(160, 120), frames, noise: 1.0, ..ThrownBalls::default() };
     let [left, _] = BallScene::new(thrown).unwrap().sequences().unwrap();
     Recording::new(left, &CancelFlag::default()).unwrap()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pile_has_the_silhouettes_of_some_frames() {
+        let recording = example(70);
+        let pile = &recording.pile;
+        assert_eq!((pile.silhouettes.len(), pile.frames[0], pile.frames[31]), (PILED, 0, 67));
+        assert_eq!(pile.silhouettes.mask(5), recording.silhouettes.mask(pile.frames[5]), "small already");
+        assert_eq!([0, 1, 2, 69].map(|frame| pile.until(frame)), [1, 1, 2, PILED]);
+        assert_eq!(example(20).pile.frames.len(), 20);
+    }
 }

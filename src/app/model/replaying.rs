@@ -10,7 +10,7 @@ use super::replay::record::{Record, Source};
 use super::replay::{Key, ReplayCommand, Speed, steps};
 use super::verdict::Tone;
 use super::{MethodStep, Model, Side, StageId, TabId};
-use crate::estimate::{Event, EventKind};
+use crate::estimate::{Event, EventKind, SearchPlan};
 use crate::geometry::Frame;
 
 /// Time after which a running search is drawn, so that short ones do not flash.
@@ -194,6 +194,7 @@ impl Model {
         Record::new(&Source {
             plan: document.search_plan(),
             frames,
+            recordings: self.compared_recordings().filter(|_| document.search_plan() == SearchPlan::Barcodes),
             events,
             found,
             pencils: compared.or(trace.map(|trace| &trace.pencils[..])).unwrap_or_default(),

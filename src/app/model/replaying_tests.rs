@@ -5,17 +5,22 @@ use std::sync::LazyLock;
 use super::*;
 use crate::app::model::MethodStep;
 use crate::app::model::computation::{EstimateFailure, EstimateNews, EstimateRequest};
-use crate::app::model::focus::LineSource;
+use crate::app::model::focus::{LineSource, Replayed};
+use crate::app::model::picture::Opened;
+use crate::app::model::recording::Recording;
 use crate::app::model::replay::course::StepState;
 use crate::app::model::replay::moment::{Ink, Moment, Shape};
+use crate::app::model::replay::strokes::parts_of;
 use crate::app::model::sample::sample_pair;
+use crate::app::model::shared::Shared;
 use crate::estimate::{
-    EstimateError, Event, EventKind, HypothesisNote, Monitor, Progress, ProposedBy, RankedHypothesis,
-    RefinementStep, estimate,
+    EstimateError, Event, EventKind, HypothesisNote, Monitor, PreparedPair, Progress, ProposedBy,
+    RankedHypothesis, RefinementStep, estimate, estimate_prepared,
 };
 use crate::geometry::{FundamentalMatrix, PointPair, fan};
+use crate::image::Picture;
 use crate::io::PairOrigin;
-use crate::synthetic::Sample;
+use crate::synthetic::{BallScene, Sample, ThrownBalls};
 
 /// Returns a model with the result of a search of the sample, and the events that the search reported.
 fn searched(clicked: bool) -> (Model, Vec<Event>) {
@@ -44,6 +49,61 @@ fn searched(clicked: bool) -> (Model, Vec<Event>) {
 
 static CLICKED: LazyLock<Record> = LazyLock::new(|| searched(true).0.new_record());
 static UNCLICKED: LazyLock<Record> = LazyLock::new(|| searched(false).0.new_record());
+static SEQUENCES: LazyLock<Record> = LazyLock::new(|| searched_sequences(sequences().1, false).new_record());
+static CLICKED_SEQUENCES: LazyLock<Record> =
+    LazyLock::new(|| searched_sequences(sequences().1, true).new_record());
+
+/// Returns two small sequences, each time opened anew.
+fn sequences() -> ([Opened; 2], [Opened; 2]) {
+    let recordings = BALLS.sequences().unwrap().map(|sequence| {
+        Shared::new(Recording::new(sequence, &crate::cancel::CancelFlag::default()).unwrap())
+    });
+    let opened = || {
+        recordings.each_ref().map(|recording| {
+            let size = recording.sequence.size();
+            let frame = image::GrayImage::from_raw(
+                size.width as u32,
+                size.height as u32,
+                recording.sequence.frame(0).to_vec(),
+            );
+            let picture = Picture::from_pixels("frame".into(), None, frame.unwrap().into()).unwrap();
+            Opened { recording: Some(recording.clone()), ..Opened::new(picture) }
+        })
+    };
+    (opened(), opened())
+}
+
+static BALLS: LazyLock<BallScene> = LazyLock::new(|| {
+    let thrown = ThrownBalls {
+        frame: Frame::new(320, 240),
+        frames: 200,
+        balls: 8,
+        noise: 0.0,
+        ..ThrownBalls::default()
+    };
+    BallScene::new(thrown).unwrap()
+});
+
+/// Returns a model with the result of a search of two sequences.
+fn searched_sequences(opened: [Opened; 2], clicked: bool) -> Model {
+    let mut model = Model::default();
+    model.open(opened, None, false, None);
+    let pairs = if clicked { BALLS.matches(200)[..2].to_vec() } else { Vec::new() };
+    model.document.set_pairs(pairs.clone(), PairOrigin::Clicked);
+    model.document.unclicked = !clicked;
+    let (pictures, parameters) = (model.open.pictures().unwrap(), model.document.search_parameters());
+    let recordings = model.compared_recordings().unwrap();
+    let silhouettes = recordings.recordings.each_ref().map(|own| &own.silhouettes);
+    let [left, right] = pictures.each_ref().map(|picture| &picture.gray);
+    let prepared = PreparedPair::of_sequences(left, right, silhouettes, recordings.offset).unwrap();
+    let found = estimate_prepared(&prepared, &pairs, &parameters, &Monitor::silent()).unwrap();
+    let recordings = Some(recordings);
+    let request = EstimateRequest { pictures, recordings, views: None, pairs, given: None, parameters };
+    model.open.computation.adopt(Some(&request));
+    model.open.computation.begin(1, false);
+    model.open.computation.take(1, EstimateNews::Finished(Ok(Box::new(found))));
+    model
+}
 
 /// Returns ten moments of each step that ran.
 fn moments(record: &Record) -> Vec<Place> {
@@ -57,7 +117,7 @@ fn moments(record: &Record) -> Vec<Place> {
 
 #[test]
 fn a_moment_depends_on_nothing_but_record_and_time() {
-    for record in [&*CLICKED, &*UNCLICKED] {
+    for record in [&*CLICKED, &*UNCLICKED, &*SEQUENCES, &*CLICKED_SEQUENCES] {
         let places = moments(record);
         let forwards: Vec<Moment> = places.iter().map(|place| steps::draw(record, *place)).collect();
         for (place, before) in places.iter().zip(&forwards).rev() {
@@ -71,7 +131,9 @@ fn a_moment_depends_on_nothing_but_record_and_time() {
 
 #[test]
 fn every_search_has_its_own_steps() {
-    use MethodStep::{Candidates, Epipoles, Features, Pencils, Refinement, RoundTrip, Validation};
+    use MethodStep::{
+        Barcodes, Candidates, Epipoles, Features, Motion, Pencils, Refinement, RoundTrip, Validation,
+    };
     let ran = |record: &Record| -> Vec<MethodStep> {
         let course = Course::of(record.plan, record);
         course.steps.into_iter().filter(|step| step.state == StepState::Ran).map(|step| step.step).collect()
@@ -81,11 +143,90 @@ fn every_search_has_its_own_steps() {
         assert!(clicked.contains(&step), "{step:?}");
     }
     assert_eq!(ran(&UNCLICKED), [Features, Epipoles, Validation, Refinement, Pencils]);
+    for record in [&*SEQUENCES, &*CLICKED_SEQUENCES] {
+        assert_eq!(ran(record), [Motion, Barcodes, Candidates, Epipoles, Validation, Refinement]);
+    }
+}
+
+#[test]
+fn barcodes_in_a_record_are_of_the_compared_silhouettes() {
+    for record in [&*SEQUENCES, &*CLICKED_SEQUENCES] {
+        let (sweep, recordings) = (record.sweep.as_ref().unwrap(), record.recordings.as_ref().unwrap());
+        let silhouettes = recordings.overlapping().unwrap();
+        assert!(sweep.swept.len() > 20 && sweep.swept.len() <= 90, "{}", sweep.swept.len());
+        for own in sweep.swept.iter().chain([&sweep.held]) {
+            for (k, line) in own.lines.iter().enumerate() {
+                assert_eq!(own.compared.barcodes[k], silhouettes[k].barcode(line, 1.0));
+            }
+        }
+        // The held pair lies on lines of the result.
+        assert!(sweep.held.compared.correlation().unwrap() > 0.5);
+        // The lines are of the kind that led to the result.
+        let led = record.hypotheses[record.winner.unwrap()].origin.source;
+        assert_eq!(record.is_by_clicks(), matches!(led, ProposedBy::LinePairs { .. }), "{led:?}");
+    }
+    assert!(!SEQUENCES.is_by_clicks());
+}
+
+#[test]
+fn frames_run_while_silhouettes_and_barcodes_grow() {
+    use MethodStep::{Barcodes, Motion};
+    let at = |step, seconds| steps::draw(&SEQUENCES, Place { step, seconds });
+    let last = SEQUENCES.recordings.as_ref().unwrap().recordings[0].sequence.len() - 1;
+    let (begin, end) = (at(Motion, 0.0), at(Motion, 1.6));
+    assert_eq!((begin.frames, begin.piled), (Some([0; 2]), Some([1; 2])));
+    assert_eq!((end.frames, end.piled), (Some([last; 2]), Some([32; 2])));
+    let grown = |seconds| at(Barcodes, seconds).grown.unwrap();
+    let lines = SEQUENCES.sweep.as_ref().unwrap().swept.len();
+    assert_eq!((grown(0.0).line, grown(0.0).frames, grown(0.0).swept), (None, 1, 0));
+    assert_eq!((grown(0.71).line, grown(0.71).frames), (Some(0), last + 1));
+    assert_eq!((grown(2.2).line, grown(2.2).swept), (None, lines));
+}
+
+#[test]
+fn sequences_have_no_record_before_a_search_and_the_player_ends_the_replay_of_frames() {
+    let opened = sequences();
+    let mut model = Model::default();
+    model.open(opened.0, None, false, None);
+    model.follow_replay();
+    assert!(!model.has_record());
+    let mut model = searched_sequences(opened.1, false);
+    model.follow_replay();
+    model.apply_to_replay(ReplayCommand::Play(MethodStep::Motion));
+    model.apply_to_replay(ReplayCommand::Seek(0.8));
+    model.follow_replay();
+    let shown = model.shown_frames().unwrap();
+    assert!(shown[0] > 0 && Some(shown) == model.open.replay.moment().unwrap().frames);
+    model.apply_to_player(PlayerCommand::ToggleSilhouettes);
+    assert!(model.replayed().is_some());
+    model.apply_to_player(PlayerCommand::Step(1));
+    assert_eq!((model.replayed(), model.shown_frames()), (None, Some(shown.map(|frame| frame + 1))));
+}
+
+#[test]
+fn marks_of_a_moment_can_be_pointed_at() {
+    use crate::app::model::Target;
+    let has = |record: &Record, step: MethodStep, is_one: fn(&Target) -> bool| {
+        let end = Course::of(record.plan, record).end_of(step).unwrap();
+        steps::draw(record, end).marks.iter().filter_map(|mark| mark.target).any(|target| is_one(&target))
+    };
+    let is_cell: fn(&Target) -> bool = |target| matches!(target, Target::Cell { .. });
+    let is_line: fn(&Target) -> bool = |target| matches!(target, Target::Replayed(Replayed::Line(_)));
+    let is_dot: fn(&Target) -> bool = |target| matches!(target, Target::Replayed(Replayed::Hypothesis(_)));
+    assert!(has(&CLICKED, MethodStep::Pencils, is_cell) && has(&CLICKED, MethodStep::Candidates, is_cell));
+    for record in [&*CLICKED, &*SEQUENCES] {
+        assert!(has(record, MethodStep::Epipoles, is_dot));
+        assert!(has(record, MethodStep::Validation, is_line) && has(record, MethodStep::Refinement, is_line));
+    }
+    for part in [Replayed::Hypothesis(0), Replayed::Racer(0), Replayed::Swept(0), Replayed::Candidate(0)] {
+        assert!(!parts_of(&SEQUENCES, part).is_empty(), "{part:?}");
+    }
+    assert!(parts_of(&CLICKED, Replayed::Candidate(0)).is_empty(), "pencils have cells");
 }
 
 #[test]
 fn the_replay_ends_with_the_lines_of_the_result() {
-    for record in [&*CLICKED, &*UNCLICKED] {
+    for record in [&*CLICKED, &*UNCLICKED, &*SEQUENCES, &*CLICKED_SEQUENCES] {
         let result = record.result.unwrap();
         let end = Course::of(record.plan, record).end_of(MethodStep::Refinement).unwrap();
         let moment = steps::draw(record, end);
@@ -227,6 +368,7 @@ fn a_search_of_several_passes_tells_the_story_of_the_selected_one() {
         Record::new(&Source {
             plan: CLICKED.plan,
             frames: CLICKED.frames,
+            recordings: None,
             events,
             found: None,
             pencils: &[],

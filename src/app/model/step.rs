@@ -43,8 +43,8 @@ impl MethodStep {
     /// Returns the stages of the computation that belong to the step.
     pub fn stages(self) -> &'static [Stage] {
         match self {
-            Self::Pencils => &[Stage::Pyramid, Stage::Pencils],
-            Self::Candidates | Self::RoundTrip => &[],
+            Self::Pencils | Self::Barcodes => &[Stage::Pyramid, Stage::Pencils],
+            Self::Motion | Self::Candidates | Self::RoundTrip => &[],
             Self::Features => &[Stage::Features],
             Self::Epipoles => &[Stage::Hypotheses],
             Self::Validation => &[Stage::Validation],
@@ -58,9 +58,11 @@ pub fn progress_of(step: MethodStep, computation: &Computation) -> StepProgress 
     // A stage repeated by the wider search is not shown as running twice.
     let of = |stages: &[Stage]| stages.iter().map(|stage| progress(*stage, computation)).reduce(later);
     match step {
+        // The silhouettes are known before the search.
+        MethodStep::Motion => without_time(progress(Stage::Pyramid, computation)),
         MethodStep::Candidates => without_time(progress(Stage::Pencils, computation)),
         MethodStep::RoundTrip => without_time(progress(Stage::Hypotheses, computation)),
-        MethodStep::Pencils => progress(Stage::Pencils, computation),
+        MethodStep::Pencils | MethodStep::Barcodes => progress(Stage::Pencils, computation),
         _ => of(step.stages()).unwrap_or(StepProgress::Waiting),
     }
 }
@@ -98,9 +100,12 @@ pub fn sentence(step: MethodStep, plan: SearchPlan) -> &'static str {
     let (compares_all, by_barcodes) =
         (matches!(plan, SearchPlan::Barcodes | SearchPlan::LinesAlone { .. }), plan == SearchPlan::Barcodes);
     match step {
-        MethodStep::Pencils if by_barcodes => {
-            "A line turns about p on the left. Its best partner on the right is the line across which things move in \
-             the same frames."
+        MethodStep::Motion => {
+            "Neither camera moves. What differs from the background moves: its silhouettes pile up, frame by frame."
+        }
+        MethodStep::Barcodes => {
+            "The barcode of a line marks the frames in which something crosses it. A line sweeps on the left. Its best \
+             partner on the right is crossed in the same frames."
         }
         MethodStep::Pencils if plan == SearchPlan::Unclicked => {
             "As a test, lines through two matches are compared: each with its most similar line on the right."
@@ -120,6 +125,9 @@ pub fn sentence(step: MethodStep, plan: SearchPlan) -> &'static str {
             "Small samples of the matches give hypotheses. Each has an epipole in either picture: where the other \
              camera might be."
         }
+        MethodStep::Epipoles if by_barcodes => {
+            "Two or three candidates at a time give a hypothesis. Where they cross, the other camera might be."
+        }
         MethodStep::Epipoles if compares_all => {
             "Three line pairs at a time give a hypothesis. Each has an epipole in either picture: where the other \
              camera might be."
@@ -132,13 +140,14 @@ pub fn sentence(step: MethodStep, plan: SearchPlan) -> &'static str {
              better both maps agree."
         }
         MethodStep::Validation if by_barcodes => {
-            "The best hypotheses are fitted to the barcodes of lines all over both pictures. The best fit wins."
+            "The best hypotheses race: each is fitted to the barcodes of lines all over both pictures. The best fit wins."
         }
         MethodStep::Validation => {
             "The best hypotheses race: each place of the picture supports those along whose lines it finds a match."
         }
         MethodStep::Refinement if by_barcodes => {
-            "The best hypothesis is fitted to the barcodes in full size. Fits without some frames give its uncertainty."
+            "The lines swing from the winning hypothesis to its fit, in full size at last. Fits without some frames give \
+             its uncertainty."
         }
         MethodStep::Refinement => {
             "The best hypothesis is fitted to matches along its lines, again and again."

@@ -1,7 +1,9 @@
 //! Writer of the events of a search. Their number and size are limited: a record stays below 1 MB, apart from the
 //! pencils, which it shares with the trace.
 
-use crate::estimate::{DistinctMatch, Event, EventKind, HypothesisNote, RankedHypothesis};
+use crate::estimate::evidence::lines::LineCandidate;
+use crate::estimate::{DistinctMatch, Event, EventKind, HypothesisNote, LinePairNote, RankedHypothesis};
+use crate::geometry::{AnchoredLine, rescaled};
 
 /// Largest number of hypotheses in all events of a search.
 const KEPT_HYPOTHESES: usize = 240;
@@ -9,6 +11,8 @@ const KEPT_HYPOTHESES: usize = 240;
 const KEPT_BEST: usize = 40;
 /// Number of hypotheses of a ranking that are kept.
 const KEPT_RANKED: usize = 8;
+/// Largest number of candidates among all lines in an event.
+const KEPT_LINES: usize = 400;
 /// Largest number of matches of features in an event.
 const KEPT_MATCHES: usize = 1500;
 
@@ -31,6 +35,28 @@ impl EventLog {
         best.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
         best.truncate(KEPT_MATCHES);
         self.push(seconds, EventKind::Matched { all, best });
+    }
+
+    /// Writes lines with their best partners, and candidates, best first. `scales` leads from full size to the pixels
+    /// of the lines.
+    pub fn lines(
+        &mut self,
+        seconds: f64,
+        compared: [usize; 2],
+        [swept, candidates]: [&[LineCandidate]; 2],
+        scales: [f64; 2],
+    ) {
+        let full_size = |line: &AnchoredLine, scale: f64| AnchoredLine {
+            anchor: rescaled(line.anchor, scale.recip()),
+            direction: line.direction,
+        };
+        let noted = |own: &LineCandidate| LinePairNote {
+            lines: [full_size(&own.line1, scales[0]), full_size(&own.line2, scales[1])],
+            cost: f64::from(own.cost),
+        };
+        let swept = swept.iter().map(noted).collect();
+        let candidates = candidates.iter().take(KEPT_LINES).map(noted).collect();
+        self.push(seconds, EventKind::Lines { compared, swept, candidates });
     }
 
     /// Writes proposals, best first.
@@ -65,7 +91,7 @@ mod tests {
     use super::*;
     use crate::estimate::exact::rows;
     use crate::estimate::{Proposed, ProposedBy};
-    use crate::geometry::PointPair;
+    use crate::geometry::{Point, PointPair};
 
     fn hypotheses(count: usize) -> Vec<HypothesisNote> {
         let of = |k: usize| HypothesisNote {
@@ -82,6 +108,21 @@ mod tests {
         assert_eq!(thinned(&hypotheses(7), 60).len(), 7);
         assert_eq!(thinned(&hypotheses(100), 10).len(), 10);
         assert!(thinned(&hypotheses(100), 0).is_empty() && thinned(&[], 9).is_empty());
+    }
+
+    #[test]
+    fn lines_are_noted_in_full_size() {
+        let line = |x: f64| AnchoredLine::at_angle(Point::new(x, 10.0), 0.3);
+        let own = |k: i32| LineCandidate { line1: line(f64::from(k)), line2: line(20.0), cost: 0.25 };
+        let all: Vec<LineCandidate> = (0..900).map(own).collect();
+        let mut log = EventLog::default();
+        log.lines(0.0, [5, 6], [&all[..90], &all], [0.5, 0.25]);
+        let EventKind::Lines { compared, swept, candidates } = &log.events()[0].kind else { panic!() };
+        assert_eq!((*compared, swept.len(), candidates.len()), ([5, 6], 90, KEPT_LINES));
+        let [left, right] = swept[3].lines;
+        assert_eq!((left.anchor, right.anchor), (Point::new(6.5, 20.5), Point::new(81.5, 41.5)));
+        assert_eq!((left.direction, swept[3].cost), (line(0.0).direction, 0.25));
+        assert!(size_of::<LinePairNote>() * (90 + KEPT_LINES) < 1 << 16);
     }
 
     #[test]

@@ -69,6 +69,7 @@ pub(super) fn from_all_lines(
 
     record.enter(Stage::Hypotheses)?;
     let pairs = sharpened(&level, compared.pairs)?;
+    record.note_lines(compared.lines, &compared.swept, &pairs, level.scales);
     let how = LineConsensus { draws: alone.draws, area: alone.agreement, seed: parameters.seed };
     let found = geometries_from_lines(&pairs, level.frames, &how, cancel)?;
     record.counts.hypotheses += alone.draws;

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use super::event_log::EventLog;
 use crate::cancel::CancelFlag;
-use crate::estimate::evidence::lines::ComparedPencils;
+use crate::estimate::evidence::lines::{ComparedPencils, LineCandidate};
 use crate::estimate::evidence::patches::{PatchLevels, SupportLevel};
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
 use crate::estimate::{
@@ -73,6 +73,19 @@ impl<'a> SearchRecord<'a> {
         self.report();
     }
 
+    /// Writes that all lines were compared: the number of lines, lines with their best partners, and candidates, best
+    /// first. `scales` leads from full size to the pixels of these lines.
+    pub fn note_lines(
+        &mut self,
+        compared: [usize; 2],
+        swept: &[LineCandidate],
+        candidates: &[LineCandidate],
+        scales: [f64; 2],
+    ) {
+        self.events.lines(self.seconds(), compared, [swept, candidates], scales);
+        self.report();
+    }
+
     /// Writes proposals, best first, and the number of combinations or samples that were examined.
     pub fn note_proposals(&mut self, examined: usize, proposals: &[HypothesisNote]) {
         self.events.proposed(self.seconds(), examined, proposals);
@@ -88,7 +101,12 @@ impl<'a> SearchRecord<'a> {
             let course = at_level.map_or_else(Vec::new, |(level, f)| level.support.course(&f));
             Some(RankedHypothesis { hypothesis, course })
         };
-        self.events.ranked(self.seconds(), hypotheses.iter().filter_map(ranked));
+        self.note_race(hypotheses.iter().filter_map(ranked));
+    }
+
+    /// Writes hypotheses with the course of their support, best first.
+    pub fn note_race(&mut self, ranked: impl Iterator<Item = RankedHypothesis>) {
+        self.events.ranked(self.seconds(), ranked);
         self.report();
     }
 

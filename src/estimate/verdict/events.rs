@@ -4,7 +4,7 @@
 //! threads, except for their times, and writing them costs next to nothing.
 
 use crate::estimate::{Origin, Proposed, RefinementStep, Stage, Verdict};
-use crate::geometry::{FundamentalMatrix, PointPair};
+use crate::geometry::{AnchoredLine, FundamentalMatrix, PointPair};
 
 /// Something that happened in a search. All coordinates are full-size pixels.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +27,15 @@ pub enum EventKind {
         /// Number of candidate line pairs through each.
         candidates: Vec<usize>,
     },
+    /// All lines of both images were compared.
+    Lines {
+        /// Number of compared lines of each image.
+        compared: [usize; 2],
+        /// Some lines of image 1 near the middle, in the order of their directions, with their best partners.
+        swept: Vec<LinePairNote>,
+        /// The best candidates, as hypotheses are drawn from them, best first.
+        candidates: Vec<LinePairNote>,
+    },
     /// Features were matched, without a geometry.
     Matched {
         /// Number of all matches.
@@ -47,7 +56,7 @@ pub enum EventKind {
     Refined {
         /// The selected geometry, with the origin of its start.
         selected: HypothesisNote,
-        /// Number of matches along its lines.
+        /// Number of matches along its lines; 0 if it was fitted to motion barcodes.
         matches: usize,
         /// The fits from its start to the selected geometry, in order. Empty if it was not refined from a start.
         steps: Vec<RefinementStep>,
@@ -61,6 +70,15 @@ pub enum EventKind {
     },
     /// The search ended with this geometry, one of the judged ones.
     Selected(HypothesisNote),
+}
+
+/// Two compared lines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinePairNote {
+    /// The line of each image.
+    pub lines: [AnchoredLine; 2],
+    /// Cost of the pair; lower is more similar.
+    pub cost: f64,
 }
 
 /// Match of two features, found by appearance alone.
@@ -89,7 +107,8 @@ pub struct RankedHypothesis {
     /// The hypothesis, after local optimisation.
     pub hypothesis: HypothesisNote,
     /// Support counted so far after each of [`CHECKPOINTS`](crate::estimate::CHECKPOINTS) equal parts of the
-    /// evidence: the corners of image 1 and the matches of features. Empty if its support was not measured.
+    /// evidence: the corners of image 1 and the matches of features. With motion barcodes, the logarithm of its
+    /// likelihood before and after each round of its fit. Empty if its support was not measured.
     pub course: Vec<f64>,
 }
 

@@ -40,7 +40,9 @@ pub struct Course {
 
 /// Returns the steps of a search with their lengths, s. All take ten seconds together.
 fn planned(plan: SearchPlan) -> &'static [(MethodStep, f64)] {
-    use MethodStep::{Candidates, Epipoles, Features, Pencils, Refinement, RoundTrip, Validation};
+    use MethodStep::{
+        Barcodes, Candidates, Epipoles, Features, Motion, Pencils, Refinement, RoundTrip, Validation,
+    };
     match plan {
         SearchPlan::Published { .. } | SearchPlan::Patches { .. } => &[
             (Pencils, 2.2),
@@ -55,20 +57,30 @@ fn planned(plan: SearchPlan) -> &'static [(MethodStep, f64)] {
         SearchPlan::Unclicked => {
             &[(Features, 4.4), (Epipoles, 2.0), (Validation, 1.4), (Refinement, 1.2), (Pencils, 1.0)]
         }
-        SearchPlan::LinesAlone { .. } | SearchPlan::Barcodes => {
+        SearchPlan::Barcodes => &[
+            (Motion, 1.6),
+            (Barcodes, 2.2),
+            (Candidates, 1.2),
+            (Epipoles, 1.8),
+            (Validation, 1.6),
+            (Refinement, 1.6),
+        ],
+        SearchPlan::LinesAlone { .. } => {
             &[(Epipoles, 4.0), (RoundTrip, 2.0), (Validation, 2.0), (Refinement, 2.0)]
         }
     }
 }
 
-/// Returns the length of a step in a search with clicks, s. The drawings of the steps are made for it.
+/// Returns the length of a step in a search with clicks, or else in one of sequences, s. The drawings of the steps are
+/// made for it.
 fn usual(step: MethodStep) -> f64 {
-    let steps = planned(SearchPlan::Patches { clicks: 2 }).iter();
-    steps.copied().find(|(own, _)| *own == step).map_or(1.0, |(_, seconds)| seconds)
+    let mut steps =
+        planned(SearchPlan::Patches { clicks: 2 }).iter().chain(planned(SearchPlan::Barcodes)).copied();
+    steps.find(|(own, _)| *own == step).map_or(1.0, |(_, seconds)| seconds)
 }
 
 impl Place {
-    /// Returns the time at which a search with clicks shows the same of this step, s.
+    /// Returns the time at which the usual search shows the same of this step, s.
     pub(super) fn usual_seconds(self, plan: SearchPlan) -> f64 {
         let own = planned(plan).iter().find(|(step, _)| *step == self.step);
         own.map_or(self.seconds, |(_, length)| self.seconds / length * usual(self.step))
@@ -201,6 +213,15 @@ mod tests {
         assert_eq!(course.place(8.9), None);
         assert!(!course.lasts(MethodStep::Features));
         assert_eq!(Course::planned(CLICKED).first(), None);
+        // Steps of other searches are no part of the course.
+        let of_sequences = Course::planned(SearchPlan::Barcodes).steps;
+        assert!(of_sequences.iter().all(|timed| {
+            !matches!(timed.step, MethodStep::Pencils | MethodStep::Features | MethodStep::RoundTrip)
+        }));
+        let of_clicks = Course::planned(CLICKED).steps;
+        assert!(
+            of_clicks.iter().all(|timed| !matches!(timed.step, MethodStep::Motion | MethodStep::Barcodes))
+        );
     }
 
     #[test]

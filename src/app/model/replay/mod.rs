@@ -6,13 +6,21 @@
 //! | [`course`] | the steps of a search on the time axis |
 //! | [`record`] | what a search left behind, in the form for drawing |
 //! | [`moment`] | the drawing of a moment |
+//! | [`sweep`] | lines of the left picture with their motion barcodes |
 //! | [`steps`] | draws a moment: a pure function of record and time |
+//! | [`race`] | draws the race of the hypotheses |
+//! | [`sequences`] | draws the steps that only sequences have |
+//! | [`strokes`] | shapes and times that several steps share |
 
 pub mod command;
 pub mod course;
 pub mod moment;
+mod race;
 pub mod record;
+mod sequences;
 pub mod steps;
+pub mod strokes;
+pub mod sweep;
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! The drawing of one moment.
 
 use crate::app::model::document::Side;
-use crate::app::model::focus::LineSource;
+use crate::app::model::focus::{LineSource, Replayed, Target};
 use crate::app::model::ids::MethodStep;
 use crate::geometry::{HomogeneousPoint, Line, Point, PointPair};
 
@@ -42,6 +42,8 @@ pub struct Mark {
     pub ink: Ink,
     /// Opacity, 0 to 1.
     pub opacity: f32,
+    /// The thing that the mark belongs to, if it can be pointed at.
+    pub target: Option<Target>,
 }
 
 /// A figure of the step, in words.
@@ -60,10 +62,23 @@ pub struct Filled {
     pub rows: usize,
 }
 
+/// Barcodes of a line pair, as far as they have grown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grown {
+    /// The line, by its place in the sweep; `None` for the pair that is held.
+    pub line: Option<usize>,
+    /// Number of frames whose bits are shown.
+    pub frames: usize,
+    /// Number of lines of the sweep that are shown.
+    pub swept: usize,
+}
+
 /// A racing hypothesis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Racer {
     pub name: String,
+    /// Place in the record.
+    pub place: usize,
     pub support: f64,
     /// Support at the end.
     pub at_end: f64,
@@ -85,6 +100,11 @@ pub struct Moment {
     /// How far the right curve has slid to its place in the warped profile, 0 to 1.
     pub slide: f64,
     pub filled: Option<Filled>,
+    /// Frames that the pictures show, left and right, if they run.
+    pub frames: Option<[usize; 2]>,
+    /// Number of silhouettes that have piled up in each picture.
+    pub piled: Option<[usize; 2]>,
+    pub grown: Option<Grown>,
     /// Candidates whose crossing is shown, places in their lists.
     pub crossed: Option<[usize; 2]>,
     pub race: Vec<Racer>,
@@ -103,6 +123,9 @@ impl Moment {
             lines: None,
             slide: 1.0,
             filled: None,
+            frames: None,
+            piled: None,
+            grown: None,
             crossed: None,
             race: Vec::new(),
             gap: None,
@@ -110,8 +133,17 @@ impl Moment {
     }
 
     pub(super) fn add(&mut self, shape: Shape, ink: Ink, opacity: f64) {
+        self.add_of(None, shape, ink, opacity);
+    }
+
+    /// Adds a mark of a part of the record that can be pointed at.
+    pub(super) fn add_part(&mut self, part: Replayed, shape: Shape, ink: Ink, opacity: f64) {
+        self.add_of(Some(Target::Replayed(part)), shape, ink, opacity);
+    }
+
+    pub(super) fn add_of(&mut self, target: Option<Target>, shape: Shape, ink: Ink, opacity: f64) {
         if opacity > 0.0 {
-            self.marks.push(Mark { shape, ink, opacity: opacity.min(1.0) as f32 });
+            self.marks.push(Mark { shape, ink, opacity: opacity.min(1.0) as f32, target });
         }
     }
 

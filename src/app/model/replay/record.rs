@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
+use super::sweep::Sweep;
 use crate::app::model::document::pair_name;
 use crate::app::model::focus::LineSource;
 use crate::app::model::ids::MethodStep;
+use crate::app::model::recording::Synchronised;
 use crate::estimate::{
-    ComparedPencils, Construction, DistinctMatch, Estimate, Event, EventKind, HypothesisNote, Origin,
-    ProposedBy, RankedHypothesis, RoundTrip, SearchPlan,
+    BarcodeFigures, ComparedPencils, Construction, DistinctMatch, Estimate, Event, EventKind, HypothesisNote,
+    LinePairNote, Origin, ProposedBy, RankedHypothesis, RoundTrip, SearchPlan,
 };
 use crate::geometry::{
     Frame, FundamentalMatrix, Point, PointPair, area_between_lines, fan, sampson_distance,
@@ -70,6 +72,8 @@ pub struct Source<'a> {
     pub plan: SearchPlan,
     /// Sizes of both pictures.
     pub frames: [Frame; 2],
+    /// The sequences, if the search compares motion barcodes.
+    pub recordings: Option<Synchronised>,
     pub events: &'a [Event],
     /// The result, once the search is over.
     pub found: Option<&'a Estimate>,
@@ -84,6 +88,16 @@ pub struct Record {
     pub plan: SearchPlan,
     /// Sizes of both pictures.
     pub frames: [Frame; 2],
+    /// The sequences, if the search compared motion barcodes.
+    pub recordings: Option<Synchronised>,
+    /// Lines of the left picture with their barcodes, from the pencils or from all lines: whichever led to the result.
+    pub sweep: Option<Sweep>,
+    /// Candidates among all lines, best first.
+    pub line_pairs: Vec<LinePairNote>,
+    /// Number of lines of each picture among which the candidates were sought.
+    pub lines_compared: [usize; 2],
+    /// Agreement of the barcodes on the lines of the result.
+    pub barcodes: Option<BarcodeFigures>,
     pub pencils: Vec<RecordedPencils>,
     /// Matches of features, in the order of use.
     pub matches: Vec<RecordedMatch>,
@@ -116,6 +130,8 @@ pub struct Record {
     led_from: Option<ProposedBy>,
     /// Refinements of all passes so far.
     refined: Vec<Refinement>,
+    /// Some lines among all, with their best partners.
+    swept: Vec<LinePairNote>,
 }
 
 /// A refinement with the race before it.
@@ -128,10 +144,15 @@ struct Refinement {
 }
 
 impl Record {
-    fn empty(plan: SearchPlan, frames: [Frame; 2]) -> Self {
+    fn empty(source: &Source) -> Self {
         Self {
-            plan,
-            frames,
+            plan: source.plan,
+            frames: source.frames,
+            recordings: source.recordings.clone(),
+            sweep: None,
+            line_pairs: Vec::new(),
+            lines_compared: [0; 2],
+            barcodes: None,
             pencils: Vec::new(),
             matches: Vec::new(),
             tentative: 0,
@@ -149,12 +170,13 @@ impl Record {
             newest: None,
             led_from: None,
             refined: Vec::new(),
+            swept: Vec::new(),
         }
     }
 
     /// Collects a record.
     pub fn new(source: &Source) -> Self {
-        let mut record = Self::empty(source.plan, source.frames);
+        let mut record = Self::empty(source);
         for event in source.events {
             record.take(&event.kind);
         }
@@ -167,16 +189,19 @@ impl Record {
         let pencils = source.pencils.iter().enumerate();
         record.pencils =
             pencils.map(|(k, own)| record.pencil((source.pair)(k, &own.click), k, own)).collect();
+        record.sweep = record.new_sweep();
         record
     }
 
     fn take(&mut self, event: &EventKind) {
         self.newest = match event {
-            EventKind::Pencils { .. } => Some(MethodStep::Pencils),
+            EventKind::Pencils { .. } if self.recordings.is_none() => Some(MethodStep::Pencils),
+            EventKind::Lines { .. } | EventKind::Pencils { .. } => Some(MethodStep::Barcodes),
             EventKind::Matched { .. } => Some(MethodStep::Features),
             EventKind::Proposed { .. } => Some(MethodStep::Epipoles),
             EventKind::Ranked(_) => Some(MethodStep::Validation),
             EventKind::Refined { .. } => Some(MethodStep::Refinement),
+            EventKind::Began(_) if self.recordings.is_some() => self.newest.or(Some(MethodStep::Motion)),
             EventKind::Began(_) | EventKind::Judged { .. } | EventKind::Selected(_) => self.newest,
         };
         match event {
@@ -185,6 +210,11 @@ impl Record {
                 self.tentative = *all;
                 self.matches =
                     best.iter().map(|found| RecordedMatch { found: *found, agrees: false }).collect();
+            }
+            EventKind::Lines { compared, swept, candidates } => {
+                self.lines_compared = *compared;
+                self.swept.clone_from(swept);
+                self.line_pairs.clone_from(candidates);
             }
             EventKind::Proposed { examined, hypotheses } => {
                 self.examined += examined;
@@ -229,6 +259,7 @@ impl Record {
     fn take_result(&mut self, found: &Estimate) {
         let f = *found.fundamental();
         self.result = Some(f);
+        self.barcodes = found.assessment.barcodes;
         if self.swing.last().is_some_and(|last| *last != f) {
             self.swing.push(f);
             self.fitted.push(found.matches().len());
@@ -292,6 +323,24 @@ impl Record {
         RecordedPencils { compared: compared.clone(), name, pair, number, partners, winner }
     }
 
+    /// Compares barcodes on lines that sweep across the left picture.
+    fn new_sweep(&self) -> Option<Sweep> {
+        let recordings = self.recordings.as_ref()?;
+        let by_clicks = matches!(self.led_from, Some(ProposedBy::LinePairs { .. }));
+        let pencil = self.pencils.first().filter(|_| by_clicks || self.swept.is_empty());
+        match pencil {
+            Some(own) => {
+                Sweep::through_click(own.number, &own.compared, &own.partners, own.winner, recordings)
+            }
+            None => Sweep::of_lines(&self.swept, &self.line_pairs, self.result.as_ref(), recordings),
+        }
+    }
+
+    /// Returns whether the candidates that led to the result, or may lead to it, are lines through clicks.
+    pub fn is_by_clicks(&self) -> bool {
+        self.sweep.as_ref().map_or(!self.pencils.is_empty(), |sweep| sweep.pencil.is_some())
+    }
+
     /// Returns the candidate nearest to the lines of the result.
     fn nearest(&self, compared: &ComparedPencils) -> Option<usize> {
         let f = self.result?;
@@ -308,8 +357,13 @@ impl Record {
     /// Returns whether a step has something to show.
     pub fn has(&self, step: MethodStep) -> bool {
         match step {
+            MethodStep::Motion => self.recordings.is_some() && self.newest.is_some(),
+            MethodStep::Barcodes => self.sweep.is_some(),
             MethodStep::Pencils => !self.pencils.is_empty(),
-            MethodStep::Candidates => self.pencils.iter().any(|own| !own.compared.candidates.is_empty()),
+            MethodStep::Candidates if self.is_by_clicks() => {
+                self.pencils.iter().any(|own| !own.compared.candidates.is_empty())
+            }
+            MethodStep::Candidates => self.recordings.is_some() && !self.line_pairs.is_empty(),
             MethodStep::Features => !self.matches.is_empty(),
             MethodStep::Epipoles => !self.hypotheses.is_empty(),
             MethodStep::RoundTrip => !self.trips.is_empty(),

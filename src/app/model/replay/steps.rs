@@ -1,15 +1,18 @@
 //! What each step draws. All times are seconds since the step began, at the usual speed.
 
 use super::course::Place;
-use super::moment::{Filled, Ink, Moment, Racer, Shape};
+use super::moment::{Filled, Ink, Moment, Shape};
+use super::race;
 use super::record::{Record, RecordedPencils, Trip, short_origin};
+use super::sequences;
+use super::strokes::{both, ease_in_out, ease_out, epipoles_of, farthest, noted_lines, pencil_lines, share};
+use super::sweep::nearest_pairs;
 use crate::app::model::document::Side;
+use crate::app::model::focus::{Replayed, Target};
 use crate::app::model::ids::MethodStep;
 use crate::app::model::verdict::short_epipole_text;
-use crate::estimate::{HypothesisNote, ProposedBy, lines_at};
-use crate::geometry::{
-    AnchoredLine, FundamentalMatrix, Line, Point, fan, finite_point, regions_between_lines,
-};
+use crate::estimate::{Candidate, HypothesisNote, ProposedBy, SearchPlan, lines_at};
+use crate::geometry::{AnchoredLine, Line, fan, regions_between_lines};
 
 /// Time of one line or crossing, s.
 pub const NUDGE: f64 = 0.02;
@@ -20,39 +23,9 @@ const TRAIL: usize = 45;
 const DRAWN: usize = 40;
 /// Number of crossings that are shown one by one.
 const CROSSINGS: usize = 3;
-/// Largest zoom.
-const FARTHEST: f64 = 6.0;
-/// Share of the epipoles that the zoom brings into view.
-const IN_VIEW: f64 = 0.9;
-
-/// Returns the share of a part of a step that has passed, 0 to 1.
-fn share(seconds: f64, begin: f64, length: f64) -> f64 {
-    ((seconds - begin) / length).clamp(0.0, 1.0)
-}
-
-fn ease_out(share: f64) -> f64 {
-    1.0 - (1.0 - share).powi(3)
-}
-
-fn ease_in_out(share: f64) -> f64 {
-    if share < 0.5 { 4.0 * share.powi(3) } else { 1.0 - (2.0 - 2.0 * share).powi(3) / 2.0 }
-}
-
-fn both(lines: &[AnchoredLine; 2]) -> [Option<Line>; 2] {
-    lines.each_ref().map(|line| Some(line.line()))
-}
-
-/// Returns a place on a line for its note, clear of the anchor: on its longer part.
-fn beside(record: &Record, side: Side, line: &AnchoredLine) -> Option<Point> {
-    let segment = record.frames[side.index()].clip(&line.line())?;
-    let away = |end: &Point| (end - line.anchor).norm();
-    let end = if away(&segment.start) > away(&segment.end) { segment.start } else { segment.end };
-    Some(line.anchor + (end - line.anchor) * 0.6)
-}
-
-fn pencil_lines(lines: [Option<Line>; 2], width: f32) -> Shape {
-    Shape::Lines { lines, width, dashed: false }
-}
+/// Number of candidates among all lines that cross, and the least angle between them, radians.
+const CROSSED: usize = 3;
+const LEAST_TURN: f64 = 0.2;
 
 /// Draws a moment. It depends on nothing but the record and the place.
 pub fn draw(record: &Record, place: Place) -> Moment {
@@ -61,12 +34,15 @@ pub fn draw(record: &Record, place: Place) -> Moment {
         return moment;
     }
     let draw_step = match place.step {
+        MethodStep::Motion => sequences::motion,
+        MethodStep::Barcodes => sequences::barcodes,
         MethodStep::Pencils => pencils,
-        MethodStep::Candidates => candidates,
+        MethodStep::Candidates if record.is_by_clicks() => candidates,
+        MethodStep::Candidates => sequences::candidates,
         MethodStep::Features => features,
         MethodStep::Epipoles => epipoles,
         MethodStep::RoundTrip => round_trip,
-        MethodStep::Validation => validation,
+        MethodStep::Validation => race::validation,
         MethodStep::Refinement => refinement,
     };
     draw_step(&mut moment, record, place.usual_seconds(record.plan));
@@ -90,11 +66,15 @@ fn pencils(moment: &mut Moment, record: &Record, seconds: f64) {
     let row = ((swept * rows as f64) as usize).min(rows.saturating_sub(1));
     let is_held = swept >= 1.0;
     let ink = Ink::Pair(own.color());
-    let trail = |row: usize| own.partners[row].and_then(|(column, _)| own.compared.lines(row, column));
+    let cell = |row: usize, column: usize| Some(Target::Cell { pair: own.number, row, column });
+    let trail = |row: usize| {
+        let (column, _) = own.partners[row]?;
+        Some((cell(row, column), own.compared.lines(row, column)?))
+    };
     let step = (rows / TRAIL).max(1);
     for earlier in (0..row).step_by(step) {
-        if let Some(lines) = trail(earlier) {
-            moment.add(pencil_lines(both(&lines), 0.8), ink, 0.25);
+        if let Some((target, lines)) = trail(earlier) {
+            moment.add_of(target, pencil_lines(both(&lines), 0.8), ink, 0.25);
         }
     }
     let winner = own.winner.map(|place| &own.compared.candidates[place]);
@@ -107,19 +87,21 @@ fn pencils(moment: &mut Moment, record: &Record, seconds: f64) {
     moment.slide = if is_held { ease_out(share(seconds, begin + sweep, 0.8 * hold)) } else { 0.0 };
     let Some(([row, column], cost)) = held.or_else(partner) else { return };
     let Some(lines) = own.compared.lines(row, column) else { return };
-    moment.add(pencil_lines(both(&lines), 2.6), ink, 1.0);
+    moment.add_of(cell(row, column), pencil_lines(both(&lines), 2.6), ink, 1.0);
     let notes = [format!("line {} of {rows}", row + 1), format!("best partner, cost {cost:.2}")];
-    for ((side, line), text) in Side::BOTH.into_iter().zip(&lines).zip(notes) {
-        if let Some(at) = beside(record, side, line) {
-            moment.add(Shape::Note { side, at, text }, ink, 1.0);
-        }
-    }
+    noted_lines(moment, record, &lines, notes, ink);
     let degrees = |line: &AnchoredLine| format!("{:.0}°", line.angle().to_degrees().rem_euclid(180.0));
     moment.tell("through", own.name.clone());
     moment.tell("line on the left", degrees(&lines[0]));
     moment.tell("best partner on the right", degrees(&lines[1]));
     moment.tell("cost, 1 is a random line", format!("{cost:.2}"));
     moment.lines = own.compared.angles(row, column).and_then(|angles| own.source(angles));
+}
+
+/// Returns the cell of a candidate.
+fn cell_of(own: &RecordedPencils, candidate: &Candidate) -> Option<Target> {
+    let [row, column] = own.compared.cell(candidate)?;
+    Some(Target::Cell { pair: own.number, row, column })
 }
 
 fn candidates(moment: &mut Moment, record: &Record, seconds: f64) {
@@ -136,11 +118,12 @@ fn candidates(moment: &mut Moment, record: &Record, seconds: f64) {
         }
         let drawn = own.compared.candidates.iter().take(DRAWN).enumerate();
         for (rank, candidate) in drawn.rev() {
-            let lines = lines_at(&own.compared.click, candidate.angles);
+            let (lines, target) = (lines_at(&own.compared.click, candidate.angles), cell_of(own, candidate));
             let best = 1.0 - rank as f64 / DRAWN as f64;
             let (width, opacity) = (1.0 + best as f32, 0.25 + 0.6 * best);
-            moment.add(pencil_lines(both(&lines), width), Ink::Pair(own.color()), opacity * (1.0 - violet));
-            moment.add(pencil_lines(both(&lines), width), Ink::Unchecked, opacity * violet);
+            let shape = pencil_lines(both(&lines), width);
+            moment.add_of(target, shape.clone(), Ink::Pair(own.color()), opacity * (1.0 - violet));
+            moment.add_of(target, shape, Ink::Unchecked, opacity * violet);
         }
         let turn = share(seconds, 0.8, 0.4);
         if turn > 0.0 && turn < 1.0 {
@@ -171,7 +154,7 @@ fn features(moment: &mut Moment, record: &Record, seconds: f64) {
     for (number, own) in record.matches.iter().take(dots).enumerate().rev() {
         let opacity = if own.agrees { 0.9 } else { 0.55 - 0.45 * fade };
         let shape = Shape::Stroke { pair: own.found.pair, has_stroke: number < strokes };
-        moment.add(shape, Ink::Unchecked, opacity);
+        moment.add_part(Replayed::Match(number), shape, Ink::Unchecked, opacity);
     }
     let [distinctive, agree] = record.matches_that_count();
     moment.tell("tentative", record.tentative.to_string());
@@ -181,53 +164,60 @@ fn features(moment: &mut Moment, record: &Record, seconds: f64) {
     }
 }
 
-/// Returns the zoom that brings most epipoles of both pictures into view, of those that any zoom does.
-fn farthest(record: &Record) -> f64 {
-    let mut needed: Vec<f64> = record
-        .hypotheses
-        .iter()
-        .map(|own| {
-            let of = |side: Side| {
-                let frame = record.frames[side.index()];
-                finite_point(&side.epipole(&own.fundamental)).map_or(f64::INFINITY, |at| {
-                    let away = at - frame.centre();
-                    (2.0 * away.x.abs() / frame.width as f64).max(2.0 * away.y.abs() / frame.height as f64)
-                })
+/// Candidates that cross.
+struct Crossing {
+    /// Places in the lists of candidates, if they are one of each pencil.
+    cell: Option<[usize; 2]>,
+    lines: Vec<(Ink, [AnchoredLine; 2], Option<Target>)>,
+}
+
+/// Returns the candidates that cross at the epipoles of a hypothesis, if line pairs proposed it. Among all lines, these
+/// are the nearest ones.
+fn crossing(record: &Record, own: &HypothesisNote) -> Option<Crossing> {
+    match own.origin.source {
+        ProposedBy::LinePairs { ranks } => {
+            let lines = |k: usize| {
+                let pencils = record.pencils.get(k)?;
+                let candidate = pencils.compared.candidates.get(ranks[k].checked_sub(1)?)?;
+                let lines = lines_at(&pencils.compared.click, candidate.angles);
+                Some((Ink::Pair(pencils.color()), lines, cell_of(pencils, candidate)))
             };
-            of(Side::Left).max(of(Side::Right))
-        })
-        .collect();
-    // Those still farther have arrows. The pictures stay large if there are no others.
-    needed.retain(|needed| *needed <= FARTHEST);
-    needed.sort_by(f64::total_cmp);
-    let wanted = needed.get(((needed.len() as f64 * IN_VIEW) as usize).min(needed.len().saturating_sub(1)));
-    (wanted.copied().unwrap_or(1.0) * 1.1).clamp(1.0, FARTHEST)
+            Some(Crossing { cell: Some(ranks.map(|rank| rank - 1)), lines: vec![lines(0)?, lines(1)?] })
+        }
+        ProposedBy::AllLines => {
+            let mut lines: Vec<(Ink, [AnchoredLine; 2], Option<Target>)> = Vec::new();
+            for place in nearest_pairs(&own.fundamental, &record.line_pairs) {
+                let pair = record.line_pairs[place].lines;
+                let is_apart =
+                    |other: &[AnchoredLine; 2]| other[0].line().angle_to(&pair[0].line()) > LEAST_TURN;
+                if lines.len() < CROSSED && lines.iter().all(|(_, other, _)| is_apart(other)) {
+                    lines.push((Ink::Unchecked, pair, Some(Target::Replayed(Replayed::Candidate(place)))));
+                }
+            }
+            (!lines.is_empty()).then_some(Crossing { cell: None, lines })
+        }
+        _ => None,
+    }
 }
 
-/// Two candidates that cross, one of each pencil.
-struct Crossing<'a> {
-    /// Places in the lists of candidates.
-    candidates: [usize; 2],
-    lines: [(&'a RecordedPencils, [AnchoredLine; 2]); 2],
-}
-
-/// Returns the candidates that cross at the epipoles of a hypothesis, if line pairs proposed it.
-fn crossing<'a>(record: &'a Record, own: &HypothesisNote) -> Option<Crossing<'a>> {
-    let ProposedBy::LinePairs { ranks } = own.origin.source else { return None };
-    let lines = |k: usize| {
-        let pencils = record.pencils.get(k)?;
-        let candidate = pencils.compared.candidates.get(ranks[k].checked_sub(1)?)?;
-        Some((pencils, lines_at(&pencils.compared.click, candidate.angles)))
-    };
-    Some(Crossing { candidates: ranks.map(|rank| rank - 1), lines: [lines(0)?, lines(1)?] })
+/// Draws candidates that cross.
+fn cross(moment: &mut Moment, crossing: &Crossing, opacity: f64) {
+    for (ink, lines, target) in &crossing.lines {
+        moment.add_of(*target, pencil_lines(both(lines), 2.2), *ink, opacity);
+    }
+    moment.crossed = crossing.cell;
 }
 
 fn epipoles(moment: &mut Moment, record: &Record, seconds: f64) {
     let count = record.hypotheses.len();
     moment.zoom = 1.0 + (farthest(record) - 1.0) * ease_in_out(share(seconds, 0.0, 0.4));
     let winner = record.winner.unwrap_or(0);
-    let crossed: Vec<usize> =
-        (0..count).filter(|k| crossing(record, &record.hypotheses[*k]).is_some()).collect();
+    let is_of_lines = |own: &HypothesisNote| match own.origin.source {
+        ProposedBy::LinePairs { .. } => crossing(record, own).is_some(),
+        ProposedBy::AllLines => !record.line_pairs.is_empty(),
+        _ => false,
+    };
+    let crossed: Vec<usize> = (0..count).filter(|k| is_of_lines(&record.hypotheses[*k])).collect();
     // The last crossing is the one that led to the result, if it was one.
     let mut shown: Vec<usize> = (1..=CROSSINGS)
         .map(|k| k * crossed.len() / (CROSSINGS + 1))
@@ -238,10 +228,11 @@ fn epipoles(moment: &mut Moment, record: &Record, seconds: f64) {
     }
     let shown_all = share(seconds, 1.0, 0.5);
     let dropped = (shown_all * count as f64) as usize;
-    let epipoles = |k: usize| Side::BOTH.map(|side| side.epipole(&record.hypotheses[k].fundamental));
+    let epipoles = |k: usize| epipoles_of(&record.hypotheses[k]);
     for k in (0..dropped).rev().filter(|k| !shown.contains(k)) {
         let best = 1.0 - k as f64 / count as f64;
-        moment.add(Shape::Dots { at: epipoles(k), drop: 1.0 }, Ink::Unchecked, 0.3 + 0.5 * best);
+        let dots = Shape::Dots { at: epipoles(k), drop: 1.0 };
+        moment.add_part(Replayed::Hypothesis(k), dots, Ink::Unchecked, 0.3 + 0.5 * best);
     }
     let mut now = None;
     for (turn, k) in shown.iter().enumerate() {
@@ -253,17 +244,14 @@ fn epipoles(moment: &mut Moment, record: &Record, seconds: f64) {
         let is_last = turn + 1 == shown.len();
         let is_open = seconds < begin + 0.2 || is_last && seconds < 1.0;
         let falls = share(seconds, begin + 0.12, 0.08);
-        if let Some(Crossing { candidates, lines }) =
-            crossing(record, &record.hypotheses[*k]).filter(|_| is_open)
-        {
-            for (pencils, lines) in lines {
-                moment.add(pencil_lines(both(&lines), 2.2), Ink::Pair(pencils.color()), crosses);
-            }
-            (now, moment.crossed) = (Some(*k), Some(candidates));
+        if let Some(crossing) = crossing(record, &record.hypotheses[*k]).filter(|_| is_open) {
+            cross(moment, &crossing, crosses);
+            now = Some(*k);
         }
         if falls > 0.0 {
             let drop = 2.4 - 1.4 * ease_out(falls);
-            moment.add(Shape::Dots { at: epipoles(*k), drop: drop as f32 }, Ink::Unchecked, 1.0);
+            let dots = Shape::Dots { at: epipoles(*k), drop: drop as f32 };
+            moment.add_part(Replayed::Hypothesis(*k), dots, Ink::Unchecked, 1.0);
             let ripple = share(seconds, begin + 0.2, 0.24);
             if ripple > 0.0 && ripple < 1.0 {
                 moment.add(
@@ -276,14 +264,12 @@ fn epipoles(moment: &mut Moment, record: &Record, seconds: f64) {
     }
     let lit = share(seconds, 1.5, 0.3);
     if lit > 0.0 && count > 0 {
-        if let Some(Crossing { candidates, lines }) = crossing(record, &record.hypotheses[winner]) {
-            for (pencils, lines) in lines {
-                moment.add(pencil_lines(both(&lines), 2.2), Ink::Pair(pencils.color()), lit);
-            }
-            moment.crossed = Some(candidates);
+        if let Some(crossing) = crossing(record, &record.hypotheses[winner]) {
+            cross(moment, &crossing, lit);
         }
         let drop = 1.0 + 0.8 * ease_out(lit);
-        moment.add(Shape::Dots { at: epipoles(winner), drop: drop as f32 }, Ink::Lit, lit);
+        let dots = Shape::Dots { at: epipoles(winner), drop: drop as f32 };
+        moment.add_part(Replayed::Hypothesis(winner), dots, Ink::Lit, lit);
         now = Some(winner);
     }
     if let Some(k) = now {
@@ -316,9 +302,14 @@ fn round_trip(moment: &mut Moment, record: &Record, seconds: f64) {
         width: 2.4,
         dashed,
     };
-    moment.add(line(Some(lines.line1), None, false), Ink::RoundTrip, at_time(0));
-    moment.add(line(None, Some(lines.line2), false), Ink::RoundTrip, at_time(1));
-    moment.add(line(Some(lines.back1), None, true), Ink::RoundTrip, at_time(2));
+    let drawn = [
+        line(Some(lines.line1), None, false),
+        line(None, Some(lines.line2), false),
+        line(Some(lines.back1), None, true),
+    ];
+    for (k, shape) in drawn.into_iter().enumerate() {
+        moment.add_part(Replayed::Line(0), shape, Ink::RoundTrip, at_time(k));
+    }
     let notes = [(Side::Left, lines.line1, "l", 0), (Side::Right, lines.line2, "H l", 1)];
     for (side, line, text, k) in notes {
         if let Some(segment) = record.frames[side.index()].clip(&line) {
@@ -334,64 +325,6 @@ fn round_trip(moment: &mut Moment, record: &Record, seconds: f64) {
     moment.tell("hypotheses with a round trip", record.gaps.len().to_string());
 }
 
-/// Draws the lines of a geometry.
-fn lines_of(moment: &mut Moment, record: &Record, f: &FundamentalMatrix, ink: Ink, opacity: f64) {
-    for place in &record.fan {
-        moment.add(pencil_lines(fan::lines(f, *place), 1.6), ink, opacity);
-    }
-}
-
-fn validation(moment: &mut Moment, record: &Record, seconds: f64) {
-    if record.trips.is_empty() {
-        moment.zoom = 1.0 + (farthest(record) - 1.0) * (1.0 - ease_in_out(share(seconds, 0.0, 0.2)));
-    }
-    let racers: Vec<_> = record.race.iter().filter(|own| !own.course.is_empty()).collect();
-    let Some(checkpoints) = racers.first().map(|own| own.course.len()) else { return };
-    let along = share(seconds, 0.0, 0.8) * checkpoints as f64;
-    // Before the first checkpoint, no support has been counted.
-    let support = |own: &[f64], along: f64| {
-        let (last, part) = (along.floor() as usize, along.fract());
-        let at = |k: usize| k.checked_sub(1).map_or(0.0, |k| own[k.min(own.len() - 1)]);
-        at(last) + (at(last + 1) - at(last)) * part
-    };
-    let ranks = |along: f64| {
-        let mut order: Vec<usize> = (0..racers.len()).collect();
-        let own = |k: &usize| support(&racers[*k].course, along);
-        order.sort_by(|a, b| own(b).total_cmp(&own(a)).then(a.cmp(b)));
-        let mut ranks = vec![0; order.len()];
-        for (rank, racer) in order.into_iter().enumerate() {
-            ranks[racer] = rank;
-        }
-        ranks
-    };
-    // Rows change places within 0.12 s after a checkpoint.
-    let (before, now) = (ranks((along.floor() - 1.0).max(0.0)), ranks(along.floor()));
-    let swap = ease_in_out(share(along.fract() * 0.8 / checkpoints as f64, 0.0, 0.04));
-    let is_over = along >= checkpoints as f64;
-    let row = |k: usize| {
-        let swap = if is_over { 1.0 } else { swap };
-        before[k] as f64 + (now[k] as f64 - before[k] as f64) * swap
-    };
-    moment.race = (0..racers.len())
-        .map(|k| Racer {
-            name: short_origin(&racers[k].hypothesis.origin),
-            support: support(&racers[k].course, along),
-            at_end: racers[k].course.last().copied().unwrap_or(0.0),
-            row: row(k),
-        })
-        .collect();
-    let leader = (0..racers.len()).min_by_key(|k| now[*k]).unwrap_or(0);
-    let turned_up = 0.25 + 0.65 * along / checkpoints as f64;
-    lines_of(moment, record, &racers[leader].hypothesis.fundamental, Ink::Unchecked, turned_up);
-    moment.tell("leader", moment.race[leader].name.clone());
-    moment.tell("support", format!("{:.0}", moment.race[leader].support));
-    let second = moment.race.iter().enumerate().filter(|(k, _)| *k != leader).map(|(_, own)| own.support);
-    if let Some(second) = second.reduce(f64::max) {
-        moment.tell("next best", format!("{second:.0}"));
-    }
-    moment.tell("counted", format!("{:.0} % of the evidence", 100.0 * along / checkpoints as f64));
-}
-
 fn refinement(moment: &mut Moment, record: &Record, seconds: f64) {
     let fits = record.swing.len();
     let along = ease_out(share(seconds, 0.0, 0.7)) * (fits - 1) as f64;
@@ -403,14 +336,21 @@ fn refinement(moment: &mut Moment, record: &Record, seconds: f64) {
         let shape = Shape::Stroke { pair: *pair, has_stroke: false };
         moment.add(shape, Ink::Unchecked, 0.7);
     }
-    for place in &record.fan {
+    for (k, place) in record.fan.iter().enumerate() {
+        let part = Replayed::Line(k);
         let (from, to) = (fan::lines(from, *place), fan::lines(to, *place));
         let on_way = |k: usize| fan::between(from[k].as_ref()?, to[k].as_ref()?, along - fit as f64);
         let lines = [on_way(0), on_way(1)];
-        moment.add(pencil_lines(lines, 1.8), Ink::Unchecked, 0.9 * (1.0 - recolour));
-        moment.add(pencil_lines(lines, 1.8), Ink::Verdict, recolour);
+        moment.add_part(part, pencil_lines(lines, 1.8), Ink::Unchecked, 0.9 * (1.0 - recolour));
+        moment.add_part(part, pencil_lines(lines, 1.8), Ink::Verdict, recolour);
     }
     let number = along.round() as usize;
     moment.tell("fit", format!("{} of {fits}", number + 1));
-    moment.tell("matches", record.fitted[number.min(record.fitted.len() - 1)].to_string());
+    if let Some(barcodes) = &record.barcodes {
+        let (own, by_chance) = (barcodes.correlation, barcodes.by_chance);
+        moment.tell("correlation", format!("{own:.2}, by chance {by_chance:.2}"));
+        moment.tell("independent lines", barcodes.whole_lines().to_string());
+    } else if record.plan != SearchPlan::Barcodes {
+        moment.tell("matches", record.fitted[number.min(record.fitted.len() - 1)].to_string());
+    }
 }

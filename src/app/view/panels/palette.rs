@@ -4,7 +4,7 @@ use egui::{Align2, Button, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui, W
 
 use super::finish_button;
 use crate::app::model::replay::ReplayCommand;
-use crate::app::model::{Command, MethodStep, Model, OverlayId};
+use crate::app::model::{Command, Model, OverlayId};
 use crate::app::view::actions::ACTIONS;
 use crate::app::view::keyboard::key_text;
 
@@ -127,9 +127,10 @@ fn entries(model: &Model) -> Vec<PaletteEntry> {
         let title = format!("{verb} {}", overlay.name().to_lowercase());
         PaletteEntry { title, command: Command::ToggleOverlay(overlay), available: true }
     });
-    let steps = MethodStep::ALL.into_iter().map(|step| PaletteEntry {
-        title: format!("Replay: {}", step.title().to_lowercase()),
-        command: ReplayCommand::Play(step).into(),
+    let course = model.course();
+    let steps = course.steps.iter().map(|timed| PaletteEntry {
+        title: format!("Replay: {}", timed.step.title().to_lowercase()),
+        command: ReplayCommand::Play(timed.step).into(),
         available: model.document.pictures.is_some(),
     });
     named.chain(steps).chain(overlays).collect()

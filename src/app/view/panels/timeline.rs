@@ -268,6 +268,18 @@ fn pictogram(painter: &Painter, step: MethodStep, centre: Pos2, color: Color32) 
         }
     };
     match step {
+        MethodStep::Motion => {
+            for (x, opacity) in [(-4.0, 0.35), (0.0, 0.6), (4.0, 1.0)] {
+                painter.circle_filled(centre + vec2(x, 0.0), 3.2, color.gamma_multiply(opacity));
+            }
+        }
+        MethodStep::Barcodes => lines(&[
+            [-6.0, -4.5, -6.0, 4.5],
+            [-3.0, -4.5, -3.0, 4.5],
+            [-1.5, -4.5, -1.5, 4.5],
+            [3.0, -4.5, 3.0, 4.5],
+            [6.0, -4.5, 6.0, 4.5],
+        ]),
         MethodStep::Pencils => lines(&[[-6.0, 0.0, 6.0, -4.0], [-6.0, 0.0, 6.0, 0.0], [-6.0, 0.0, 6.0, 4.0]]),
         MethodStep::Candidates => lines(&[[-6.0, -3.5, 6.0, 3.5], [-6.0, 3.5, 6.0, -3.5]]),
         MethodStep::Features => dots(&[[-4.5, -3.5], [0.0, 1.0], [4.5, -2.0], [-3.0, 4.5], [4.0, 4.0]], 1.5),

@@ -1,6 +1,6 @@
 //! Frames of a sequence as a texture, one at a time, with motion highlighted.
 
-use egui::{ColorImage, TextureFilter, TextureHandle, TextureOptions};
+use egui::{Color32, ColorImage, TextureFilter, TextureHandle, TextureOptions};
 use image::{DynamicImage, GrayImage};
 
 use crate::app::model::recording::Recording;
@@ -15,6 +15,8 @@ pub const PIXELS: TextureOptions = TextureOptions {
     wrap_mode: egui::TextureWrapMode::ClampToEdge,
     mipmap_mode: Some(TextureFilter::Linear),
 };
+/// Smooth at any scale.
+pub const SMOOTH: TextureOptions = TextureOptions { magnification: TextureFilter::Linear, ..PIXELS };
 /// Frame number, whether motion is highlighted, and the rendition.
 type Shown = (usize, bool, Rendition);
 
@@ -22,13 +24,17 @@ pub struct Film {
     recording: Shared<Recording>,
     shown: Option<Shown>,
     pub texture: TextureHandle,
+    /// Number of silhouettes in the pile.
+    piled: usize,
+    pub pile: TextureHandle,
 }
 
 impl Film {
     /// Creates the film, without a frame yet.
     pub fn new(ctx: &egui::Context, recording: Shared<Recording>) -> Self {
         let texture = ctx.load_texture("frame", ColorImage::default(), PIXELS);
-        Self { recording, shown: None, texture }
+        let pile = ctx.load_texture("silhouettes", ColorImage::default(), SMOOTH);
+        Self { recording, shown: None, texture, piled: 0, pile }
     }
 
     /// Shows a frame. Does nothing if it is shown already.
@@ -59,6 +65,22 @@ impl Film {
             }
         }
         self.texture.set(image, PIXELS);
+    }
+
+    /// Piles up the silhouettes of the first frames of an overview: the more often a pixel moves, the more colour it
+    /// has.
+    pub fn pile_up(&mut self, count: usize) {
+        if std::mem::replace(&mut self.piled, count) == count {
+            return;
+        }
+        let silhouettes = &self.recording.pile.silhouettes;
+        let size = silhouettes.size();
+        let colored = |count: u32| match count {
+            0 => Color32::TRANSPARENT,
+            _ => theme::MOVING.gamma_multiply((0.2 + 0.1 * count as f32).min(0.7)),
+        };
+        let pixels = silhouettes.moved_before(count).into_iter().map(colored).collect();
+        self.pile.set(ColorImage::new([size.width, size.height], pixels), SMOOTH);
     }
 }
 

@@ -207,13 +207,15 @@ impl ImagePane {
         let image = self.image.as_mut()?;
         let changing = ui.input(|input| input.pointer.any_down());
         let rendition = model.open.tones.of[side.index()];
+        let moment = model.open.replay.moment();
+        let piled = moment.and_then(|moment| moment.piled);
         match model.shown_frames() {
             Some(frames) => {
-                image.texture.show_frame(frames[side.index()], model.open.player.silhouettes, rendition);
+                let marked = model.open.player.silhouettes || piled.is_some();
+                image.texture.show_frame(frames[side.index()], marked, rendition);
             }
             None => image.texture.set_rendition(rendition, changing),
         }
-        let moment = model.open.replay.moment();
         if let Some(zoom) = moment.map(|moment| moment.zoom).filter(|zoom| *zoom > 1.0) {
             // Epipoles far outside come into view.
             let whole = image.view.fitted(image.shown).transform(image.shown, rect);
@@ -221,6 +223,9 @@ impl ImagePane {
         }
         let tint = moment.map_or(egui::Color32::WHITE, |_| theme::DIMMED);
         image.texture.draw_tinted(&painter, &transform, tint);
+        if let Some(piled) = piled {
+            image.texture.draw_pile(&painter, &transform, piled[side.index()]);
+        }
         let labels = Labels::default();
         labels.take(self.chip);
         let canvas = Canvas {

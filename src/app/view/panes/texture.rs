@@ -9,14 +9,14 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::Transform;
-use super::film::{Film, PIXELS};
+use super::film::{Film, PIXELS, SMOOTH};
 use crate::app::model::picture::{Opened, Overview, multiplied};
 use crate::app::model::shared::Shared;
 use crate::app::model::tones::Rendition;
 use crate::geometry::Point;
 use crate::image::Picture;
 use egui::epaint::Vertex;
-use egui::{Color32, ColorImage, Mesh, Painter, TextureFilter, TextureHandle, TextureOptions, pos2};
+use egui::{Color32, ColorImage, Mesh, Painter, TextureHandle, pos2};
 use image::DynamicImage;
 
 /// Side of a tile, px: small enough to convert within a frame.
@@ -31,9 +31,6 @@ const OVERVIEW_MAGNIFICATION: f64 = 1.5;
 /// Longest side of the draft shown while brightness changes, px: small enough to render within a
 /// frame.
 const DRAFT_SIDE: u32 = 512;
-
-/// Smooth at any scale.
-const SMOOTH: TextureOptions = TextureOptions { magnification: TextureFilter::Linear, ..PIXELS };
 
 struct Tile {
     handle: TextureHandle,
@@ -111,6 +108,15 @@ impl PictureTexture {
         let size = [shown.width(), shown.height()].map(|v| v as usize);
         let image = ColorImage::from_rgba_premultiplied(size, &rendered(rendition, shown));
         self.overview.set(image, if self.scale < 1.0 || self.is_draft { SMOOTH } else { PIXELS });
+    }
+
+    /// Draws a number of silhouettes of the sequence over its frame.
+    pub fn draw_pile(&mut self, painter: &Painter, transform: &Transform, count: usize) {
+        let size = [self.picture.pixels.width() as usize, self.picture.pixels.height() as usize];
+        if let Some(film) = self.film.as_mut().filter(|_| count > 0) {
+            film.pile_up(count);
+            draw(painter, &film.pile, transform, [[0, 0], size], Color32::WHITE);
+        }
     }
 
     pub fn draw(&mut self, painter: &Painter, transform: &Transform) {

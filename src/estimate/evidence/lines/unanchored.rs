@@ -62,6 +62,9 @@ const ROUNDS: usize = 6;
 /// candidates that agree keep most of their weight.
 const ROBUST: f64 = 1.5;
 
+/// Largest number of lines of image 1 that are noted with their best partners.
+const SWEPT: usize = 90;
+
 /// Two lines that may be corresponding epipolar lines, directed alike.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineCandidate {
@@ -78,6 +81,9 @@ pub struct LineCandidate {
 pub(in crate::estimate) struct LineCandidates {
     /// Mutual best pairs, cheapest first.
     pub pairs: Vec<LineCandidate>,
+    /// Some lines of image 1 with their best partners, at most [`SWEPT`]: of each direction, the line nearest the
+    /// middle.
+    pub swept: Vec<LineCandidate>,
     /// Number of lines of each image that have texture.
     pub lines: [usize; 2],
 }
@@ -123,7 +129,26 @@ pub(in crate::estimate) fn compare_lines(
         .map(|(i, j)| LineCandidate { line1: lines1[i], line2: lines2[j], cost: costs.at(i, j) })
         .collect();
     pairs.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    Ok(LineCandidates { pairs, lines: [lines1.len(), half2.len()] })
+    let partner = |i: usize| {
+        let finite = (0..costs.columns()).filter(|j| costs.at(i, *j).is_finite());
+        let j = finite.min_by(|a, b| costs.at(i, *a).total_cmp(&costs.at(i, *b)))?;
+        Some(LineCandidate { line1: lines1[i], line2: lines2[j], cost: costs.at(i, j) })
+    };
+    let swept = middle_lines(&lines1, level.frames[0]).into_iter().filter_map(partner).collect();
+    Ok(LineCandidates { pairs, swept, lines: [lines1.len(), half2.len()] })
+}
+
+/// Returns the places of the lines nearest the middle of a frame, one of each direction, evenly thinned. Lines of one
+/// direction follow each other.
+fn middle_lines(lines: &[AnchoredLine], frame: Frame) -> Vec<usize> {
+    let away = |k: &usize| (lines[*k].anchor - frame.centre()).norm();
+    let all: Vec<usize> = (0..lines.len()).collect();
+    let directions = all.chunk_by(|a, b| lines[*a].direction == lines[*b].direction);
+    let nearest: Vec<usize> = directions
+        .filter_map(|same| same.iter().copied().min_by(|a, b| away(a).total_cmp(&away(b))))
+        .collect();
+    let kept = nearest.len().min(SWEPT);
+    (0..kept).map(|k| nearest[k * nearest.len() / kept]).collect()
 }
 
 /// A candidate with its lines and their segments inside the images.
@@ -354,6 +379,23 @@ mod tests {
             assert!(found.is_sorted_by(|a, b| a.agreeing.len() >= b.agreeing.len()));
             assert_eq!(found[0].fundamental, find()[0].fundamental, "the seed decides");
         }
+    }
+
+    #[test]
+    fn a_sweep_has_one_line_of_each_direction() {
+        let all = line_grid(FRAME, 4000);
+        let swept = middle_lines(&all, FRAME);
+        assert!(swept.len() > 20 && swept.len() <= SWEPT, "{}", swept.len());
+        assert!(swept.is_sorted_by(|a, b| all[*a].angle() < all[*b].angle()));
+        for k in &swept {
+            assert!(all[*k].line().distance(FRAME.centre()) < 1e-6);
+        }
+        // Without the lines through the middle, their neighbours are nearest.
+        let others: Vec<AnchoredLine> =
+            all.iter().copied().filter(|line| line.line().distance(FRAME.centre()) > 1e-6).collect();
+        assert_eq!(middle_lines(&others, FRAME).len(), swept.len());
+        assert!(middle_lines(&[], FRAME).is_empty());
+        assert_eq!(middle_lines(&line_grid(FRAME, 100_000), FRAME).len(), SWEPT);
     }
 
     #[test]

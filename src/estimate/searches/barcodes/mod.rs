@@ -23,8 +23,8 @@ use crate::estimate::searches::published;
 use crate::estimate::searches::record::SearchRecord;
 use crate::estimate::verdict::trust::Case;
 use crate::estimate::{
-    Assessment, BarcodeFigures, Estimate, EstimateError, EventKind, Origin, Parameters, Preset, Proposed,
-    Search, Stage, Trust,
+    Assessment, BarcodeFigures, Estimate, EstimateError, EventKind, HypothesisNote, Origin, Parameters,
+    Preset, Proposed, RankedHypothesis, RefinementStep, Search, Stage, Trust,
 };
 use crate::geometry::{FundamentalMatrix, PointPair, epipolar_difference, line_spacing, sampson_distance};
 use crate::motion::Silhouettes;
@@ -102,7 +102,7 @@ pub(in crate::estimate) fn search(
         report_preliminary(*first, &hypotheses, None, viewed, record);
     }
 
-    record.enter(Stage::Refinement)?;
+    record.enter(Stage::Validation)?;
     let events = proposed
         .first()
         .and_then(|one| Pencils::new(silhouettes, &one.fundamental))
@@ -119,11 +119,13 @@ pub(in crate::estimate) fn search(
         refined.extend(found.map(|found| (found, *origin)));
     }
     refined.sort_by(|(a, _), (b, _)| a.value.total_cmp(&b.value));
-    let (best, origin) = refined.first().ok_or(EstimateError::NothingFromBarcodes)?;
-    let best = refine(&objective, &best.fundamental, refinement::NEARBY, parameters.seed, 0, cancel)?
-        .unwrap_or_else(|| best.clone());
+    let (coarsely, origin) = refined.first().ok_or(EstimateError::NothingFromBarcodes)?;
+    record.note_race(raced(&refined, silhouettes));
 
-    record.enter(Stage::Validation)?;
+    record.enter(Stage::Refinement)?;
+    let start = &coarsely.fundamental;
+    let best = refine(&objective, start, refinement::NEARBY, parameters.seed, 0, cancel)?
+        .unwrap_or_else(|| coarsely.clone());
     let pencils = Pencils::new(silhouettes, &best.fundamental).ok_or(EstimateError::NothingFromBarcodes)?;
     let margin = refined
         .iter()
@@ -141,6 +143,9 @@ pub(in crate::estimate) fn search(
         frames: silhouettes[0].len(),
     };
     let assessment = assessed(&best.fundamental, figures, margin, input, record);
+    let selected = Proposed { fundamental: best.fundamental, origin: *origin };
+    let steps = coarsely.course.iter().chain(&best.course).map(|(fundamental, _)| *fundamental);
+    record.note(EventKind::Refined { selected: selected.into(), matches: 0, steps: changes(steps) });
     let verdict = assessment.trust.as_ref().map(|trust| trust.verdict);
     record.note(EventKind::Judged { verdict, is_open: false });
     Ok(Judged {
@@ -154,6 +159,36 @@ pub(in crate::estimate) fn search(
         patches: std::sync::Arc::clone(&viewed.patches),
         pencils: record.present_pencils().to_vec(),
     })
+}
+
+/// Returns the best different fits with the course of their support, best first.
+fn raced(
+    refined: &[(RefinedByBarcodes, Origin)],
+    silhouettes: [&Silhouettes; 2],
+) -> impl Iterator<Item = RankedHypothesis> {
+    let mut different: Vec<&(RefinedByBarcodes, Origin)> = Vec::new();
+    for one in refined {
+        let is_new = |known: &&(RefinedByBarcodes, Origin)| {
+            apart(&known.0.fundamental, &one.0.fundamental, silhouettes) > SAME
+        };
+        if different.iter().all(is_new) {
+            different.push(one);
+        }
+    }
+    different.into_iter().map(|(fit, origin)| {
+        let course: Vec<f64> = fit.support().collect();
+        let support = course.last().copied();
+        let hypothesis = HypothesisNote { fundamental: fit.fundamental, origin: *origin, support };
+        RankedHypothesis { hypothesis, course }
+    })
+}
+
+/// Returns the geometries of a fit, each once. Barcodes have no matches to count.
+fn changes(fits: impl Iterator<Item = FundamentalMatrix>) -> Vec<RefinementStep> {
+    let mut steps: Vec<RefinementStep> =
+        fits.map(|fundamental| RefinementStep { fundamental, matches: 0 }).collect();
+    steps.dedup();
+    steps
 }
 
 /// Returns the mean distance between the lines of two geometries, as a share of the longer side of
@@ -231,6 +266,31 @@ mod tests {
         estimate_prepared(prepared, clicks, &parameters(), &Monitor::silent())
     }
 
+    /// Checks the events from which a replay is drawn.
+    fn tells_the_search(found: &Estimate) {
+        let events = &found.trace.as_ref().unwrap().events;
+        let lines = events.iter().find_map(|event| match &event.kind {
+            EventKind::Lines { swept, candidates, .. } => Some((swept.len(), candidates.len())),
+            _ => None,
+        });
+        assert!(lines.is_some_and(|(swept, candidates)| (20..=90).contains(&swept) && candidates > 20));
+        let race = events.iter().rev().find_map(|event| match &event.kind {
+            EventKind::Ranked(race) => Some(race),
+            _ => None,
+        });
+        for own in race.unwrap() {
+            assert_eq!(own.course.len(), refinement::FROM_AFAR.rounds + 1);
+            assert!(own.course.is_sorted() && own.hypothesis.support == own.course.last().copied());
+        }
+        let steps = events.iter().find_map(|event| match &event.kind {
+            EventKind::Refined { steps, matches: 0, .. } => Some(steps),
+            _ => None,
+        });
+        let steps = steps.unwrap();
+        assert!(steps.len() > 2);
+        assert_eq!(&steps[steps.len() - 1].fundamental, found.fundamental());
+    }
+
     #[test]
     fn balls_seen_from_far_apart_give_the_geometry_with_clicks_and_without() {
         let scene = BallScene::new(SMALL).unwrap();
@@ -249,6 +309,7 @@ mod tests {
             assert!(figures.correlation > 0.9 && figures.by_chance < 0.5, "{figures:?}");
             assert!(figures.deviation.unwrap() < 1.0 && figures.frames == 200, "{figures:?}");
             assert!(!found.hypotheses().is_empty() && found.matches().is_empty());
+            tells_the_search(&found);
         }
     }
 

@@ -50,6 +50,16 @@ pub(super) struct Objective<'a> {
 pub(super) struct RefinedByBarcodes {
     pub fundamental: FundamentalMatrix,
     pub value: f64,
+    /// The start, and the best geometry after each round, with their objectives.
+    pub course: Vec<(FundamentalMatrix, f64)>,
+}
+
+impl RefinedByBarcodes {
+    /// Returns the support of the geometry at the start and after each round: the logarithm of its likelihood over
+    /// that of unrelated barcodes, at least 0.
+    pub fn support(&self) -> impl Iterator<Item = f64> {
+        self.course.iter().map(|(_, value)| (-value).max(0.0))
+    }
 }
 
 impl Objective<'_> {
@@ -75,7 +85,8 @@ pub(super) fn refine(
 ) -> Result<Option<RefinedByBarcodes>, EstimateError> {
     let frames = objective.silhouettes.map(Silhouettes::full_size);
     let mut random = stream(seed, Purpose::BarcodeRefinement, task);
-    let mut best = RefinedByBarcodes { fundamental: *start, value: objective.value(start) };
+    let (mut best, mut value) = (*start, objective.value(start));
+    let mut course = vec![(best, value)];
     let (mut mean, mut deviation) = (Vector7::zeros(), Vector7::repeat(search.first));
     for _ in 0..search.rounds {
         let steps: Vec<Vector7> =
@@ -89,17 +100,18 @@ pub(super) fn refine(
             .collect();
         cancel.check()?;
         tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((value, _, fundamental)) = tried.first().copied() else { return Ok(None) };
-        if value < best.value {
-            best = RefinedByBarcodes { fundamental, value };
+        let Some((tried_value, _, fundamental)) = tried.first().copied() else { return Ok(None) };
+        if tried_value < value {
+            (best, value) = (fundamental, tried_value);
         }
+        course.push((best, value));
         tried.truncate(ELITE);
         let count = tried.len() as f64;
         mean = tried.iter().map(|t| t.1).sum::<Vector7>() / count;
         let spread = tried.iter().map(|t| (t.1 - mean).map(|v| v * v)).sum::<Vector7>() / count;
         deviation = deviation * INERTIA + spread.map(f64::sqrt) * (1.0 - INERTIA);
     }
-    Ok(Some(best))
+    Ok(Some(RefinedByBarcodes { fundamental: best, value, course }))
 }
 
 /// Returns seven nearly Gaussian numbers, each a sum of twelve uniform ones.
@@ -148,6 +160,11 @@ mod tests {
             }
         }
         assert_eq!(found.fundamental, search(1).fundamental, "the seed decides");
+        let course = &found.course;
+        assert_eq!((course.len(), course[0].0), (FROM_AFAR.rounds + 1, rows(2.0)));
+        assert!(course.is_sorted_by(|a, b| a.1 >= b.1));
+        assert_eq!(course.last(), Some(&(found.fundamental, found.value)));
+        assert!(found.support().all(|support| support >= 0.0));
         let stopped = CancelFlag::default();
         stopped.cancel();
         let stopped = refine(&objective, &rows(2.0), NEARBY, 1, 0, &stopped);

@@ -83,7 +83,7 @@ fn in_words(model: &Model, inspected: &InspectedBarcodes) -> String {
 }
 
 /// Returns the ranges of consecutive frames that are set.
-fn runs(count: usize, is_set: &dyn Fn(usize) -> bool) -> Vec<std::ops::Range<usize>> {
+pub(super) fn runs(count: usize, is_set: &dyn Fn(usize) -> bool) -> Vec<std::ops::Range<usize>> {
     let mut runs: Vec<std::ops::Range<usize>> = Vec::new();
     for frame in (0..count).filter(|frame| is_set(*frame)) {
         match runs.last_mut() {

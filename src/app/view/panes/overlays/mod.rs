@@ -82,7 +82,7 @@ pub fn pointed_at(canvas: &Canvas, position: Pos2) -> Option<Target> {
     let found = finders.iter().filter(|(overlay, _)| is_drawn(*overlay));
     let found = found.filter_map(|(_, at)| at(canvas, position));
     // The plot marks the sample under the cursor even if its overlay is off.
-    let found = found.chain(samples::at(canvas, position));
+    let found = found.chain(samples::at(canvas, position)).chain(replay::at(canvas, position));
     found.min_by(|a, b| a.distance.total_cmp(&b.distance)).map(|pointing| pointing.target)
 }
 

@@ -14,7 +14,7 @@ pub fn draw(canvas: &Canvas) {
             let lines =
                 model.open.computation.pencils().and_then(|pencils| pencils.get(pair)?.lines(row, column));
             if let Some(lines) = lines {
-                canvas.line(&lines[canvas.side.index()].line(), theme::STRONG_LINE_WIDTH, theme::SELECTED);
+                canvas.line(&lines[canvas.side.index()].line(), theme::STRONG_LINE_WIDTH, theme::HOVER);
             }
         }
         Some(Target::Hypothesis(number)) => {
@@ -53,7 +53,8 @@ pub fn draw(canvas: &Canvas) {
             }
         }
         Some(Target::Rectified { side, at }) => rectified(canvas, side, at),
-        None => {}
+        // The replay lights its own marks.
+        Some(Target::Replayed(_)) | None => {}
     }
 }
 

@@ -6,9 +6,10 @@ use egui::{
 };
 
 use super::super::empty;
+use crate::app::model::focus::Replayed;
 use crate::app::model::replay::record::{Record, short_origin};
 use crate::app::model::verdict::short_epipole_text;
-use crate::app::model::{Model, Side};
+use crate::app::model::{Command, Model, Side, Target};
 use crate::app::view::theme;
 use crate::estimate::{HypothesisNote, ProposedBy};
 
@@ -19,7 +20,8 @@ const LISTED: usize = 6;
 /// Width from which the cells are beside the list.
 const ROOM_FOR_BOTH: f32 = 360.0;
 
-pub fn show(ui: &mut Ui, model: &Model) {
+/// Shows the crossings and the best hypotheses. One under the cursor shows its epipoles in the images.
+pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(record) = model.record().filter(|record| !record.hypotheses.is_empty()) else {
         empty(
             ui,
@@ -30,19 +32,35 @@ pub fn show(ui: &mut Ui, model: &Model) {
     let area = ui.available_rect_before_wrap();
     let crosses =
         record.hypotheses.iter().any(|own| matches!(own.origin.source, ProposedBy::LinePairs { .. }));
+    let lit = match model.open.focus.hovered() {
+        Some(Target::Replayed(Replayed::Hypothesis(k))) => Some(k),
+        _ => None,
+    };
+    let mut hovered = None;
     let list = if crosses && area.width() >= ROOM_FOR_BOTH {
         let side = area.height().min(area.width() * 0.45);
         let (left, right) = area.split_left_right_at_x(area.min.x + side + 24.0);
-        cells(ui, left, record, model.open.replay.moment().and_then(|moment| moment.crossed));
+        let crossed = model.open.replay.moment().and_then(|moment| moment.crossed);
+        hovered = cells(ui, left, record, crossed, lit);
         right.with_min_x(right.min.x + theme::GAP)
     } else {
         area
     };
-    ui.scope_builder(UiBuilder::new().max_rect(list).id_salt("best"), |ui| best(ui, record));
+    let listed =
+        ui.scope_builder(UiBuilder::new().max_rect(list).id_salt("best"), |ui| best(ui, record, lit));
+    if let Some(k) = hovered.or(listed.inner).filter(|_| !model.open.replay.is_playing()) {
+        commands.push(Command::PointAt(Target::Replayed(Replayed::Hypothesis(k))));
+    }
 }
 
-/// Shows a cell for each crossing; bright ones gave a hypothesis that was kept.
-fn cells(ui: &Ui, area: Rect, record: &Record, crossed: Option<[usize; 2]>) {
+/// Shows a cell for each crossing; bright ones gave a hypothesis that was kept. Returns the hypothesis under the cursor.
+fn cells(
+    ui: &Ui,
+    area: Rect,
+    record: &Record,
+    crossed: Option<[usize; 2]>,
+    lit: Option<usize>,
+) -> Option<usize> {
     let response = ui.interact(area, ui.scope_id().with("crossings"), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, "crossings of the candidates"));
     let painter = ui.painter_at(area);
@@ -91,25 +109,41 @@ fn cells(ui: &Ui, area: Rect, record: &Record, crossed: Option<[usize; 2]>) {
             StrokeKind::Outside,
         );
     }
+    let ranks = |k: usize| record.hypotheses.get(k).and_then(ranks_of);
+    if let Some(ranks) = lit.and_then(ranks) {
+        painter.rect_filled(place(ranks).expand(1.0), 0.0, theme::HOVER);
+    }
+    let hovered = response.hover_pos();
     response.on_hover_text(
         "Each cell is one crossing. Bright cells gave hypotheses that were kept, the best brightest.",
     );
+    (0..count).find(|k| ranks(*k).is_some_and(|ranks| hovered.is_some_and(|at| place(ranks).contains(at))))
 }
 
-/// Lists the best hypotheses with their origins and epipoles.
-fn best(ui: &mut Ui, record: &Record) {
+/// Lists the best hypotheses with their origins and epipoles. Returns the hypothesis under the cursor.
+fn best(ui: &mut Ui, record: &Record, lit: Option<usize>) -> Option<usize> {
+    let mut hovered = None;
     let head = |text: &str| RichText::new(text).size(theme::CAPTION).weak();
     Grid::new("best hypotheses").num_columns(3).spacing(vec2(18.0, 4.0)).show(ui, |ui| {
         for text in ["Best, from", "Left epipole", "Right epipole"] {
             ui.label(head(text));
         }
         ui.end_row();
-        for own in record.hypotheses.iter().take(LISTED) {
-            ui.label(short_origin(&own.origin));
+        for (k, own) in record.hypotheses.iter().take(LISTED).enumerate() {
+            let text = |text: String| {
+                let text = RichText::new(text);
+                if lit == Some(k) { text.strong() } else { text }
+            };
+            let mut row = ui.label(text(short_origin(&own.origin)));
             for side in Side::BOTH {
-                ui.weak(short_epipole_text(&side.epipole(&own.fundamental)));
+                let epipole = short_epipole_text(&side.epipole(&own.fundamental));
+                row |= ui.label(text(epipole).weak());
+            }
+            if row.hovered() {
+                hovered = Some(k);
             }
             ui.end_row();
         }
     });
+    hovered
 }

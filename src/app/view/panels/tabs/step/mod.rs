@@ -1,5 +1,6 @@
 //! The first tab: the hypotheses of the result, or the chart of the step that is shown.
 
+mod barcodes;
 mod candidates;
 mod crossings;
 mod features;
@@ -39,12 +40,13 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         return;
     };
     match place.step {
+        MethodStep::Motion | MethodStep::Barcodes => barcodes::show(ui, model, commands),
         MethodStep::Pencils => pencils::show(ui, model, commands),
         MethodStep::Candidates => candidates::show(ui, model, commands),
         MethodStep::Features => features::show(ui, model),
-        MethodStep::Epipoles => crossings::show(ui, model),
+        MethodStep::Epipoles => crossings::show(ui, model, commands),
         MethodStep::RoundTrip => gaps::show(ui, model),
-        MethodStep::Validation => race::show(ui, model),
+        MethodStep::Validation => race::show(ui, model, commands),
         MethodStep::Refinement => fit::show(ui, model),
     }
 }

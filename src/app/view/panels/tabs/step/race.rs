@@ -3,7 +3,9 @@
 use egui::{Align2, Color32, FontId, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::super::empty;
-use crate::app::model::Model;
+use crate::app::model::focus::Replayed;
+use crate::app::model::replay::moment::Racer;
+use crate::app::model::{Command, Model, Target};
 use crate::app::view::theme;
 
 /// Largest height of a row, screen points.
@@ -23,25 +25,35 @@ pub struct Bar {
     pub color: Color32,
 }
 
-pub fn show(ui: &mut Ui, model: &Model) {
+/// Shows the race. A bar under the cursor shows its lines in the images.
+pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let moment = model.open.replay.moment().filter(|moment| !moment.race.is_empty());
     let Some(moment) = moment else {
         empty(ui, "The best hypotheses race here. This search has no race to show.");
         return;
     };
     let most = moment.race.iter().map(|own| own.at_end).fold(1e-9, f64::max);
-    let bar = |own: &crate::app::model::replay::moment::Racer| Bar {
+    let target = |own: &Racer| Target::Replayed(Replayed::Racer(own.place));
+    let lit = model.open.focus.hovered();
+    let bar = |own: &Racer| Bar {
         name: own.name.clone(),
         value: format!("{:.0}", own.support),
         share: own.support / most,
         row: own.row,
-        color: theme::UNCHECKED.gamma_multiply(if own.row < 0.5 { 1.0 } else { 0.6 }),
+        color: match (lit == Some(target(own)), own.row < 0.5) {
+            (true, _) => theme::HOVER,
+            (false, true) => theme::UNCHECKED,
+            (false, false) => theme::UNCHECKED.gamma_multiply(0.6),
+        },
     };
-    bars(ui, "race of the hypotheses", &moment.race.iter().map(bar).collect::<Vec<_>>());
+    let hovered = bars(ui, "race of the hypotheses", &moment.race.iter().map(bar).collect::<Vec<_>>());
+    if let Some(own) = hovered.and_then(|k| moment.race.get(k)).filter(|_| !model.open.replay.is_playing()) {
+        commands.push(Command::PointAt(target(own)));
+    }
 }
 
-/// Shows bars, one below the other.
-pub fn bars(ui: &mut Ui, name: &str, bars: &[Bar]) {
+/// Shows bars, one below the other. Returns the number of the bar under the cursor.
+pub fn bars(ui: &mut Ui, name: &str, bars: &[Bar]) -> Option<usize> {
     let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, name));
     let height = (area.height() / bars.len().max(1) as f32).min(ROW);
@@ -67,4 +79,6 @@ pub fn bars(ui: &mut Ui, name: &str, bars: &[Bar]) {
         painter.rect_filled(filled, 3.0, bar.color);
         text(pos2(area.max.x, middle), Align2::RIGHT_CENTER, &bar.value, visuals.weak_text_color());
     }
+    let row = (response.hover_pos()?.y - area.min.y) / height;
+    bars.iter().position(|bar| (f64::from(row) - bar.row - 0.5).abs() <= 0.5)
 }
