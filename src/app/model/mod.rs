@@ -50,6 +50,7 @@ pub mod pane_view;
 pub mod picture;
 mod playing;
 pub mod point_table;
+mod pointing;
 pub mod questions;
 pub mod recents;
 pub mod recording;
