@@ -124,7 +124,7 @@ fn a_result_of_sequences_without_clicks_has_lines_and_barcodes() {
     press(&mut window, Key::Num2);
     window.get_by_label("Motion barcodes");
     tap(&mut window, "Step Epipoles");
-    window.get_by_label_contains("Three line pairs at a time give a hypothesis");
+    window.get_by_label_contains("Two or three candidates at a time give a hypothesis");
     tap(&mut window, "Result");
     press(&mut window, Key::Num3);
     window.get_by_label_contains("Motion barcodes give no matches: click point pairs");
