@@ -14,10 +14,15 @@ pub fn origin_in_words(origin: &Origin) -> String {
     };
     match origin.then {
         None => first,
-        Some(Resampling::SupportingMatches) => {
-            format!("{first}, then by samples of its matches")
-        }
-        Some(Resampling::Parallax) => format!("{first}, then by parallax beside its plane"),
+        Some(then) => format!("{first}, then by {}", resampling_in_words(then)),
+    }
+}
+
+/// Describes the sampling that led from a first proposal to a geometry, after "by".
+pub fn resampling_in_words(resampling: Resampling) -> &'static str {
+    match resampling {
+        Resampling::SupportingMatches => "samples of its matches",
+        Resampling::Parallax => "parallax beside its plane",
     }
 }
 

@@ -305,8 +305,11 @@ fn the_steps_are_followed_by_one_key_and_draw_over_the_pictures() {
     let round_trip = Color32::from_rgb(143, 180, 255);
     let drawn = |window: &Window| lines(window, Side::Right, round_trip).len();
     for (step, says) in [
-        ("Pencils", "A line turns about p on the left."),
-        ("Candidates", "Candidates are line pairs of which each line is the best partner of the other."),
+        ("Pencils", "A line turns about a clicked point on the left."),
+        (
+            "Candidates",
+            "Candidates are line pairs of which each line is among the best partners of the other.",
+        ),
         ("Features", "Distinctive places are matched by their surroundings"),
         ("Epipoles", "A candidate of p and one of q cross."),
     ] {
@@ -316,7 +319,7 @@ fn the_steps_are_followed_by_one_key_and_draw_over_the_pictures() {
         assert_eq!(drawn(&window), 0, "{step}");
     }
     press(&mut window, Key::N);
-    window.get_by_label_contains("H maps a line l to the other picture, and G maps it back.");
+    window.get_by_label_contains("Two candidates fix two maps: H takes lines through the left epipole");
     assert_eq!(drawn(&window), 1, "H l");
     press(&mut window, Key::N);
     assert_eq!(drawn(&window), 0, "with its step the drawing goes");

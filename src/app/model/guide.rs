@@ -23,7 +23,7 @@ pub fn guide(model: &Model) -> String {
         return if model.is_live() {
             "The steps of the search are drawn as they come.".into()
         } else {
-            "Space plays or pauses. Drag the knob below the pictures to any moment. End shows the result."
+            "Space plays or pauses, comma and full stop go by one line, N to the next step. End shows the result."
                 .into()
         };
     }
@@ -45,6 +45,11 @@ pub fn guide(model: &Model) -> String {
             "goes back to placing points"
         };
         return format!("Measure tool: {how} Escape {escape}.");
+    }
+    if model.open.crosshair.is_some() {
+        return "Crosshair: arrow keys move it (Shift 10 px, Alt 0.1 px), Enter places the point, Tab changes the picture, \
+                Escape gives up."
+            .into();
     }
     if document.half.is_some() {
         let name = pair_name(document.pairs.len());

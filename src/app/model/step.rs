@@ -111,11 +111,11 @@ pub fn sentence(step: MethodStep, plan: SearchPlan) -> &'static str {
             "As a test, lines through two matches are compared: each with its most similar line on the right."
         }
         MethodStep::Pencils => {
-            "A line turns about p on the left. Its best partner on the right is the line with the most similar \
+            "A line turns about a clicked point on the left. Its best partner on the right is the line with the most similar \
              brightness."
         }
         MethodStep::Candidates => {
-            "Candidates are line pairs of which each line is the best partner of the other."
+            "Candidates are line pairs of which each line is among the best partners of the other."
         }
         MethodStep::Features => {
             "Distinctive places are matched by their surroundings, anywhere in the pictures. Matches that fit no \
@@ -136,8 +136,8 @@ pub fn sentence(step: MethodStep, plan: SearchPlan) -> &'static str {
             "A candidate of p and one of q cross. Where they cross, the other camera might be: a hypothesis."
         }
         MethodStep::RoundTrip => {
-            "H maps a line l to the other picture, and G maps it back. The smaller the area between l and G H l, the \
-             better both maps agree."
+            "Two candidates fix two maps: H takes lines through the left epipole to the right picture, G takes them back. \
+             The area between l and G H l tells how well both agree. Wrong hypotheses may have a small one, too."
         }
         MethodStep::Validation if by_barcodes => {
             "The best hypotheses race: each is fitted to the barcodes of lines all over both pictures. The best fit wins."

@@ -8,8 +8,8 @@
 //! | [`moment`] | the drawing of a moment |
 //! | [`sweep`] | lines of the left picture with their motion barcodes |
 //! | [`steps`] | draws a moment: a pure function of record and time |
-//! | [`race`] | draws the race of the hypotheses |
-//! | [`sequences`] | draws the steps that only sequences have |
+//! | `race` | draws the race of the hypotheses |
+//! | `sequences` | draws the steps that only sequences have |
 //! | [`strokes`] | shapes and times that several steps share |
 
 pub mod command;

@@ -4,6 +4,7 @@ use super::moment::{Ink, Moment, Racer};
 use super::record::{Record, short_origin};
 use super::strokes::{ease_in_out, farthest, lines_of, share};
 use crate::estimate::SearchPlan;
+use crate::presentation::resampling_in_words;
 
 /// Draws the step of validation.
 pub fn validation(moment: &mut Moment, record: &Record, seconds: f64) {
@@ -60,6 +61,10 @@ pub fn validation(moment: &mut Moment, record: &Record, seconds: f64) {
     let turned_up = 0.25 + 0.65 * along / checkpoints as f64;
     lines_of(moment, record, &racers[leader].hypothesis.fundamental, Ink::Unchecked, turned_up);
     moment.tell("leader", moment.race[leader].name.clone());
+    if let Some(then) = racers[leader].hypothesis.origin.then {
+        // Its epipoles are no longer those of the first proposal.
+        moment.tell("moved on by", resampling_in_words(then));
+    }
     moment.tell("support", format!("{:.0}", moment.race[leader].support));
     let second = moment.race.iter().enumerate().filter(|(k, _)| *k != leader).map(|(_, own)| own.support);
     if let Some(second) = second.reduce(f64::max) {

@@ -108,11 +108,15 @@ pub fn lines_at_a_glance(document: &Document, estimate: &Estimate) -> Option<Gla
     Some(Glance {
         name: "Lines",
         common: "off by",
-        heads: ["typical", "worst"],
-        values: [px(typical), bands.map_or_else(|| "not known".to_owned(), |bands| px(bands.worst))],
+        heads: ["at matches", "anywhere"],
+        values: [
+            px(typical),
+            bands.map_or_else(|| "not known".to_owned(), |bands| format!("± {}", px(bands.worst))),
+        ],
         ranges: [String::new(), String::new()],
-        tooltip: "Typical: median symmetric distance of the matches from their lines. Worst: half width of the 95 % band of \
-                  a line, which one line in twenty exceeds; far from all matches lines are less precise.",
+        tooltip: "At matches: median symmetric distance of the matches from their lines. Anywhere: half width of the 95 % \
+                  band of a line all over the pictures, which one line in twenty exceeds. Far from all matches lines \
+                  are less precise.",
     })
 }
 

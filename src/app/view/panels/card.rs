@@ -237,7 +237,12 @@ fn buttons(ui: &mut Ui, model: &Model, details: Option<bool>, commands: &mut Vec
             finish_button(ui, button, command, commands);
         }
         if let Some(open) = details {
-            unfolds = ui.add(Button::selectable(open, "Details")).clicked();
+            let button = ui.add(Button::selectable(open, "Details"));
+            unfolds = button.clicked();
+            if unfolds && !open {
+                // The details are below.
+                button.scroll_to_me(Some(Align::TOP));
+            }
         }
     });
     unfolds

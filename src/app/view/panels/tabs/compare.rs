@@ -21,9 +21,9 @@ pub const TAB: Tab = Tab { id: TabId::Compare, tools, show };
 /// Width below which the summary leaves out its widest column, screen points.
 const ROOM_FOR_ALL: f32 = 560.0;
 /// Width below which the table scrolls sideways, screen points.
+const LEAST_WIDTH: f32 = 270.0;
 /// Width beside the choices from which the button of an import is there, screen points.
 const ROOM_FOR_OFFER: f32 = 140.0;
-const LEAST_WIDTH: f32 = 270.0;
 
 fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(comparison) = measured(ui, model, commands) else { return offer_import(ui, model, commands) };
@@ -31,7 +31,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui.spacing_mut().item_spacing.x = 3.0;
         inputs(ui, model, comparison, commands);
         // The table needs the row in a small window.
-        if ui.available_width() > ROOM_FOR_OFFER {
+        if ui.available_size_before_wrap().x > ROOM_FOR_OFFER {
             offer_import(ui, model, commands);
         }
     });
