@@ -1,6 +1,7 @@
 //! Tests of the lines near the matches.
 //!
-//! Where the images propose a geometry, the probability of its lines decides, and counts explain what cost most. A
+//! Where the images propose a geometry, the probability of its lines decides, and counts explain what cost most. Even
+//! probable lines are doubted if most distinctive matches contradict them. A
 //! geometry of given matches or of clicks alone, and one of lines alone, has tests of its support in place of the
 //! probability.
 
@@ -27,7 +28,8 @@ pub(super) fn tests(case: &Case) -> Vec<TestResult> {
 fn of_the_images(lines: &LineEvidence, case: &Case) -> Vec<TestResult> {
     let probability = lines.probability();
     if probability >= SURE_LINES {
-        return vec![Passed];
+        // Most distinctive matches may follow another motion than the lines: a bent sheet, something fixed to the picture.
+        return vec![TestResult::of(case.distinctive.and_then(contradiction))];
     }
     if let Some(reason) = different_scenes(case).filter(|_| probability < EVEN_LINES) {
         return vec![Refuted(reason)];
@@ -121,6 +123,13 @@ mod tests {
     use crate::estimate::fit::false_alarms::{Agreement, OF_LINES};
     use crate::estimate::verdict::trust::case::GivenFigures;
     use crate::estimate::{Trust, Verdict};
+
+    #[test]
+    fn probable_lines_are_doubted_if_most_distinctive_matches_contradict_them() {
+        let of = |off: usize| reasons(&Case { distinctive: Some(Distinctive { all: 18, off }), ..GOOD });
+        assert_eq!(of(17), [Reason::Contradicted { contradicting: 17, matches: 18 }]);
+        assert_eq!(of(10), [], "as chance may explain");
+    }
 
     #[test]
     fn what_cost_most_explains_improbable_lines() {
