@@ -70,11 +70,13 @@ kill "$window"
 wait "$window" 2>/dev/null || true
 
 start --sequences
+sleep 10
 keys ctrl+k
 sleep 1
 xdotool type --delay 40 "find without"
+sleep 1
 keys Return
-sleep 12
+sleep 15
 keys End 2
 sleep 2
 picture inspection-sequences

@@ -182,8 +182,10 @@ mod tests {
     #[test]
     fn counts_and_margins_do_not_decide_where_the_images_show_the_lines() {
         let distinctive = Some(Distinctive { all: 20, off: 20 });
-        let case = Case { refined_on: RefinedOn::Matches(10), margin: Some(0.05), distinctive, ..GOOD };
+        let case = Case { refined_on: RefinedOn::Matches(10), margin: Some(0.05), ..GOOD };
         assert_eq!(reasons(&case), []);
+        let case = Case { distinctive, ..case };
+        assert_eq!(reasons(&case), [Reason::Contradicted { contradicting: 20, matches: 20 }]);
         let expected = [
             Reason::FewMatches { matches: 10 },
             Reason::Ambiguous { margin: 0.05 },
