@@ -70,7 +70,7 @@ kill "$window"
 wait "$window" 2>/dev/null || true
 
 start --sequences
-sleep 10
+sleep 20
 keys ctrl+k
 sleep 1
 xdotool type --delay 40 "find without"
