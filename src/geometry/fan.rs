@@ -11,8 +11,8 @@ const RAYS: usize = 12;
 /// Number of lines if it is outside.
 const LINES: usize = 9;
 
-/// Returns places in the left picture, one on each of the lines: about the epipole if that is inside, the last one
-/// above it, and otherwise evenly spaced across the middle of the picture. Their numbers begin with 1.
+/// Returns a place in the left picture on each line. If the epipole is inside, the places surround it like the hours of
+/// a clock, and the last one is above it. Otherwise they are evenly spaced across the middle of the picture.
 pub fn places(f: &FundamentalMatrix, left: Frame) -> Vec<Point> {
     let centre = left.centre();
     let epipole = f.epipole1();
