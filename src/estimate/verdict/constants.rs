@@ -47,7 +47,8 @@ pub(super) const ONE_PLANE: f64 = 0.95;
 pub(in crate::estimate) const HALF_PLANE: f64 = 0.4;
 /// Least share along the lines among the matches along and across, at the lower end of its interval:
 /// three quarters. By chance, half are along and half across. The same share of the scene points of known cameras has
-/// to be in front of them; by chance, half are.
+/// to be in front of them; by chance, half are. As many distinctive matches are on the lines of a right geometry: 93 %
+/// of those of 167 right results, 70 % at least of 20 or more. With an eighth or a half off, none of these is doubted.
 pub(super) const MOSTLY_ALONG: f64 = 0.75;
 /// Largest parallax of a match beside a plane or a smooth warp, as a share of the longer side. Wrong matches lie
 /// anywhere, most of them farther off.

@@ -5,13 +5,13 @@ use std::iter::repeat_n;
 
 use serde::Serialize;
 
-use super::chance::is_majority;
+use super::chance::is_more_than;
 use super::lines::LineEvidence;
 use super::parallax::{Baseline, PlaneEvidence, Relief};
 use crate::estimate::evidence::patches::MirrorMatches;
 use crate::estimate::fit::ResidualPattern;
 use crate::estimate::fit::false_alarms::{Agreement, OF_A_PLANE};
-use crate::estimate::verdict::constants::MIRRORED;
+use crate::estimate::verdict::constants::{MAJORITY, MIRRORED, MOSTLY_ALONG};
 
 /// Figures of a geometry from the barcodes of corresponding lines.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -147,9 +147,9 @@ pub(in crate::estimate) struct Distinctive {
 }
 
 impl Distinctive {
-    /// Returns whether most of them contradict `F`, and not by chance.
+    /// Returns whether more of them contradict `F` than a right geometry leaves.
     pub(super) fn contradict(self) -> bool {
-        is_majority(self.off, self.all)
+        is_more_than(1.0 - MOSTLY_ALONG, self.off, self.all)
     }
 }
 
@@ -168,6 +168,6 @@ pub(in crate::estimate) struct GivenFigures {
 impl GivenFigures {
     /// Returns whether most of the matches contradict the geometry, and not by chance.
     pub fn contradict(&self) -> bool {
-        is_majority(self.off, self.matches)
+        is_more_than(MAJORITY, self.off, self.matches)
     }
 }

@@ -25,9 +25,9 @@ pub(super) fn tail(few: usize, n: usize, p: f64) -> f64 {
     sum.min(1.0)
 }
 
-/// Returns whether more than half are unlikely to be so many by chance.
-pub(super) fn is_majority(some: usize, all: usize) -> bool {
-    tail(all - some, all, 0.5) <= BY_CHANCE
+/// Returns whether chance seldom gives so many of all, where each is one of them with probability `share`.
+pub(super) fn is_more_than(share: f64, some: usize, all: usize) -> bool {
+    tail(all - some, all, share) <= BY_CHANCE
 }
 
 /// Returns the probability of fewer than `n` events if `mean` events are expected.

@@ -81,7 +81,7 @@ pub enum Reason {
     LooseBarcodes { deviation: f64 },
     /// A click is off its epipolar line by this Sampson distance; the suspect is more likely wrong.
     ClickOff { pair: usize, distance: f64, suspect: Suspect },
-    /// Most distinctive matches contradict the geometry, more than by chance. `matches` are all distinctive matches.
+    /// More distinctive matches contradict the geometry than a right one leaves. `matches` are all distinctive matches.
     Contradicted { contradicting: usize, matches: usize },
     /// A lens as strong as a fisheye makes the matches clearly likelier.
     Fisheye,
