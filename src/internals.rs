@@ -12,7 +12,9 @@ pub mod comparison {
 /// Building blocks of a command line.
 #[cfg(feature = "cli")]
 pub mod cli {
-    pub use crate::cli::{CliError, Output, Overrides, pixels, run_program, tell, threads, whole};
+    pub use crate::cli::{
+        CliError, Output, Overrides, main_with, pixels, run_program, tell, threads, whole, with_parameter,
+    };
 }
 
 /// The window.

@@ -53,7 +53,7 @@ fn come_from_the_registry_alone() {
     let foreign: Vec<_> = packages()
         .into_iter()
         .filter(|[name, _, source]| {
-            !["epiline", "epiline-lab"].contains(&&**name)
+            !["epiline", "epiline-lab", "epiline-python"].contains(&&**name)
                 && source != "registry+https://github.com/rust-lang/crates.io-index"
         })
         .collect();

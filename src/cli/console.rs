@@ -1,5 +1,6 @@
 //! Standard output and standard error. A closed pipe or a panic prints no stack trace.
 
+use std::ffi::OsString;
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};
 use std::panic::AssertUnwindSafe;
@@ -31,18 +32,27 @@ pub fn run_program<C: Parser, E: Display>(
     run: fn(C) -> Result<(), E>,
     exit_status: fn(&E) -> u8,
 ) -> ExitCode {
+    ExitCode::from(run_with_arguments(std::env::args_os(), run, exit_status))
+}
+
+/// Runs a program with arguments, the first of which is its name. Returns the exit status.
+pub fn run_with_arguments<C: Parser, E: Display>(
+    arguments: impl IntoIterator<Item = OsString>,
+    run: fn(C) -> Result<(), E>,
+    exit_status: fn(&E) -> u8,
+) -> u8 {
     report_panics_in_one_sentence();
-    let command_line = match C::try_parse() {
+    let command_line = match C::try_parse_from(arguments) {
         Ok(command_line) => command_line,
-        Err(answer) => return ExitCode::from(print_answer(&answer)),
+        Err(answer) => return print_answer(&answer),
     };
     match std::panic::catch_unwind(AssertUnwindSafe(|| run(command_line))) {
-        Ok(Ok(())) => ExitCode::SUCCESS,
+        Ok(Ok(())) => 0,
         Ok(Err(error)) => {
             complain(&error);
-            ExitCode::from(exit_status(&error))
+            exit_status(&error)
         }
-        Err(_) => ExitCode::from(INTERNAL_ERROR),
+        Err(_) => INTERNAL_ERROR,
     }
 }
 

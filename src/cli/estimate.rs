@@ -12,7 +12,7 @@ use super::geometry_file::{read_matches, tell_outside};
 use super::points;
 use super::result_output::Beside;
 use crate::estimate::{
-    CancelFlag, Estimate, EstimateError, Event, EventKind, Match, Method, Monitor, Progress, Reason, Search,
+    CancelFlag, Estimate, EstimateError, Event, EventKind, Match, Method, Monitor, Progress, Reason,
 };
 use crate::geometry::PointPair;
 use crate::image::Picture;
@@ -41,12 +41,9 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<(), CliError> {
     )?;
     let mut parameters = arguments.overrides.parameters(arguments.preset)?;
     parameters.seed = arguments.seed.unwrap_or(parameters.seed);
-    let fallback = match (arguments.pairs.len(), parameters.search) {
-        (0, Search::Lines) if !arguments.images.is_sample() => Method::LinesAlone,
-        (0..3, _) => Method::TwoPoint,
-        _ => Method::ThreePoint,
-    };
-    parameters.method = arguments.method.unwrap_or(fallback);
+    let pairs =
+        if arguments.images.is_sample() { arguments.pairs.len().max(2) } else { arguments.pairs.len() };
+    parameters.method = arguments.method.unwrap_or_else(|| Method::usual(pairs, parameters.search));
 
     let calibrated = arguments.cameras.calibration.read()?;
     let mut given = arguments.matches.as_deref().map(read_matches).transpose()?;

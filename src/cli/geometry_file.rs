@@ -64,7 +64,7 @@ impl GeometryInput {
                 )))?;
         }
         if let Some([left, right]) = self.images.as_deref() {
-            file.images = Some(image_notes([&Picture::open(left)?, &Picture::open(right)?]));
+            file.images = Some([&Picture::open(left)?, &Picture::open(right)?].map(ImageNote::from));
         }
         if let Some(cameras) = self.calibration.read()? {
             let missing = || {
@@ -143,13 +143,6 @@ pub(super) fn read_geometry(path: &Path) -> Result<(FundamentalMatrix, GeometryF
         )));
     }
     Ok((fundamental, file))
-}
-
-pub(super) fn image_notes(pictures: [&Picture; 2]) -> [ImageNote; 2] {
-    pictures.map(|picture| ImageNote {
-        interpretation: picture.interpretation,
-        ..ImageNote::new(picture.name.clone(), picture.frame())
-    })
 }
 
 /// Destination of a geometry: a file, checked before the work, or standard output.

@@ -24,15 +24,17 @@ mod result_output;
 mod suggest;
 mod window;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
 pub use arguments::{pixels, threads, whole};
+use console::run_with_arguments;
 pub use console::{run_program, tell};
 pub use error::CliError;
 pub use output::Output;
-pub use overrides::Overrides;
+pub use overrides::{Overrides, with_parameter};
 
 /// See and trust the epipolar geometry of two images, from two clicked point pairs.
 ///
@@ -61,6 +63,11 @@ enum CliCommand {
 /// Runs the program `epiline`.
 pub fn main() -> ExitCode {
     run_program(CommandLine::run, CliError::exit_status)
+}
+
+/// Runs the program `epiline` with arguments, the first of which is its name. Returns the exit status.
+pub fn main_with(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    run_with_arguments(arguments, CommandLine::run, CliError::exit_status)
 }
 
 impl CommandLine {

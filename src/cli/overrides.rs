@@ -36,14 +36,18 @@ impl Overrides {
             parameters.refinement.refine = refine;
         }
         for assignment in &self.set {
-            parameters = changed(&parameters, assignment)
+            parameters = with_parameter(&parameters, assignment)
                 .map_err(|problem| CliError::Arguments(format!("--set {assignment}: {problem}")))?;
         }
         Ok(parameters)
     }
 }
 
-fn changed(parameters: &Parameters, assignment: &str) -> Result<Parameters, String> {
+/// Returns parameters with one of them changed: `NAME=VALUE`, the value in JSON.
+///
+/// # Errors
+/// A clause for the user.
+pub fn with_parameter(parameters: &Parameters, assignment: &str) -> Result<Parameters, String> {
     let (name, text) = assignment.split_once('=').ok_or("expected NAME=VALUE")?;
     if matches!(name, "preset" | "method") {
         return Err(format!("use --{name}"));

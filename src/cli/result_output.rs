@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::CliError;
 use super::console::tell;
-use super::geometry_file::{GeometryOutput, image_notes};
+use super::geometry_file::GeometryOutput;
 use super::output::Output;
 use crate::camera::{Baseline, PicturesOf, PointCloud, PoseFit, UndistortedView, ViewPair};
 use crate::estimate::{Estimate, Parameters, Uncertainty};
@@ -14,8 +14,8 @@ use crate::foreign::shown_path;
 use crate::geometry::{Point, PointPair, median, sampson_distance};
 use crate::image::Picture;
 use crate::io::{
-    CalibratedNote, Format, GeometryFile, PairLabel, PairOrigin, PointResultFile, ResultFile, TrustNote,
-    UndistortedFiles, result_in_words,
+    CalibratedNote, Format, GeometryFile, ImageNote, PairLabel, PairOrigin, PointResultFile, ResultFile,
+    TrustNote, UndistortedFiles, result_in_words,
 };
 use crate::presentation::{NO_BASELINE, pose_in_words, turn_in_words};
 use crate::study::PoseOutcome;
@@ -120,7 +120,7 @@ impl ResultOutput {
                 tell(format_args!("wrote {}", shown_path(&path)));
             }
         }
-        let images = image_notes(pictures);
+        let images = pictures.map(ImageNote::from);
         let mut result = ResultFile::new(found, pairs, &images, parameters, &pictures_of)
             .at_offset(offset)
             .with_notes(calibration);
@@ -241,7 +241,7 @@ fn geometry_file(
         pairs: pairs.iter().copied().chain(found.matched_pairs()).collect(),
         labels: given.chain(matched).collect(),
         trust: found.assessment.trust.as_ref().map(TrustNote::from),
-        images: Some(image_notes(pictures)),
+        images: Some(pictures.map(ImageNote::from)),
         homography21: found.assessment.plane.map(|plane| plane.homography21),
         ..GeometryFile::of(pictures_of)
     }

@@ -6,6 +6,8 @@
 use std::path::Path;
 
 use super::geometry_file::read_pairs;
+use super::match_arrays::{FoundMatches, NamedArray, matches_of};
+use super::npy::Array;
 use super::read::ReadError;
 use crate::estimate::Match;
 
@@ -33,6 +35,28 @@ impl MatchFile {
             return Err(ReadError::content(path, "none of its matches lies within the range of the lenses"));
         }
         Ok(Self { matches, remarks })
+    }
+
+    /// Reads the matches of named arrays, as a NumPy archive has them: name, shape, and numbers in C order.
+    ///
+    /// # Errors
+    /// A clause for the user.
+    pub fn of_arrays(
+        arrays: impl IntoIterator<Item = (String, Vec<usize>, Vec<f64>)>,
+    ) -> Result<Self, String> {
+        let named = arrays.into_iter().map(|(name, shape, numbers)| {
+            let is_whole = shape.iter().product::<usize>() == numbers.len();
+            (
+                name,
+                if is_whole { Ok(Array { shape, numbers }) } else { Err("the array is damaged".to_owned()) },
+            )
+        });
+        let named: Vec<NamedArray> = named.collect();
+        let names = || named.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ");
+        let found = matches_of(&named)?.filter(|found| !found.matches.is_empty());
+        let FoundMatches { matches, notes } =
+            found.ok_or_else(|| format!("there are no matches among the arrays {}", names()))?;
+        Ok(Self { matches, remarks: notes })
     }
 }
 
@@ -100,6 +124,20 @@ mod tests {
         ] {
             assert_eq!(read(&bytes).unwrap().matches, expected);
         }
+    }
+
+    #[test]
+    fn arrays_in_memory_are_read_like_an_archive() {
+        let points = |name: &str, numbers: [f64; 4]| (name.to_owned(), vec![2, 2], numbers.to_vec());
+        let both = [points("keypoints0", [1.0, 2.0, 5.0, 6.0]), points("keypoints1", [30.0, 4.0, 7.0, 8.0])];
+        let found = MatchFile::of_arrays(both.clone()).unwrap();
+        assert_eq!(found.matches[0].pair, PointPair::new(1.0, 2.0, 30.0, 4.0));
+        assert_eq!(found.remarks, ["row k of keypoints0 was matched with row k of keypoints1"]);
+        let [first, (name, _, numbers)] = both;
+        let told = |arrays: Vec<_>| MatchFile::of_arrays(arrays).unwrap_err();
+        assert!(told(vec![first]).contains("keypoints0, but no array of the same name"));
+        assert!(told(vec![(name, vec![3, 2], numbers)]).ends_with("the array is damaged"));
+        assert_eq!(told(vec![("x".into(), vec![1], vec![0.0])]), "there are no matches among the arrays x");
     }
 
     #[test]

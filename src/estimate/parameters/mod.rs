@@ -45,6 +45,15 @@ named! {
 }
 
 impl Method {
+    /// Returns the method of a search with this number of clicked pairs, where none is asked for.
+    pub fn usual(pairs: usize, search: Search) -> Self {
+        match (pairs, search) {
+            (0, Search::Lines) => Self::LinesAlone,
+            (0..3, _) => Self::TwoPoint,
+            _ => Self::ThreePoint,
+        }
+    }
+
     /// Returns the number of point pairs that the method needs.
     pub fn pairs_needed(self) -> usize {
         match self {

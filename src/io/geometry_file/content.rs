@@ -7,7 +7,7 @@ use super::labels::{PairLabel, TrustNote};
 use crate::camera::{PicturesOf, PointCloud, PoseFit, RelativePose, UndistortedView, ViewPair};
 use crate::estimate::Match;
 use crate::geometry::{Camera, Frame, FundamentalMatrix, PointPair};
-use crate::image::Interpretation;
+use crate::image::{Interpretation, Picture};
 
 /// Name and size of an image.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -26,6 +26,12 @@ impl ImageNote {
     /// Creates a note of a picture without a statement about its numbers.
     pub fn new(name: String, frame: Frame) -> Self {
         Self { name, frame, interpretation: Interpretation::default() }
+    }
+}
+
+impl From<&Picture> for ImageNote {
+    fn from(picture: &Picture) -> Self {
+        Self { interpretation: picture.interpretation, ..Self::new(picture.name.clone(), picture.frame()) }
     }
 }
 
