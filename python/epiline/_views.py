@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html as escape
+import importlib
 import json
 import os
 import subprocess
@@ -31,7 +32,7 @@ def _pictures(found: _epiline.Estimate) -> list[NDArray[np.uint8]]:
 def plot(found: _epiline.Estimate, ax: Any = None) -> Any:
     """Draw both images side by side, with numbered lines, matches and the verdict."""
     left, right = _pictures(found)
-    import matplotlib.pyplot as plt
+    plt = importlib.import_module("matplotlib.pyplot")
 
     ax = plt.subplots(figsize=(12, 5))[1] if ax is None else ax
     height = max(left.shape[0], right.shape[0])
@@ -88,7 +89,7 @@ def _draw(
 
 def html(found: _epiline.Estimate) -> str:
     """Return the verdict and the figures as a table for notebooks."""
-    rows = [("Verdict", found.verdict or "not judged")]
+    rows: list[tuple[str, str]] = [("Verdict", found.verdict or "not judged")]
     if found.probability is not None:
         rows.append(("Lines within 1 % of the side", f"{100 * found.probability:.0f} %"))
     if found.determined:
