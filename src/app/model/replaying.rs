@@ -63,7 +63,7 @@ impl Model {
     /// Returns the moment of the matches, which stand in place of lines if the pictures seem to show different scenes.
     fn matches_of_different_scenes(&self) -> Option<Place> {
         let is_apart = self.tone() == Tone::Apart && !self.shows_another();
-        self.course().end_of(MethodStep::Features).filter(|_| is_apart)
+        self.course().end_of(MethodStep::Matches).filter(|_| is_apart)
     }
 
     /// Updates the record and the drawing of the shown moment.

@@ -9,10 +9,10 @@ use crate::app::model::ids::MethodStep;
 use crate::app::model::recording::Synchronised;
 use crate::estimate::{
     BarcodeFigures, ComparedPencils, Construction, DistinctMatch, Estimate, Event, EventKind, HypothesisNote,
-    LinePairNote, Origin, ProposedBy, RankedHypothesis, RoundTrip, SearchPlan,
+    LinePairNote, Origin, ProposedBy, RankedHypothesis, RoundTrip, SearchPlan, lines_at,
 };
 use crate::geometry::{
-    Frame, FundamentalMatrix, Point, PointPair, area_between_lines, fan, sampson_distance,
+    AnchoredLine, Frame, FundamentalMatrix, Point, PointPair, area_between_lines, fan, sampson_distance,
 };
 
 /// Ratio below which a match of features is distinctive.
@@ -197,6 +197,7 @@ impl Record {
         self.newest = match event {
             EventKind::Pencils { .. } if self.recordings.is_none() => Some(MethodStep::Pencils),
             EventKind::Lines { .. } | EventKind::Pencils { .. } => Some(MethodStep::Barcodes),
+            EventKind::Matched { .. } if self.plan == SearchPlan::Unclicked => Some(MethodStep::Matches),
             EventKind::Matched { .. } => Some(MethodStep::Features),
             EventKind::Proposed { .. } => Some(MethodStep::Epipoles),
             EventKind::Ranked(_) => Some(MethodStep::Validation),
@@ -343,15 +344,18 @@ impl Record {
 
     /// Returns the candidate nearest to the lines of the result.
     fn nearest(&self, compared: &ComparedPencils) -> Option<usize> {
+        let candidates = compared.candidates.iter().enumerate().filter_map(|(place, own)| {
+            let off = self.off_result(&compared.click, &lines_at(&compared.click, own.angles))?;
+            Some((off[0].max(off[1]), place))
+        });
+        candidates.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, place)| place)
+    }
+
+    /// Returns the angles between lines through a click or match and its lines of the result, radians.
+    pub fn off_result(&self, click: &PointPair, [line1, line2]: &[AnchoredLine; 2]) -> Option<[f64; 2]> {
         let f = self.result?;
-        let PointPair { point1, point2 } = compared.click;
-        let (own1, own2) = (f.line1_from_point2(point2)?, f.line2_from_point1(point1)?);
-        let away = |place: &usize| {
-            let [line1, line2] =
-                crate::estimate::lines_at(&compared.click, compared.candidates[*place].angles);
-            own1.angle_to(&line1.line()).max(own2.angle_to(&line2.line()))
-        };
-        (0..compared.candidates.len()).min_by(|a, b| away(a).total_cmp(&away(b)))
+        let (own1, own2) = (f.line1_from_point2(click.point2)?, f.line2_from_point1(click.point1)?);
+        Some([own1.angle_to(&line1.line()), own2.angle_to(&line2.line())])
     }
 
     /// Returns whether a step has something to show.
@@ -364,7 +368,7 @@ impl Record {
                 self.pencils.iter().any(|own| !own.compared.candidates.is_empty())
             }
             MethodStep::Candidates => self.recordings.is_some() && !self.line_pairs.is_empty(),
-            MethodStep::Features => !self.matches.is_empty(),
+            MethodStep::Features | MethodStep::Matches => !self.matches.is_empty(),
             MethodStep::Epipoles => !self.hypotheses.is_empty(),
             MethodStep::RoundTrip => !self.trips.is_empty(),
             MethodStep::Validation => self.race.iter().any(|one| !one.course.is_empty()),

@@ -243,13 +243,8 @@ fn one_step(
         }
         _ => {}
     }
-    let state = match timed.state {
-        StepState::NotNeeded => " This search did not need it.",
-        StepState::NotReached => " The search ended before it.",
-        StepState::Waiting | StepState::Ran => "",
-    };
-    let hint = format!("{name}. {}{state}", sentence(timed.step, plan));
-    if response.on_hover_text(hint).clicked() {
+    let hint = format!("{name}. {} {}", sentence(timed.step, plan), timed.state.in_words());
+    if response.on_hover_text(hint.trim_end()).clicked() {
         commands.push(ReplayCommand::Play(timed.step).into());
     }
 }
@@ -283,6 +278,10 @@ fn pictogram(painter: &Painter, step: MethodStep, centre: Pos2, color: Color32) 
         MethodStep::Pencils => lines(&[[-6.0, 0.0, 6.0, -4.0], [-6.0, 0.0, 6.0, 0.0], [-6.0, 0.0, 6.0, 4.0]]),
         MethodStep::Candidates => lines(&[[-6.0, -3.5, 6.0, 3.5], [-6.0, 3.5, 6.0, -3.5]]),
         MethodStep::Features => dots(&[[-4.5, -3.5], [0.0, 1.0], [4.5, -2.0], [-3.0, 4.5], [4.0, 4.0]], 1.5),
+        MethodStep::Matches => {
+            lines(&[[-5.0, -3.0, 5.0, -4.5], [-5.0, 4.0, 5.0, 2.5]]);
+            dots(&[[-5.0, -3.0], [5.0, -4.5], [-5.0, 4.0], [5.0, 2.5]], 1.5);
+        }
         MethodStep::Epipoles => {
             lines(&[[-6.0, -4.5, 6.0, 4.5], [-6.0, 4.5, 6.0, -4.5]]);
             dots(&[[0.0, 0.0]], 2.4);

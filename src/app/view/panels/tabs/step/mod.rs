@@ -43,7 +43,7 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         MethodStep::Motion | MethodStep::Barcodes => barcodes::show(ui, model, commands),
         MethodStep::Pencils => pencils::show(ui, model, commands),
         MethodStep::Candidates => candidates::show(ui, model, commands),
-        MethodStep::Features => features::show(ui, model),
+        MethodStep::Features | MethodStep::Matches => features::show(ui, model),
         MethodStep::Epipoles => crossings::show(ui, model, commands),
         MethodStep::RoundTrip => gaps::show(ui, model),
         MethodStep::Validation => race::show(ui, model, commands),
