@@ -110,10 +110,14 @@ impl Model {
     }
 
     pub fn apply_to_replay(&mut self, command: ReplayCommand) {
+        if let ReplayCommand::Nudge { forward } = command
+            && self.shows_player()
+        {
+            return self.apply_to_player(PlayerCommand::Step(if forward { 1 } else { -1 }));
+        }
         let course = self.course();
         let live = self.live();
         let still = self.look.still_steps;
-        let plays_frames = self.has_sequences() && self.open.replay.place.is_none();
         let replay = &mut self.open.replay;
         match command {
             ReplayCommand::TogglePlay | ReplayCommand::PlaySlowly if still => {
@@ -133,9 +137,6 @@ impl Model {
             }
             ReplayCommand::Seek(at) => {
                 (replay.place, replay.playing) = (course.place(at), false);
-            }
-            ReplayCommand::Nudge { forward } if plays_frames => {
-                self.apply_to_player(PlayerCommand::Step(if forward { 1 } else { -1 }));
             }
             ReplayCommand::Nudge { forward } => {
                 let Some(place) = replay.place.or_else(|| course.last()) else { return };
@@ -171,6 +172,7 @@ impl Model {
         {
             self.look.tab = TabId::Step;
             self.look.stage = StageId::Pictures;
+            (self.open.player.gives_way, self.open.player.playing) = (true, false);
         }
     }
 

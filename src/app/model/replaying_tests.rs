@@ -240,6 +240,27 @@ fn without_clicks_features_come_before_their_matches_and_lines_test_the_result()
 }
 
 #[test]
+fn player_and_replay_have_one_place() {
+    let mut model = searched_sequences(sequences().1, false);
+    model.follow_replay();
+    assert!(model.shows_player());
+    let frame = model.shown_frames().unwrap()[0];
+    model.apply_to_replay(ReplayCommand::Nudge { forward: true });
+    assert_eq!((model.shown_frames().unwrap()[0], model.replayed()), (frame + 1, None));
+    model.apply_to_player(PlayerCommand::TogglePlay);
+    model.apply_to_player(PlayerCommand::Exchange);
+    assert!(!model.shows_player() && !model.play_on(0.1));
+    model.apply_to_replay(ReplayCommand::Nudge { forward: false });
+    assert!(model.replayed().is_some());
+    model.apply_to_player(PlayerCommand::Exchange);
+    assert!(model.shows_player() && model.replayed().is_none());
+    model.apply_to_replay(ReplayCommand::Play(MethodStep::Motion));
+    assert!(!model.shows_player());
+    model.apply_to_player(PlayerCommand::TogglePlay);
+    assert!(model.shows_player() && model.replayed().is_none() && model.play_on(0.1));
+}
+
+#[test]
 fn marks_of_a_moment_can_be_pointed_at() {
     let has = |record: &Record, step: MethodStep, is_one: fn(&Target) -> bool| {
         let end = Course::of(record.plan, record).end_of(step).unwrap();
