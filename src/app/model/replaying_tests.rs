@@ -240,6 +240,70 @@ fn without_clicks_features_come_before_their_matches_and_lines_test_the_result()
 }
 
 #[test]
+fn a_click_on_a_part_shows_the_hypothesis_that_was_kept() {
+    let (mut model, _) = searched(true);
+    model.follow_replay();
+    let kept = |model: &Model, number: usize| *model.result().unwrap().hypotheses()[number].fundamental();
+    model.apply_to_replay(ReplayCommand::Play(MethodStep::Validation));
+    assert!(model.replay_on(0.05));
+    model.follow_replay();
+    let before = model.replayed();
+    let racer = model.record().unwrap().race[0].hypothesis.fundamental;
+    model.apply_to_replay(ReplayCommand::Show(Target::Replayed(Replayed::Racer(0))));
+    let number = model.open.focus.hypothesis().unwrap();
+    assert_eq!((kept(&model, number), model.open.replay.is_playing()), (racer, false));
+    assert!(model.replayed() == before && model.drawn_moment().is_none());
+    // The replay goes on where it was.
+    model.apply_to_replay(ReplayCommand::TogglePlay);
+    assert!(model.open.replay.is_playing() && model.drawn_moment().is_some() && model.replayed() == before);
+    assert_eq!(model.open.focus.hypothesis(), None);
+    // Candidates belong to the hypotheses that they proposed.
+    let record = model.record().unwrap();
+    let moment = model.drawn_moment().unwrap();
+    let origin = |k: usize| record.kept[k].1;
+    let ranks = (0..record.kept.len()).find_map(|k| match origin(k) {
+        Some(ProposedBy::LinePairs { ranks }) => Some(ranks),
+        _ => None,
+    });
+    let cell = |record: &Record, pair: usize, rank: usize| {
+        let compared = &record.pencils[pair].compared;
+        let [row, column] = compared.cell(&compared.candidates[rank - 1]).unwrap();
+        Target::Cell { pair, row, column }
+    };
+    for (pair, rank) in ranks.unwrap().into_iter().enumerate() {
+        let found = hypothesis_of(record, moment, cell(record, pair, rank)).unwrap();
+        assert!(matches!(origin(found), Some(ProposedBy::LinePairs { ranks }) if ranks[pair] == rank));
+    }
+    // Without clicks, a rank does not tell the match that the lines pass through.
+    let moment = steps::draw(&UNCLICKED, Place { step: MethodStep::Pencils, seconds: 1.0 });
+    assert_eq!(hypothesis_of(&UNCLICKED, &moment, cell(&UNCLICKED, 0, 1)), None);
+    // A part of a dropped hypothesis stays lit.
+    let target = (0..model.record().unwrap().hypotheses.len())
+        .map(|k| Target::Replayed(Replayed::Hypothesis(k)))
+        .find(|target| {
+            let record = model.record().unwrap();
+            hypothesis_of(record, model.drawn_moment().unwrap(), *target).is_none()
+        });
+    model.apply_to_replay(ReplayCommand::Show(target.unwrap()));
+    model.follow_replay();
+    assert_eq!((model.open.focus.hypothesis(), model.open.focus.hovered()), (None, target));
+    assert!(!model.open.replay.is_playing() && model.drawn_moment().is_some());
+    model.choose_hypothesis(None);
+    model.follow_replay();
+    assert_eq!((model.replayed(), model.open.focus.hovered()), (None, None));
+}
+
+#[test]
+fn lines_of_a_round_trip_and_of_the_leader_belong_to_their_hypotheses() {
+    let at = |step, seconds| steps::draw(&CLICKED, Place { step, seconds }).kept;
+    let trip = CLICKED.trips.first().unwrap().kept.unwrap();
+    assert_eq!((at(MethodStep::RoundTrip, 0.9), at(MethodStep::RoundTrip, 1.6)), (Some(trip), None));
+    let f = CLICKED.kept[at(MethodStep::Validation, 1.0).unwrap()].0;
+    assert!(CLICKED.race.iter().any(|own| own.hypothesis.fundamental == f));
+    assert_eq!(at(MethodStep::Refinement, 1.0), None, "they are lines of the result");
+}
+
+#[test]
 fn player_and_replay_have_one_place() {
     let mut model = searched_sequences(sequences().1, false);
     model.follow_replay();

@@ -97,6 +97,8 @@ pub struct Moment {
     pub figures: Vec<Figure>,
     /// Line pair whose profiles are shown, if any.
     pub lines: Option<LineSource>,
+    /// Hypothesis of the result whose lines are drawn, by its place in the list, if it was kept.
+    pub kept: Option<usize>,
     /// How far the right curve has slid to its place in the warped profile, 0 to 1.
     pub slide: f64,
     pub filled: Option<Filled>,

@@ -1,6 +1,7 @@
 //! What each step draws. All times are seconds since the step began, at the usual speed.
 
 use super::course::Place;
+use super::kept;
 use super::moment::{Filled, Ink, Moment, Shape};
 use super::race;
 use super::record::{Record, RecordedPencils, Trip, short_origin};
@@ -99,7 +100,7 @@ fn pencils(moment: &mut Moment, record: &Record, seconds: f64) {
     moment.tell("best partner on the right", degrees(&lines[1]));
     moment.tell("cost, 1 is a random line", format!("{cost:.2}"));
     // Lines through a match test the result.
-    let tests = is_held && own.pair.is_none();
+    let tests = held.is_some() && own.pair.is_none();
     if let Some([off1, off2]) = record.off_result(&own.compared.click, &lines).filter(|_| tests) {
         let degrees = |angle: f64| format!("{:.1}°", angle.to_degrees());
         moment.tell("off the result's lines", format!("{} and {}", degrees(off1), degrees(off2)));
@@ -313,7 +314,8 @@ fn round_trip(moment: &mut Moment, record: &Record, seconds: f64) {
     };
     moment.zoom = 1.0 + (farthest(record) - 1.0) * (1.0 - ease_in_out(back));
     let at_time = |k: usize| ease_out(share(seconds, begin + part * k as f64, part));
-    let Trip { lines, gap, name } = trip;
+    let Trip { lines, gap, name, kept } = trip;
+    moment.kept = *kept;
     let area = at_time(3);
     for region in regions_between_lines(&lines.line1, &lines.back1, record.frames[0]) {
         moment.add(Shape::Area(region), Ink::RoundTrip, 0.42 * area);
@@ -352,6 +354,9 @@ fn refinement(moment: &mut Moment, record: &Record, seconds: f64) {
     let fit = (along.floor() as usize).min(fits - 2);
     let [from, to] = [&record.swing[fit], &record.swing[fit + 1]];
     let recolour = share(seconds, 0.7, 0.3);
+    // The lines end as those of the result.
+    moment.kept =
+        record.led_from.filter(|_| recolour <= 0.0).and_then(|from| kept::from_source(record, from));
     let shown = (along / (fits - 1) as f64 * record.matched.len() as f64) as usize;
     for pair in record.matched.iter().take(shown) {
         let shape = Shape::Stroke { pair: *pair, has_stroke: false };
