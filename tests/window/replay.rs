@@ -102,14 +102,60 @@ fn a_click_in_a_picture_ends_the_replay() {
     frames(&mut window, 3);
     assert!(is_playing(&window));
     let start = time(&window).unwrap();
-    let place = at(&window, Side::Left, 0.3, 0.3);
+    // Between the lines of the candidates, a click places a point.
+    let place = at(&window, Side::Left, 0.33, -0.25);
     click(&mut window, place);
     assert_eq!(window.state().document().pairs.len(), 2);
     assert!(window.state().document().half.is_some());
     // A first click changes no result, so the step stays; the second one gives another result.
-    let place = at(&window, Side::Right, 0.3, 0.3);
+    let place = at(&window, Side::Right, 0.28, -0.25);
     click(&mut window, place);
     assert_eq!(time(&window), None, "after {start}");
+}
+
+#[test]
+fn a_click_on_a_line_shows_its_hypothesis_and_places_no_point() {
+    let mut window = moving();
+    window.get_by_label("Step Round trip").click();
+    // The line of a hypothesis has gone across.
+    frames(&mut window, 17);
+    assert!(is_playing(&window));
+    let [start, end] = lines(&window, Side::Left, Color32::from_rgb(143, 180, 255))[0];
+    let (before, place) = (time(&window).unwrap(), start + (end - start) * 0.3);
+    window.hover_at(place);
+    for pressed in [true, false] {
+        button(&window, place, PointerButton::Primary, pressed);
+    }
+    settle(&mut window);
+    let chosen = window.state().focus().hypothesis().unwrap();
+    window.get_by_label(&format!("Hypothesis {}", chosen + 1));
+    assert!(!is_playing(&window) && time(&window).unwrap() - before < 0.5);
+    assert!(window.state().document().half.is_none() && window.state().document().pairs.len() == 2);
+    let f = *window.state().estimate().unwrap().hypotheses()[chosen].fundamental();
+    assert!(shows_lines(&window, &f, OTHER));
+    // The replay goes on, or ends with the result.
+    window.key_press(Key::Space);
+    frames(&mut window, 2);
+    assert!(is_playing(&window) && window.state().focus().hypothesis().is_none());
+    press(&mut window, Key::End);
+    assert_eq!(time(&window), None);
+}
+
+#[test]
+fn a_click_on_a_row_of_a_dropped_candidate_keeps_it_lit() {
+    let mut window = moving();
+    window.get_by_label("Step Candidates").click();
+    frames(&mut window, 3);
+    assert!(is_playing(&window));
+    window.get_by_label("Candidate 5 through p").click();
+    settle(&mut window);
+    let lit = window.state().focus().hovered();
+    assert!(!is_playing(&window) && lit.is_some() && window.state().focus().hypothesis().is_none());
+    window.hover_at(at(&window, Side::Left, -0.45, -0.45) - vec2(0.0, 60.0));
+    settle(&mut window);
+    assert_eq!(window.state().focus().hovered(), lit);
+    press(&mut window, Key::End);
+    assert_eq!(window.state().focus().hovered(), None);
 }
 
 #[test]

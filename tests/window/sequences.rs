@@ -123,9 +123,14 @@ fn a_result_of_sequences_without_clicks_has_lines_and_barcodes() {
     assert_eq!(model.unclicked_places().len(), 2);
     press(&mut window, Key::Num2);
     window.get_by_label("Motion barcodes");
+    assert!(window.query_by_label("Step Epipoles").is_none(), "the player is in the place of the steps");
+    tap(&mut window, "Search");
+    assert!(window.query_by_label_contains("Frame 0").is_none());
     tap(&mut window, "Step Epipoles");
     window.get_by_label_contains("Two or three candidates at a time give a hypothesis");
     tap(&mut window, "Result");
+    tap(&mut window, "Frames");
+    window.get_by_label("Frame 0 of 48");
     press(&mut window, Key::Num3);
     window.get_by_label_contains("Motion barcodes give no matches: click point pairs");
 }

@@ -131,7 +131,7 @@ impl Inspector {
             Command::ResetParameters => model.set_preset(model.document.parameters.preset),
             // `Inspector::show` collects these, as only the targets of this frame count.
             Command::PointAt(_) => {}
-            Command::ChooseHypothesis(number) => model.open.focus.choose_hypothesis(number),
+            Command::ChooseHypothesis(number) => model.choose_hypothesis(number),
             Command::ChooseContestant(contestant) => model.open.focus.choose_contestant(contestant),
             Command::Compare(subject) => model.look.compared = subject,
             Command::Pin(source) => model.open.focus.pin(source),

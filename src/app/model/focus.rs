@@ -100,6 +100,8 @@ pub const PINS: usize = 40;
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Focus {
     hovered: Option<Target>,
+    /// The part of the replay that a click lit. It stays lit while nothing else is under the cursor.
+    held: Option<Target>,
     hypothesis: Option<usize>,
     contestant: Option<Contestant>,
     pins: Vec<Pin>,
@@ -107,9 +109,14 @@ pub struct Focus {
 }
 
 impl Focus {
-    /// Returns the thing under the cursor, anywhere in the window.
+    /// Returns the thing under the cursor, anywhere in the window, or else the held part of the replay.
     pub fn hovered(&self) -> Option<Target> {
-        self.hovered
+        self.hovered.or(self.held)
+    }
+
+    /// Keeps a part of the replay lit; `None` lets go of it.
+    pub fn hold(&mut self, target: Option<Target>) {
+        self.held = target;
     }
 
     /// Returns the selected hypothesis, by its place in the list of the result.

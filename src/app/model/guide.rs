@@ -19,7 +19,7 @@ pub fn guide(model: &Model) -> String {
             "Drop two images of the same scene on this window, or open them.".into()
         };
     }
-    if model.open.replay.moment().is_some() {
+    if model.drawn_moment().is_some() {
         return if model.is_live() {
             "The steps of the search are drawn as they come.".into()
         } else {

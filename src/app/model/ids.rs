@@ -49,8 +49,10 @@ named! {
         Pencils = "Pencils",
         /// Line pairs that are each other's best match.
         Candidates = "Candidates",
-        /// Matches of features, found by appearance alone.
+        /// Distinctive places of both pictures. With clicks also their matches, which have a step of their own without.
         Features = "Features",
+        /// Matches of features, found by appearance alone.
+        Matches = "Matches",
         /// Intersections of two candidates, which are possible epipoles.
         Epipoles = "Epipoles",
         /// Mapping of lines to the other image and back.

@@ -47,6 +47,11 @@ impl Model {
         self.document.parameters.similarity.measure == LineMeasure::Barcodes && self.recordings().is_some()
     }
 
+    /// Returns whether the player of the frames is in the place of the timeline.
+    pub fn shows_player(&self) -> bool {
+        self.has_sequences() && !self.open.player.gives_way
+    }
+
     /// Returns the frames of the left sequence that have a partner in the right one.
     pub fn playable(&self) -> Option<RangeInclusive<usize>> {
         let ([first, _], count) = self.synchronised()?.in_common();
@@ -110,12 +115,15 @@ impl Model {
     /// Applies a command to the sequences. Searching for the offset is a task and is not done here.
     pub fn apply_to_player(&mut self, command: PlayerCommand) {
         let (Some(playable), Some([shown, _])) = (self.playable(), self.shown_frames()) else { return };
-        // The replay and the player do not run through the frames at the same time.
-        let runs_frames = self.open.replay.moment().is_some_and(|moment| moment.frames.is_some());
-        if runs_frames && !matches!(command, PlayerCommand::ToggleSilhouettes) {
+        // The replay and the player do not run at the same time.
+        let to_search = command == PlayerCommand::Exchange && self.shows_player();
+        let player = &mut self.open.player;
+        if to_search {
+            (player.gives_way, player.playing) = (true, false);
+        } else if !matches!(command, PlayerCommand::ToggleSilhouettes | PlayerCommand::SetOffset(_)) {
+            player.gives_way = false;
             self.open.replay.stop();
         }
-        let player = &mut self.open.player;
         match command {
             PlayerCommand::TogglePlay => {
                 player.playing = !player.playing;
@@ -132,7 +140,7 @@ impl Model {
             PlayerCommand::SetOffset(offset) => {
                 self.edit_run(EditKey::Offset, |document| document.offset = offset);
             }
-            PlayerCommand::FindOffset => {}
+            PlayerCommand::FindOffset | PlayerCommand::Exchange => {}
         }
     }
 

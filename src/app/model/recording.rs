@@ -115,6 +115,8 @@ pub enum PlayerCommand {
     Step(i32),
     /// Show this frame of the left sequence, and the matching frame of the right one.
     Seek(usize),
+    /// Exchange the player and the timeline of the search, which have one place.
+    Exchange,
     ToggleSilhouettes,
     /// Set the time offset: frame `k` of the left sequence belongs with frame `k + offset` of the
     /// right one.
@@ -125,6 +127,8 @@ pub enum PlayerCommand {
 /// Visible frames, and their appearance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Player {
+    /// Whether the timeline of the search is in the place of the player.
+    pub gives_way: bool,
     /// Frame of the left sequence; fractional during playback.
     pub(super) position: f64,
     pub playing: bool,

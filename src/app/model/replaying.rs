@@ -6,6 +6,8 @@ use std::time::Duration;
 use super::computation::Freshness;
 use super::recording::PlayerCommand;
 use super::replay::course::{Course, Place};
+use super::replay::kept::hypothesis_of;
+use super::replay::moment::Moment;
 use super::replay::record::{Record, Source};
 use super::replay::{Key, ReplayCommand, Speed, steps};
 use super::verdict::Tone;
@@ -47,6 +49,26 @@ impl Model {
         self.open.replay.place.is_none() && self.live().is_some()
     }
 
+    /// Returns whether the pictures show a hypothesis in place of the moment at which the replay pauses.
+    pub fn pauses_at_hypothesis(&self) -> bool {
+        let replay = &self.open.replay;
+        replay.place.is_some() && !replay.playing && self.open.focus.hypothesis().is_some()
+    }
+
+    /// Returns the drawing that the pictures show; `None` if they show a geometry.
+    pub fn drawn_moment(&self) -> Option<&Moment> {
+        self.open.replay.moment().filter(|_| !self.pauses_at_hypothesis())
+    }
+
+    /// Shows a hypothesis in the whole window, by its place in the list; `None` shows the result.
+    pub fn choose_hypothesis(&mut self, number: Option<usize>) {
+        self.open.replay.playing = false;
+        if number.is_none() {
+            self.open.replay.stop();
+        }
+        self.open.focus.choose_hypothesis(number);
+    }
+
     /// Returns the newest moment of a search that runs for long and has nothing better to show.
     fn live(&self) -> Option<Place> {
         let computation = &self.open.computation;
@@ -63,7 +85,7 @@ impl Model {
     /// Returns the moment of the matches, which stand in place of lines if the pictures seem to show different scenes.
     fn matches_of_different_scenes(&self) -> Option<Place> {
         let is_apart = self.tone() == Tone::Apart && !self.shows_another();
-        self.course().end_of(MethodStep::Features).filter(|_| is_apart)
+        self.course().end_of(MethodStep::Matches).filter(|_| is_apart)
     }
 
     /// Updates the record and the drawing of the shown moment.
@@ -78,6 +100,7 @@ impl Model {
         };
         if self.open.replay.record.as_ref().map(|(known, _)| *known) != Some(key) {
             self.open.replay.record = Some((key, Arc::new(self.new_record())));
+            self.open.focus.hold(None);
         }
         if self.open.replay.awaited && matches!(computation.result(), Some((_, Freshness::Final))) {
             self.open.replay.awaited = false;
@@ -86,6 +109,9 @@ impl Model {
             }
         }
         let place = self.replayed().or_else(|| self.matches_of_different_scenes());
+        if place.is_none() {
+            self.open.focus.hold(None);
+        }
         let replay = &mut self.open.replay;
         let is_drawn =
             |place: &Place| matches!(&replay.drawn, Some((of, at, _)) if (of, at) == (&key, place));
@@ -110,10 +136,19 @@ impl Model {
     }
 
     pub fn apply_to_replay(&mut self, command: ReplayCommand) {
+        if let ReplayCommand::Nudge { forward } = command
+            && self.shows_player()
+        {
+            return self.apply_to_player(PlayerCommand::Step(if forward { 1 } else { -1 }));
+        }
         let course = self.course();
         let live = self.live();
         let still = self.look.still_steps;
-        let plays_frames = self.has_sequences() && self.open.replay.place.is_none();
+        let is_setting = matches!(command, ReplayCommand::NextSpeed | ReplayCommand::ToggleStill);
+        if !is_setting {
+            self.open.focus.hold(None);
+            self.open.focus.forget_hypothesis();
+        }
         let replay = &mut self.open.replay;
         match command {
             ReplayCommand::TogglePlay | ReplayCommand::PlaySlowly if still => {
@@ -133,9 +168,6 @@ impl Model {
             }
             ReplayCommand::Seek(at) => {
                 (replay.place, replay.playing) = (course.place(at), false);
-            }
-            ReplayCommand::Nudge { forward } if plays_frames => {
-                self.apply_to_player(PlayerCommand::Step(if forward { 1 } else { -1 }));
             }
             ReplayCommand::Nudge { forward } => {
                 let Some(place) = replay.place.or_else(|| course.last()) else { return };
@@ -157,20 +189,25 @@ impl Model {
                     None => {}
                 }
             }
-            ReplayCommand::Begin => (replay.place, replay.playing) = (course.first(), false),
-            ReplayCommand::Finish => {
-                self.open.focus.choose_hypothesis(None);
-                self.open.replay.stop();
+            ReplayCommand::Show(target) => {
+                (replay.place, replay.playing) = (replay.place.or(live), false);
+                let shown = replay.moment().zip(replay.record.as_ref());
+                let kept = shown.and_then(|(moment, (_, record))| hypothesis_of(record, moment, target));
+                self.open.focus.hold(Some(target));
+                if kept.is_some() {
+                    self.choose_hypothesis(kept);
+                }
             }
+            ReplayCommand::Begin => (replay.place, replay.playing) = (course.first(), false),
+            ReplayCommand::Finish => self.choose_hypothesis(None),
             ReplayCommand::NextSpeed => self.look.speed = self.look.speed.next(),
             ReplayCommand::ToggleStill => self.look.still_steps = !still,
         }
         // The chart of the step is in the first tab.
-        if self.open.replay.place.is_some()
-            && !matches!(command, ReplayCommand::NextSpeed | ReplayCommand::ToggleStill)
-        {
+        if self.open.replay.place.is_some() && !is_setting {
             self.look.tab = TabId::Step;
             self.look.stage = StageId::Pictures;
+            (self.open.player.gives_way, self.open.player.playing) = (true, false);
         }
     }
 

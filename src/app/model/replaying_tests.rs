@@ -3,16 +3,16 @@
 use std::sync::LazyLock;
 
 use super::*;
-use crate::app::model::MethodStep;
 use crate::app::model::computation::{EstimateFailure, EstimateNews, EstimateRequest};
 use crate::app::model::focus::{LineSource, Replayed};
 use crate::app::model::picture::Opened;
-use crate::app::model::recording::Recording;
+use crate::app::model::recording::{Recording, Synchronised};
 use crate::app::model::replay::course::StepState;
-use crate::app::model::replay::moment::{Ink, Moment, Shape};
+use crate::app::model::replay::moment::{Ink, Mark, Moment, Shape};
 use crate::app::model::replay::strokes::parts_of;
 use crate::app::model::sample::sample_pair;
 use crate::app::model::shared::Shared;
+use crate::app::model::{MethodStep, Target};
 use crate::estimate::{
     EstimateError, Event, EventKind, HypothesisNote, Monitor, PreparedPair, Progress, ProposedBy,
     RankedHypothesis, RefinementStep, estimate, estimate_prepared,
@@ -40,11 +40,17 @@ fn searched(clicked: bool) -> (Model, Vec<Event>) {
     });
     let found = estimate(&pictures[0].gray, &pictures[1].gray, &pairs, &parameters, &monitor).unwrap();
     drop(monitor);
-    let request = EstimateRequest { pictures, recordings: None, views: None, pairs, given: None, parameters };
-    model.open.computation.adopt(Some(&request));
-    model.open.computation.begin(1, false);
+    begin(&mut model, 1, pairs, None);
     model.open.computation.take(1, EstimateNews::Finished(Ok(Box::new(found))));
     (model, events.into_inner().unwrap())
+}
+
+/// Begins a search with this number, of the open pictures and these pairs.
+fn begin(model: &mut Model, number: u64, pairs: Vec<PointPair>, recordings: Option<Synchronised>) {
+    let (pictures, parameters) = (model.open.pictures().unwrap(), model.document.search_parameters());
+    let request = EstimateRequest { pictures, recordings, views: None, pairs, given: None, parameters };
+    model.open.computation.adopt(Some(&request));
+    model.open.computation.begin(number, false);
 }
 
 static CLICKED: LazyLock<Record> = LazyLock::new(|| searched(true).0.new_record());
@@ -97,10 +103,7 @@ fn searched_sequences(opened: [Opened; 2], clicked: bool) -> Model {
     let [left, right] = pictures.each_ref().map(|picture| &picture.gray);
     let prepared = PreparedPair::of_sequences(left, right, silhouettes, recordings.offset).unwrap();
     let found = estimate_prepared(&prepared, &pairs, &parameters, &Monitor::silent()).unwrap();
-    let recordings = Some(recordings);
-    let request = EstimateRequest { pictures, recordings, views: None, pairs, given: None, parameters };
-    model.open.computation.adopt(Some(&request));
-    model.open.computation.begin(1, false);
+    begin(&mut model, 1, pairs, Some(recordings));
     model.open.computation.take(1, EstimateNews::Finished(Ok(Box::new(found))));
     model
 }
@@ -132,7 +135,7 @@ fn a_moment_depends_on_nothing_but_record_and_time() {
 #[test]
 fn every_search_has_its_own_steps() {
     use MethodStep::{
-        Barcodes, Candidates, Epipoles, Features, Motion, Pencils, Refinement, RoundTrip, Validation,
+        Barcodes, Candidates, Epipoles, Features, Matches, Motion, Pencils, Refinement, RoundTrip, Validation,
     };
     let ran = |record: &Record| -> Vec<MethodStep> {
         let course = Course::of(record.plan, record);
@@ -142,7 +145,7 @@ fn every_search_has_its_own_steps() {
     for step in [Pencils, Candidates, Epipoles, RoundTrip, Validation, Refinement] {
         assert!(clicked.contains(&step), "{step:?}");
     }
-    assert_eq!(ran(&UNCLICKED), [Features, Epipoles, Validation, Refinement, Pencils]);
+    assert_eq!(ran(&UNCLICKED), [Features, Matches, Epipoles, Validation, Refinement, Pencils]);
     for record in [&*SEQUENCES, &*CLICKED_SEQUENCES] {
         assert_eq!(ran(record), [Motion, Barcodes, Candidates, Epipoles, Validation, Refinement]);
     }
@@ -204,8 +207,125 @@ fn sequences_have_no_record_before_a_search_and_the_player_ends_the_replay_of_fr
 }
 
 #[test]
+fn without_clicks_features_come_before_their_matches_and_lines_test_the_result() {
+    let at = |step, seconds| steps::draw(&UNCLICKED, Place { step, seconds });
+    let drawn = |step, seconds| {
+        let marks = at(step, seconds).marks;
+        let strokes = |mark: &&Mark| matches!(mark.shape, Shape::Stroke { has_stroke: true, .. });
+        (marks.len(), marks.iter().filter(strokes).count())
+    };
+    let all = UNCLICKED.matches.len();
+    assert!(drawn(MethodStep::Features, 0.5).0 < all);
+    assert_eq!(drawn(MethodStep::Features, 2.2), (all, 0));
+    assert_eq!(drawn(MethodStep::Matches, 0.0), (all, 0));
+    let (dots, strokes) = drawn(MethodStep::Matches, 0.7);
+    assert!(dots == all && strokes > 0 && strokes < all);
+    assert_eq!(drawn(MethodStep::Matches, 2.2), (all, all));
+    let opacities = |agrees: bool| {
+        let of = |mark: &Mark| match mark.target {
+            Some(Target::Replayed(Replayed::Match(k))) if UNCLICKED.matches[k].agrees == agrees => {
+                mark.opacity
+            }
+            _ => f32::NAN,
+        };
+        at(MethodStep::Matches, 2.2).marks.iter().map(of).fold(f32::NAN, f32::max)
+    };
+    assert!(opacities(true) > 0.8 && opacities(false) < 0.3);
+    // Lines through a match test the result where its own lines pass.
+    let held = at(MethodStep::Pencils, 1.0);
+    let off = held.figures.iter().find(|figure| figure.name == "off the result's lines").unwrap();
+    let degrees: Vec<f64> =
+        off.value.split(" and ").map(|own| own.trim_end_matches('°').parse().unwrap()).collect();
+    assert!(degrees.len() == 2 && degrees.iter().all(|own| *own < 20.0), "{}", off.value);
+}
+
+#[test]
+fn a_click_on_a_part_shows_the_hypothesis_that_was_kept() {
+    let (mut model, _) = searched(true);
+    model.follow_replay();
+    let kept = |model: &Model, number: usize| *model.result().unwrap().hypotheses()[number].fundamental();
+    model.apply_to_replay(ReplayCommand::Play(MethodStep::Validation));
+    assert!(model.replay_on(0.05));
+    model.follow_replay();
+    let before = model.replayed();
+    let racer = model.record().unwrap().race[0].hypothesis.fundamental;
+    model.apply_to_replay(ReplayCommand::Show(Target::Replayed(Replayed::Racer(0))));
+    let number = model.open.focus.hypothesis().unwrap();
+    assert_eq!((kept(&model, number), model.open.replay.is_playing()), (racer, false));
+    assert!(model.replayed() == before && model.drawn_moment().is_none());
+    // The replay goes on where it was.
+    model.apply_to_replay(ReplayCommand::TogglePlay);
+    assert!(model.open.replay.is_playing() && model.drawn_moment().is_some() && model.replayed() == before);
+    assert_eq!(model.open.focus.hypothesis(), None);
+    // Candidates belong to the hypotheses that they proposed.
+    let record = model.record().unwrap();
+    let moment = model.drawn_moment().unwrap();
+    let origin = |k: usize| record.kept[k].1;
+    let ranks = (0..record.kept.len()).find_map(|k| match origin(k) {
+        Some(ProposedBy::LinePairs { ranks }) => Some(ranks),
+        _ => None,
+    });
+    let cell = |record: &Record, pair: usize, rank: usize| {
+        let compared = &record.pencils[pair].compared;
+        let [row, column] = compared.cell(&compared.candidates[rank - 1]).unwrap();
+        Target::Cell { pair, row, column }
+    };
+    for (pair, rank) in ranks.unwrap().into_iter().enumerate() {
+        let found = hypothesis_of(record, moment, cell(record, pair, rank)).unwrap();
+        assert!(matches!(origin(found), Some(ProposedBy::LinePairs { ranks }) if ranks[pair] == rank));
+    }
+    // Without clicks, a rank does not tell the match that the lines pass through.
+    let moment = steps::draw(&UNCLICKED, Place { step: MethodStep::Pencils, seconds: 1.0 });
+    assert_eq!(hypothesis_of(&UNCLICKED, &moment, cell(&UNCLICKED, 0, 1)), None);
+    // A part of a dropped hypothesis stays lit.
+    let target = (0..model.record().unwrap().hypotheses.len())
+        .map(|k| Target::Replayed(Replayed::Hypothesis(k)))
+        .find(|target| {
+            let record = model.record().unwrap();
+            hypothesis_of(record, model.drawn_moment().unwrap(), *target).is_none()
+        });
+    model.apply_to_replay(ReplayCommand::Show(target.unwrap()));
+    model.follow_replay();
+    assert_eq!((model.open.focus.hypothesis(), model.open.focus.hovered()), (None, target));
+    assert!(!model.open.replay.is_playing() && model.drawn_moment().is_some());
+    model.choose_hypothesis(None);
+    model.follow_replay();
+    assert_eq!((model.replayed(), model.open.focus.hovered()), (None, None));
+}
+
+#[test]
+fn lines_of_a_round_trip_and_of_the_leader_belong_to_their_hypotheses() {
+    let at = |step, seconds| steps::draw(&CLICKED, Place { step, seconds }).kept;
+    let trip = CLICKED.trips.first().unwrap().kept.unwrap();
+    assert_eq!((at(MethodStep::RoundTrip, 0.9), at(MethodStep::RoundTrip, 1.6)), (Some(trip), None));
+    let f = CLICKED.kept[at(MethodStep::Validation, 1.0).unwrap()].0;
+    assert!(CLICKED.race.iter().any(|own| own.hypothesis.fundamental == f));
+    assert_eq!(at(MethodStep::Refinement, 1.0), None, "they are lines of the result");
+}
+
+#[test]
+fn player_and_replay_have_one_place() {
+    let mut model = searched_sequences(sequences().1, false);
+    model.follow_replay();
+    assert!(model.shows_player());
+    let frame = model.shown_frames().unwrap()[0];
+    model.apply_to_replay(ReplayCommand::Nudge { forward: true });
+    assert_eq!((model.shown_frames().unwrap()[0], model.replayed()), (frame + 1, None));
+    model.apply_to_player(PlayerCommand::TogglePlay);
+    model.apply_to_player(PlayerCommand::Exchange);
+    assert!(!model.shows_player() && !model.play_on(0.1));
+    model.apply_to_replay(ReplayCommand::Nudge { forward: false });
+    assert!(model.replayed().is_some());
+    model.apply_to_player(PlayerCommand::Exchange);
+    assert!(model.shows_player() && model.replayed().is_none());
+    model.apply_to_replay(ReplayCommand::Play(MethodStep::Motion));
+    assert!(!model.shows_player());
+    model.apply_to_player(PlayerCommand::TogglePlay);
+    assert!(model.shows_player() && model.replayed().is_none() && model.play_on(0.1));
+}
+
+#[test]
 fn marks_of_a_moment_can_be_pointed_at() {
-    use crate::app::model::Target;
     let has = |record: &Record, step: MethodStep, is_one: fn(&Target) -> bool| {
         let end = Course::of(record.plan, record).end_of(step).unwrap();
         steps::draw(record, end).marks.iter().filter_map(|mark| mark.target).any(|target| is_one(&target))
@@ -265,22 +385,10 @@ fn a_sweep_compares_every_line_once_and_holds_the_winner() {
 
 #[test]
 fn a_growing_record_has_the_steps_that_have_happened() {
-    let (model, events) = searched(false);
+    let (mut model, events) = searched(false);
     let whole = model.new_record();
-    let mut model = model;
     model.open.computation.restart();
-    let pictures = model.open.pictures().unwrap();
-    let parameters = model.document.search_parameters();
-    let request = EstimateRequest {
-        pictures,
-        recordings: None,
-        views: None,
-        pairs: Vec::new(),
-        given: None,
-        parameters,
-    };
-    model.open.computation.adopt(Some(&request));
-    model.open.computation.begin(2, false);
+    begin(&mut model, 2, Vec::new(), None);
     let mut known = 0;
     for event in events {
         model.open.computation.take(2, EstimateNews::Happened(event));

@@ -1,11 +1,8 @@
-//! Progress and findings of each step of the algorithm, in words.
+//! Progress of each step of the algorithm, and what it does, in words.
 
 use super::computation::{Computation, Freshness};
-use super::document::{Document, pair_name};
 use super::ids::MethodStep;
-use super::verdict::line_score_text;
 use crate::estimate::{SearchPlan, Stage};
-use crate::features::FeatureViews;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StepProgress {
@@ -44,7 +41,7 @@ impl MethodStep {
     pub fn stages(self) -> &'static [Stage] {
         match self {
             Self::Pencils | Self::Barcodes => &[Stage::Pyramid, Stage::Pencils],
-            Self::Motion | Self::Candidates | Self::RoundTrip => &[],
+            Self::Motion | Self::Candidates | Self::Matches | Self::RoundTrip => &[],
             Self::Features => &[Stage::Features],
             Self::Epipoles => &[Stage::Hypotheses],
             Self::Validation => &[Stage::Validation],
@@ -53,35 +50,22 @@ impl MethodStep {
     }
 }
 
-/// Returns the progress of a step: of its last stage that has begun, or of the step before it.
+/// Returns the progress of a step: of its stage, or of the stage of the step before it, which has its time.
 pub fn progress_of(step: MethodStep, computation: &Computation) -> StepProgress {
-    // A stage repeated by the wider search is not shown as running twice.
-    let of = |stages: &[Stage]| stages.iter().map(|stage| progress(*stage, computation)).reduce(later);
-    match step {
+    let (stage, has_time) = match step {
         // The silhouettes are known before the search.
-        MethodStep::Motion => without_time(progress(Stage::Pyramid, computation)),
-        MethodStep::Candidates => without_time(progress(Stage::Pencils, computation)),
-        MethodStep::RoundTrip => without_time(progress(Stage::Hypotheses, computation)),
-        MethodStep::Pencils | MethodStep::Barcodes => progress(Stage::Pencils, computation),
-        _ => of(step.stages()).unwrap_or(StepProgress::Waiting),
-    }
-}
-
-/// Sums the times of two stages; a running or failed stage prevails.
-fn later(first: StepProgress, second: StepProgress) -> StepProgress {
-    use StepProgress::{Done, Failed, Running, Stopped, Waiting};
-    match (first, second) {
-        (Waiting, other) | (other, Waiting) => other,
-        (Done(a), Done(b)) => Done(a.zip(b).map(|(a, b)| a + b).or(a).or(b)),
-        (Running, _) | (_, Running) => Running,
-        (Failed, _) | (_, Failed) => Failed,
-        (Stopped, _) | (_, Stopped) => Stopped,
-    }
-}
-
-fn without_time(progress: StepProgress) -> StepProgress {
-    match progress {
-        StepProgress::Done(_) => StepProgress::Done(None),
+        MethodStep::Motion => (Stage::Pyramid, false),
+        MethodStep::Pencils | MethodStep::Barcodes => (Stage::Pencils, true),
+        MethodStep::Candidates => (Stage::Pencils, false),
+        MethodStep::Features => (Stage::Features, true),
+        MethodStep::Matches => (Stage::Features, false),
+        MethodStep::Epipoles => (Stage::Hypotheses, true),
+        MethodStep::RoundTrip => (Stage::Hypotheses, false),
+        MethodStep::Validation => (Stage::Validation, true),
+        MethodStep::Refinement => (Stage::Refinement, true),
+    };
+    match progress(stage, computation) {
+        StepProgress::Done(_) if !has_time => StepProgress::Done(None),
         other => other,
     }
 }
@@ -108,7 +92,7 @@ pub fn sentence(step: MethodStep, plan: SearchPlan) -> &'static str {
              partner on the right is crossed in the same frames."
         }
         MethodStep::Pencils if plan == SearchPlan::Unclicked => {
-            "As a test, lines through two matches are compared: each with its most similar line on the right."
+            "As a test of the result, lines through two matches are compared: each with its most similar line on the right."
         }
         MethodStep::Pencils => {
             "A line turns about a clicked point on the left. Its best partner on the right is the line with the most similar \
@@ -116,6 +100,12 @@ pub fn sentence(step: MethodStep, plan: SearchPlan) -> &'static str {
         }
         MethodStep::Candidates => {
             "Candidates are line pairs of which each line is among the best partners of the other."
+        }
+        MethodStep::Features if plan == SearchPlan::Unclicked => {
+            "Distinctive places are sought in both pictures. Dots mark those with a similar place in the other picture."
+        }
+        MethodStep::Matches => {
+            "Similar places make matches, the most distinctive first. Matches that fit no common geometry fade."
         }
         MethodStep::Features => {
             "Distinctive places are matched by their surroundings, anywhere in the pictures. Matches that fit no \
@@ -167,88 +157,6 @@ pub fn duration(seconds: f64) -> String {
     } else {
         format!("{seconds:.2} s")
     }
-}
-
-/// Describes the findings of a step in one line; `None` without any.
-pub fn result_text(stage: Stage, document: &Document, computation: &Computation) -> Option<String> {
-    // Findings about earlier points do not apply to the current ones.
-    let result = computation.result().filter(|(_, freshness)| !freshness.is_behind());
-    let estimate = result.map(|(estimate, _)| estimate);
-    match stage {
-        Stage::Pyramid => None,
-        Stage::Pencils => {
-            let pencils = computation.pencils()?;
-            let name = |k: usize| {
-                let pair = document.pair_of_pencils(k, &pencils[k].click);
-                pair.map_or_else(|| format!("match {}", k + 1), pair_name)
-            };
-            let of = |k: usize| {
-                let own = &pencils[k];
-                format!(
-                    "{}: {} × {} lines, {} candidates",
-                    name(k),
-                    own.angles1.len(),
-                    own.angles2.len(),
-                    own.candidates.len()
-                )
-            };
-            Some(format!("{}; {}", of(0), of(1)))
-        }
-        Stage::Hypotheses => {
-            let tried = estimate?.trace.as_ref()?.counts.hypotheses;
-            (tried > 0).then(|| format!("{} tried", grouped(tried)))
-        }
-        Stage::Validation => {
-            let (score, trace) = (estimate?.line_score()?, estimate?.trace.as_ref()?);
-            let score = line_score_text(document.parameters.validation.line_score, score);
-            // Without a validation, the result was the only hypothesis.
-            Some(match trace.counts.validated {
-                0 => format!("line cost {score}"),
-                validated => format!("{validated} compared, line cost of the result {score}"),
-            })
-        }
-        Stage::Refinement => {
-            estimate.filter(|_| matches!(result, Some((_, Freshness::Final)))).map(|estimate| {
-                if let Some(barcodes) = &estimate.assessment.barcodes {
-                    format!("fitted to the barcodes of {} frames", barcodes.frames)
-                } else if estimate.is_refined() {
-                    format!("fitted to {} matches", estimate.matches().len())
-                } else {
-                    "not refined on patches".to_owned()
-                }
-            })
-        }
-        Stage::Features => {
-            let trace = estimate?.trace.as_ref()?;
-            trace.timings.iter().find(|timing| timing.stage == stage)?;
-            let degrees = trace.view.rotation.to_degrees().round();
-            let turned = (degrees != 0.0).then(|| format!("turned by {degrees:.0}°"));
-            let scale = trace.view.scale.map(|scale| format!("scaled by {scale:.2}"));
-            let changes: Vec<String> = turned.into_iter().chain(scale).collect();
-            let view = match changes.join(", ") {
-                none if none.is_empty() => "right image upright".to_owned(),
-                changes => format!("right image {changes}"),
-            };
-            Some(match trace.features {
-                Some(FeatureViews::Frontal) => view,
-                Some(FeatureViews::Slanted) => format!("{view}, with slanted features"),
-                None => "the upright view remains the best".to_owned(),
-            })
-        }
-    }
-}
-
-/// Returns a number with separated thousands.
-fn grouped(number: usize) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }
 
 #[cfg(test)]
@@ -309,10 +217,5 @@ mod tests {
         let stages: Vec<Stage> = computation.stages().iter().map(|(stage, _)| *stage).collect();
         assert_eq!(stages, [Stage::Pencils, Stage::Validation, Stage::Features, Stage::Refinement]);
         assert_eq!(computation.stages()[0], first);
-    }
-
-    #[test]
-    fn thousands_are_separated() {
-        assert_eq!([1, 999, 12_000, 1_234_567].map(grouped), ["1", "999", "12,000", "1,234,567"]);
     }
 }

@@ -13,9 +13,6 @@ use crate::app::model::pane_view::PaneView;
 use crate::app::model::{Command, Model, Side, StageId};
 use crate::geometry::Frame as FrameSize;
 
-/// Height of the bar under two sequences, screen points.
-const PLAYER: f32 = 36.0;
-
 /// State of the screen outside the model: panes, dialogs and the screenshot in progress.
 pub struct View {
     pub panes: [ImagePane; 2],
@@ -153,14 +150,6 @@ impl View {
             let edge = self.placement.map_or(DockEdge::Bottom, |placement| placement.edge);
             let mut inside = ui.new_child(UiBuilder::new().max_rect(dock).id_salt("dock"));
             panels::dock::show(&mut inside, dock, edge, model, commands);
-        }
-        if model.has_sequences() && !model.open.alone {
-            let (rest, player) = stage.split_top_bottom_at_y(stage.max.y - PLAYER);
-            ui.painter().rect_filled(player, 0.0, ui.visuals().panel_fill);
-            let mut inside =
-                ui.new_child(UiBuilder::new().max_rect(player.shrink2(vec2(8.0, 4.0))).id_salt("player"));
-            panels::player(&mut inside, model, commands);
-            stage = rest;
         }
         let hover = self.stage(ui, stage, model, commands);
         self.drawer(ui, stage, model, commands);

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::app::model::focus::Target;
 use crate::app::model::ids::MethodStep;
 
 /// Replay speed, times the usual one.
@@ -70,6 +71,8 @@ pub enum ReplayCommand {
     Step {
         forward: bool,
     },
+    /// Pause, keep a part of the moment lit, and show the hypothesis of the result that it belongs to, if any.
+    Show(Target),
     /// Show the beginning, paused.
     Begin,
     /// Show the result.

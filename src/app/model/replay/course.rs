@@ -24,6 +24,17 @@ pub enum StepState {
     NotReached,
 }
 
+impl StepState {
+    /// Returns why the step has nothing to show.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::NotNeeded => "This search did not need it.",
+            Self::NotReached => "The search ended before it.",
+            Self::Waiting | Self::Ran => "",
+        }
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimedStep {
     pub step: MethodStep,
@@ -41,7 +52,7 @@ pub struct Course {
 /// Returns the steps of a search with their lengths, s. All take ten seconds together.
 fn planned(plan: SearchPlan) -> &'static [(MethodStep, f64)] {
     use MethodStep::{
-        Barcodes, Candidates, Epipoles, Features, Motion, Pencils, Refinement, RoundTrip, Validation,
+        Barcodes, Candidates, Epipoles, Features, Matches, Motion, Pencils, Refinement, RoundTrip, Validation,
     };
     match plan {
         SearchPlan::Published { .. } | SearchPlan::Patches { .. } => &[
@@ -54,9 +65,14 @@ fn planned(plan: SearchPlan) -> &'static [(MethodStep, f64)] {
             (Refinement, 1.0),
         ],
         // The pencils pass through two matches. They come last, as a test.
-        SearchPlan::Unclicked => {
-            &[(Features, 4.4), (Epipoles, 2.0), (Validation, 1.4), (Refinement, 1.2), (Pencils, 1.0)]
-        }
+        SearchPlan::Unclicked => &[
+            (Features, 2.2),
+            (Matches, 2.2),
+            (Epipoles, 2.0),
+            (Validation, 1.4),
+            (Refinement, 1.2),
+            (Pencils, 1.0),
+        ],
         SearchPlan::Barcodes => &[
             (Motion, 1.6),
             (Barcodes, 2.2),
@@ -71,11 +87,11 @@ fn planned(plan: SearchPlan) -> &'static [(MethodStep, f64)] {
     }
 }
 
-/// Returns the length of a step in a search with clicks, or else in one of sequences, s. The drawings of the steps are
-/// made for it.
+/// Returns the length of a step in a search with clicks, or else in one of sequences or without clicks, s. The drawings
+/// of the steps are made for it.
 fn usual(step: MethodStep) -> f64 {
-    let mut steps =
-        planned(SearchPlan::Patches { clicks: 2 }).iter().chain(planned(SearchPlan::Barcodes)).copied();
+    let plans = [SearchPlan::Patches { clicks: 2 }, SearchPlan::Barcodes, SearchPlan::Unclicked];
+    let mut steps = plans.into_iter().flat_map(planned).copied();
     steps.find(|(own, _)| *own == step).map_or(1.0, |(_, seconds)| seconds)
 }
 

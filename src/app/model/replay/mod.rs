@@ -5,6 +5,7 @@
 //! | [`command`] | commands, and the speed |
 //! | [`course`] | the steps of a search on the time axis |
 //! | [`record`] | what a search left behind, in the form for drawing |
+//! | [`kept`] | the hypotheses of the result that its parts belong to |
 //! | [`moment`] | the drawing of a moment |
 //! | [`sweep`] | lines of the left picture with their motion barcodes |
 //! | [`steps`] | draws a moment: a pure function of record and time |
@@ -14,6 +15,7 @@
 
 pub mod command;
 pub mod course;
+pub mod kept;
 pub mod moment;
 mod race;
 pub mod record;

@@ -87,7 +87,7 @@ pub struct Racer {
 }
 
 /// The drawing of one moment, with the figures beside it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Moment {
     pub step: MethodStep,
     /// How much farther away than usual the pictures are shown, 1 or more.
@@ -97,6 +97,8 @@ pub struct Moment {
     pub figures: Vec<Figure>,
     /// Line pair whose profiles are shown, if any.
     pub lines: Option<LineSource>,
+    /// Hypothesis of the result whose lines are drawn, by its place in the list, if it was kept.
+    pub kept: Option<usize>,
     /// How far the right curve has slid to its place in the warped profile, 0 to 1.
     pub slide: f64,
     pub filled: Option<Filled>,
@@ -115,21 +117,7 @@ pub struct Moment {
 impl Moment {
     /// Returns the moment of a step, without any marks.
     pub(super) fn empty(step: MethodStep) -> Self {
-        Self {
-            step,
-            zoom: 1.0,
-            marks: Vec::new(),
-            figures: Vec::new(),
-            lines: None,
-            slide: 1.0,
-            filled: None,
-            frames: None,
-            piled: None,
-            grown: None,
-            crossed: None,
-            race: Vec::new(),
-            gap: None,
-        }
+        Self { step, zoom: 1.0, slide: 1.0, ..Self::default() }
     }
 
     pub(super) fn add(&mut self, shape: Shape, ink: Ink, opacity: f64) {

@@ -1,5 +1,6 @@
 //! The race of the best hypotheses.
 
+use super::kept;
 use super::moment::{Ink, Moment, Racer};
 use super::record::{Record, short_origin};
 use super::strokes::{ease_in_out, farthest, lines_of, share};
@@ -60,6 +61,7 @@ pub fn validation(moment: &mut Moment, record: &Record, seconds: f64) {
     let leader = (0..racers.len()).min_by_key(|k| now[*k]).unwrap_or(0);
     let turned_up = 0.25 + 0.65 * along / checkpoints as f64;
     lines_of(moment, record, &racers[leader].hypothesis.fundamental, Ink::Unchecked, turned_up);
+    moment.kept = kept::same(record, &racers[leader].hypothesis);
     moment.tell("leader", moment.race[leader].name.clone());
     if let Some(then) = racers[leader].hypothesis.origin.then {
         // Its epipoles are no longer those of the first proposal.

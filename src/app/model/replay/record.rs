@@ -9,10 +9,10 @@ use crate::app::model::ids::MethodStep;
 use crate::app::model::recording::Synchronised;
 use crate::estimate::{
     BarcodeFigures, ComparedPencils, Construction, DistinctMatch, Estimate, Event, EventKind, HypothesisNote,
-    LinePairNote, Origin, ProposedBy, RankedHypothesis, RoundTrip, SearchPlan,
+    LinePairNote, Origin, ProposedBy, RankedHypothesis, RoundTrip, SearchPlan, lines_at,
 };
 use crate::geometry::{
-    Frame, FundamentalMatrix, Point, PointPair, area_between_lines, fan, sampson_distance,
+    AnchoredLine, Frame, FundamentalMatrix, Point, PointPair, area_between_lines, fan, sampson_distance,
 };
 
 /// Ratio below which a match of features is distinctive.
@@ -65,6 +65,8 @@ pub struct Trip {
     /// Mean distance between the line and its return, px.
     pub gap: f64,
     pub name: String,
+    /// Place of the hypothesis in the list of the result; `None` for the result itself.
+    pub kept: Option<usize>,
 }
 
 /// Where a record is collected from.
@@ -111,8 +113,8 @@ pub struct Record {
     pub winner: Option<usize>,
     /// A typical hypothesis and the result, from one picture to the other and back.
     pub trips: Vec<Trip>,
-    /// Gaps of all hypotheses with a round trip, px.
-    pub gaps: Vec<f64>,
+    /// Gaps of all hypotheses with a round trip, px, and their places in the list of the result.
+    pub gaps: Vec<(f64, usize)>,
     /// Best different hypotheses with the course of their support.
     pub race: Vec<RankedHypothesis>,
     /// The fits from the best hypothesis to the result, in order.
@@ -124,10 +126,12 @@ pub struct Record {
     /// Matches of the result.
     pub matched: Vec<PointPair>,
     pub result: Option<FundamentalMatrix>,
+    /// Hypotheses of the result, as they are listed: their geometries, and the data that proposed them.
+    pub kept: Vec<(FundamentalMatrix, Option<ProposedBy>)>,
     /// Step of the latest event that has something to show.
     pub newest: Option<MethodStep>,
     /// Data from which the result was proposed.
-    led_from: Option<ProposedBy>,
+    pub(super) led_from: Option<ProposedBy>,
     /// Refinements of all passes so far.
     refined: Vec<Refinement>,
     /// Some lines among all, with their best partners.
@@ -167,6 +171,7 @@ impl Record {
             fan: Vec::new(),
             matched: Vec::new(),
             result: None,
+            kept: Vec::new(),
             newest: None,
             led_from: None,
             refined: Vec::new(),
@@ -197,6 +202,7 @@ impl Record {
         self.newest = match event {
             EventKind::Pencils { .. } if self.recordings.is_none() => Some(MethodStep::Pencils),
             EventKind::Lines { .. } | EventKind::Pencils { .. } => Some(MethodStep::Barcodes),
+            EventKind::Matched { .. } if self.plan == SearchPlan::Unclicked => Some(MethodStep::Matches),
             EventKind::Matched { .. } => Some(MethodStep::Features),
             EventKind::Proposed { .. } => Some(MethodStep::Epipoles),
             EventKind::Ranked(_) => Some(MethodStep::Validation),
@@ -269,32 +275,30 @@ impl Record {
         for own in &mut self.matches {
             own.agrees = sampson_distance(&f, &own.found.pair) <= limit;
         }
+        let source = |own: &Estimate| own.origin.map(|origin| origin.source);
+        self.kept = found.hypotheses().iter().map(|own| (*own.fundamental(), source(own))).collect();
         let frame1 = self.frames[0];
-        let mut tripped: Vec<(f64, &Construction, Option<Origin>)> = found
-            .hypotheses()
-            .iter()
-            .filter_map(|own| {
-                let lines = own.assessment.lines.as_ref()?;
-                Some((lines.round_trip_area?, &lines.construction, own.origin))
-            })
-            .collect();
-        tripped.sort_by(|a, b| a.0.total_cmp(&b.0));
-        self.gaps = tripped.iter().map(|(gap, ..)| *gap).collect();
-        let typical = tripped.get(tripped.len() / 2).map(|(gap, lines, origin)| {
-            (*gap, *lines, origin.map_or_else(|| "a hypothesis".to_owned(), |origin| short_origin(&origin)))
+        let hypotheses = found.hypotheses().iter().enumerate();
+        let named = hypotheses.filter_map(|(k, own)| {
+            let (gap, construction) = tripped(own)?;
+            let name = own.origin.map_or_else(|| "a hypothesis".to_owned(), |origin| short_origin(&origin));
+            Some((gap, construction, name, k))
         });
-        let own = found.assessment.lines.as_ref();
-        let own = own
-            .and_then(|lines| Some((lines.round_trip_area?, &lines.construction, "the result".to_owned())));
+        let mut all: Vec<_> = named.collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.gaps = all.iter().map(|(gap, .., k)| (*gap, *k)).collect();
+        let middle = all.len() / 2;
+        let typical = all.into_iter().nth(middle).map(|(gap, lines, name, k)| (gap, lines, name, Some(k)));
+        let own = tripped(found).map(|(gap, lines)| (gap, lines, "the result".to_owned(), None));
         self.trips = typical
             .into_iter()
             .chain(own)
-            .filter_map(|(gap, construction, name)| {
+            .filter_map(|(gap, construction, name, kept)| {
                 // The line whose return is about as far away as usual.
                 let mut trips = construction.round_trips(frame1, TRIPS);
                 let area = |trip: &RoundTrip| area_between_lines(&trip.line1, &trip.back1, frame1);
                 trips.sort_by(|a, b| area(a).total_cmp(&area(b)));
-                Some(Trip { lines: *trips.get(trips.len() / 2)?, gap, name })
+                Some(Trip { lines: *trips.get(trips.len() / 2)?, gap, name, kept })
             })
             .collect();
     }
@@ -343,15 +347,18 @@ impl Record {
 
     /// Returns the candidate nearest to the lines of the result.
     fn nearest(&self, compared: &ComparedPencils) -> Option<usize> {
+        let candidates = compared.candidates.iter().enumerate().filter_map(|(place, own)| {
+            let off = self.off_result(&compared.click, &lines_at(&compared.click, own.angles))?;
+            Some((off[0].max(off[1]), place))
+        });
+        candidates.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, place)| place)
+    }
+
+    /// Returns the angles between lines through a click or match and its lines of the result, radians.
+    pub fn off_result(&self, click: &PointPair, [line1, line2]: &[AnchoredLine; 2]) -> Option<[f64; 2]> {
         let f = self.result?;
-        let PointPair { point1, point2 } = compared.click;
-        let (own1, own2) = (f.line1_from_point2(point2)?, f.line2_from_point1(point1)?);
-        let away = |place: &usize| {
-            let [line1, line2] =
-                crate::estimate::lines_at(&compared.click, compared.candidates[*place].angles);
-            own1.angle_to(&line1.line()).max(own2.angle_to(&line2.line()))
-        };
-        (0..compared.candidates.len()).min_by(|a, b| away(a).total_cmp(&away(b)))
+        let (own1, own2) = (f.line1_from_point2(click.point2)?, f.line2_from_point1(click.point1)?);
+        Some([own1.angle_to(&line1.line()), own2.angle_to(&line2.line())])
     }
 
     /// Returns whether a step has something to show.
@@ -364,7 +371,7 @@ impl Record {
                 self.pencils.iter().any(|own| !own.compared.candidates.is_empty())
             }
             MethodStep::Candidates => self.recordings.is_some() && !self.line_pairs.is_empty(),
-            MethodStep::Features => !self.matches.is_empty(),
+            MethodStep::Features | MethodStep::Matches => !self.matches.is_empty(),
             MethodStep::Epipoles => !self.hypotheses.is_empty(),
             MethodStep::RoundTrip => !self.trips.is_empty(),
             MethodStep::Validation => self.race.iter().any(|one| !one.course.is_empty()),
@@ -385,6 +392,12 @@ impl Record {
         let distinctive = self.matches.iter().filter(|own| own.found.ratio < DISTINCTIVE).count();
         [distinctive, self.matches.iter().filter(|own| own.agrees).count()]
     }
+}
+
+/// Returns the round trip of a geometry that is built from lines: its gap, px, and the lines.
+fn tripped(own: &Estimate) -> Option<(f64, &Construction)> {
+    let lines = own.assessment.lines.as_ref()?;
+    Some((lines.round_trip_area?, &lines.construction))
 }
 
 /// Names the origin of a hypothesis in two or three words.

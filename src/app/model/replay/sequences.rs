@@ -2,17 +2,16 @@
 
 use super::moment::{Grown, Ink, Moment};
 use super::record::Record;
-use super::strokes::{both, noted_lines, pencil_lines, share};
+use super::strokes::{CANDIDATES, both, candidate, noted_lines, pencil_lines, share};
 use super::sweep::SweptLine;
-use crate::app::model::focus::Replayed;
+use crate::app::model::focus::{Replayed, Target};
 
 /// Time in which all frames run, s.
 const RUN: f64 = 1.5;
 /// Times in which the first barcode grows, and in which the other lines sweep, s.
 const GROW: f64 = 0.7;
 const SWEEP: f64 = 1.1;
-/// Number of candidates that are drawn, and that light up in turn.
-const DRAWN: usize = 40;
+/// Number of candidates that light up in turn.
 const BEST: usize = 10;
 /// Colour of lines that belong to no click.
 const SWEPT: Ink = Ink::Pair(usize::MAX);
@@ -92,11 +91,9 @@ pub fn candidates(moment: &mut Moment, record: &Record, seconds: f64) {
     for (k, own) in record.sweep.iter().flat_map(|sweep| &sweep.swept).enumerate() {
         moment.add_part(Replayed::Swept(k), pencil_lines(both(&own.lines), 0.8), SWEPT, 0.25 * fade);
     }
-    for (rank, own) in record.line_pairs.iter().take(DRAWN).enumerate().rev() {
-        let best = 1.0 - rank as f64 / DRAWN as f64;
-        let (shape, opacity) = (pencil_lines(both(&own.lines), 1.0 + best as f32), 0.25 + 0.6 * best);
-        moment.add_part(Replayed::Candidate(rank), shape.clone(), SWEPT, opacity * (1.0 - violet));
-        moment.add_part(Replayed::Candidate(rank), shape, Ink::Unchecked, opacity * violet);
+    for (rank, own) in record.line_pairs.iter().take(CANDIDATES).enumerate().rev() {
+        let target = Some(Target::Replayed(Replayed::Candidate(rank)));
+        candidate(moment, target, (rank, &own.lines), (SWEPT, violet));
     }
     let turn = share(seconds, 0.8, 0.4);
     let lit = (turn > 0.0 && turn < 1.0).then_some((turn * BEST as f64) as usize);

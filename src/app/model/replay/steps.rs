@@ -1,11 +1,15 @@
 //! What each step draws. All times are seconds since the step began, at the usual speed.
 
 use super::course::Place;
+use super::kept;
 use super::moment::{Filled, Ink, Moment, Shape};
 use super::race;
 use super::record::{Record, RecordedPencils, Trip, short_origin};
 use super::sequences;
-use super::strokes::{both, ease_in_out, ease_out, epipoles_of, farthest, noted_lines, pencil_lines, share};
+use super::strokes::{
+    CANDIDATES, both, candidate, ease_in_out, ease_out, epipoles_of, farthest, noted_lines, pencil_lines,
+    share,
+};
 use super::sweep::nearest_pairs;
 use crate::app::model::document::Side;
 use crate::app::model::focus::{Replayed, Target};
@@ -19,8 +23,6 @@ pub const NUDGE: f64 = 0.02;
 
 /// Number of earlier lines of a sweep that stay visible.
 const TRAIL: usize = 45;
-/// Number of candidates of a pencil that are drawn.
-const DRAWN: usize = 40;
 /// Number of crossings that are shown one by one.
 const CROSSINGS: usize = 3;
 /// Number of candidates among all lines that cross, and the least angle between them, radians.
@@ -39,7 +41,9 @@ pub fn draw(record: &Record, place: Place) -> Moment {
         MethodStep::Pencils => pencils,
         MethodStep::Candidates if record.is_by_clicks() => candidates,
         MethodStep::Candidates => sequences::candidates,
+        MethodStep::Features if record.plan == SearchPlan::Unclicked => unmatched_features,
         MethodStep::Features => features,
+        MethodStep::Matches => matches,
         MethodStep::Epipoles => epipoles,
         MethodStep::RoundTrip => round_trip,
         MethodStep::Validation => race::validation,
@@ -95,6 +99,12 @@ fn pencils(moment: &mut Moment, record: &Record, seconds: f64) {
     moment.tell("line on the left", degrees(&lines[0]));
     moment.tell("best partner on the right", degrees(&lines[1]));
     moment.tell("cost, 1 is a random line", format!("{cost:.2}"));
+    // Lines through a match test the result.
+    let tests = held.is_some() && own.pair.is_none();
+    if let Some([off1, off2]) = record.off_result(&own.compared.click, &lines).filter(|_| tests) {
+        let degrees = |angle: f64| format!("{:.1}°", angle.to_degrees());
+        moment.tell("off the result's lines", format!("{} and {}", degrees(off1), degrees(off2)));
+    }
     moment.lines = own.compared.angles(row, column).and_then(|angles| own.source(angles));
 }
 
@@ -116,14 +126,10 @@ fn candidates(moment: &mut Moment, record: &Record, seconds: f64) {
                 moment.add(pencil_lines(both(&lines), 0.8), Ink::Pair(own.color()), 0.25 * fade);
             }
         }
-        let drawn = own.compared.candidates.iter().take(DRAWN).enumerate();
-        for (rank, candidate) in drawn.rev() {
-            let (lines, target) = (lines_at(&own.compared.click, candidate.angles), cell_of(own, candidate));
-            let best = 1.0 - rank as f64 / DRAWN as f64;
-            let (width, opacity) = (1.0 + best as f32, 0.25 + 0.6 * best);
-            let shape = pencil_lines(both(&lines), width);
-            moment.add_of(target, shape.clone(), Ink::Pair(own.color()), opacity * (1.0 - violet));
-            moment.add_of(target, shape, Ink::Unchecked, opacity * violet);
+        let drawn = own.compared.candidates.iter().take(CANDIDATES).enumerate();
+        for (rank, found) in drawn.rev() {
+            let (lines, target) = (lines_at(&own.compared.click, found.angles), cell_of(own, found));
+            candidate(moment, target, (rank, &lines), (Ink::Pair(own.color()), violet));
         }
         let turn = share(seconds, 0.8, 0.4);
         if turn > 0.0 && turn < 1.0 {
@@ -147,10 +153,26 @@ fn candidates(moment: &mut Moment, record: &Record, seconds: f64) {
 }
 
 fn features(moment: &mut Moment, record: &Record, seconds: f64) {
+    let shares = [share(seconds, 0.0, 0.3), share(seconds, 0.3, 0.5), share(seconds, 0.8, 0.4)];
+    matched(moment, record, shares);
+}
+
+/// Draws the features of the matches that the next step joins.
+fn unmatched_features(moment: &mut Moment, record: &Record, seconds: f64) {
+    matched(moment, record, [share(seconds, 0.0, 1.0), 0.0, 0.0]);
+}
+
+fn matches(moment: &mut Moment, record: &Record, seconds: f64) {
+    matched(moment, record, [1.0, share(seconds, 0.0, 1.4), share(seconds, 1.6, 0.4)]);
+}
+
+/// Draws matches by the shares of their dots and strokes that have appeared, in the order of use, and by how far the
+/// unused ones have faded.
+fn matched(moment: &mut Moment, record: &Record, [dots, strokes, fade]: [f64; 3]) {
     let count = record.matches.len() as f64;
-    let dots = (share(seconds, 0.0, 0.3) * count).ceil() as usize;
-    let strokes = (share(seconds, 0.3, 0.5) * count) as usize;
-    let fade = share(seconds, 0.8, 0.4);
+    let (dots, strokes) = ((dots * count).ceil() as usize, (strokes * count) as usize);
+    // Before there is a result, none is known to be unused.
+    let fade = if record.has_result() { fade } else { 0.0 };
     for (number, own) in record.matches.iter().take(dots).enumerate().rev() {
         let opacity = if own.agrees { 0.9 } else { 0.55 - 0.45 * fade };
         let shape = Shape::Stroke { pair: own.found.pair, has_stroke: number < strokes };
@@ -292,7 +314,8 @@ fn round_trip(moment: &mut Moment, record: &Record, seconds: f64) {
     };
     moment.zoom = 1.0 + (farthest(record) - 1.0) * (1.0 - ease_in_out(back));
     let at_time = |k: usize| ease_out(share(seconds, begin + part * k as f64, part));
-    let Trip { lines, gap, name } = trip;
+    let Trip { lines, gap, name, kept } = trip;
+    moment.kept = *kept;
     let area = at_time(3);
     for region in regions_between_lines(&lines.line1, &lines.back1, record.frames[0]) {
         moment.add(Shape::Area(region), Ink::RoundTrip, 0.42 * area);
@@ -331,6 +354,9 @@ fn refinement(moment: &mut Moment, record: &Record, seconds: f64) {
     let fit = (along.floor() as usize).min(fits - 2);
     let [from, to] = [&record.swing[fit], &record.swing[fit + 1]];
     let recolour = share(seconds, 0.7, 0.3);
+    // The lines end as those of the result.
+    moment.kept =
+        record.led_from.filter(|_| recolour <= 0.0).and_then(|from| kept::from_source(record, from));
     let shown = (along / (fits - 1) as f64 * record.matched.len() as f64) as usize;
     for pair in record.matched.iter().take(shown) {
         let shape = Shape::Stroke { pair: *pair, has_stroke: false };

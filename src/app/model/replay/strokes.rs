@@ -3,10 +3,12 @@
 use super::moment::{Ink, Moment, Shape};
 use super::record::Record;
 use crate::app::model::document::Side;
-use crate::app::model::focus::Replayed;
+use crate::app::model::focus::{Replayed, Target};
 use crate::estimate::HypothesisNote;
 use crate::geometry::{AnchoredLine, FundamentalMatrix, HomogeneousPoint, Line, Point, fan, finite_point};
 
+/// Number of candidates of a list that are drawn.
+pub const CANDIDATES: usize = 40;
 /// Largest zoom.
 const FARTHEST: f64 = 6.0;
 /// Share of the epipoles that the zoom brings into view.
@@ -35,6 +37,19 @@ pub fn pencil_lines(lines: [Option<Line>; 2], width: f32) -> Shape {
 
 pub fn epipoles_of(own: &HypothesisNote) -> [HomogeneousPoint; 2] {
     Side::BOTH.map(|side| side.epipole(&own.fundamental))
+}
+
+/// Draws a candidate that turns from the colour of its pencil to violet: the better, the stronger.
+pub fn candidate(
+    moment: &mut Moment,
+    target: Option<Target>,
+    (rank, lines): (usize, &[AnchoredLine; 2]),
+    (ink, violet): (Ink, f64),
+) {
+    let best = 1.0 - rank as f64 / CANDIDATES as f64;
+    let (shape, opacity) = (pencil_lines(both(lines), 1.0 + best as f32), 0.25 + 0.6 * best);
+    moment.add_of(target, shape.clone(), ink, opacity * (1.0 - violet));
+    moment.add_of(target, shape, Ink::Unchecked, opacity * violet);
 }
 
 /// Returns a place on a line for its note, clear of the anchor: on its longer part.

@@ -108,7 +108,7 @@ pub fn with_keys() -> Vec<Action> {
         action(
             ReplayCommand::Nudge { forward: false },
             "Back a little",
-            "Go back by one line or crossing of the replay, or by one frame of sequences.",
+            "Go back by one line or crossing of the replay. The player of sequences goes back by one frame.",
         )
         .key(NONE, Key::Comma)
         .listed(|_| "Replay: back by one line, crossing or frame")
@@ -116,7 +116,7 @@ pub fn with_keys() -> Vec<Action> {
         action(
             ReplayCommand::Nudge { forward: true },
             "On a little",
-            "Go on by one line or crossing of the replay, or by one frame of sequences.",
+            "Go on by one line or crossing of the replay. The player of sequences goes on by one frame.",
         )
         .key(NONE, Key::Period)
         .listed(|_| "Replay: on by one line, crossing or frame")

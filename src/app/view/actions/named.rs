@@ -122,6 +122,19 @@ pub fn by_name() -> Vec<Action> {
         )
         .listed(|_| "Open the sample sequences"),
         action(
+            PlayerCommand::Exchange,
+            "Frames or search",
+            "Exchange the player of the frames and the replay of the search.",
+        )
+        .listed(|model| {
+            if model.shows_player() {
+                "Sequences: show the replay of the search"
+            } else {
+                "Sequences: show the player of the frames"
+            }
+        })
+        .when(Model::has_sequences),
+        action(
             PlayerCommand::FindOffset,
             "Find offset",
             "Find the time offset at which the two sequences agree best, up to 50 frames either way.",

@@ -45,7 +45,8 @@ pub fn show(ui: &mut Ui, area: Rect, edge: DockEdge, model: &Model, commands: &m
         // Nothing but the next step.
         part(ui, area.shrink2(INSET), "card", |ui| card::show(ui, model, commands));
     } else {
-        part(ui, card.shrink2(INSET), "card", |ui| match model.replayed() {
+        let step = model.replayed().filter(|_| !model.pauses_at_hypothesis());
+        part(ui, card.shrink2(INSET), "card", |ui| match step {
             Some(place) => step_words::show(ui, place.step, model, commands),
             None => card::show(ui, model, commands),
         });

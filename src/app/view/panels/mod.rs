@@ -49,7 +49,6 @@ pub use save_dialog::SaveDialog;
 
 pub use messages::show as messages;
 pub use pair_chooser::truth_button;
-pub use player::show as player;
 pub use shortcuts::show as shortcuts;
 pub use status::show as status;
 pub use top_bar::show as top_bar;

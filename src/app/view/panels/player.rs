@@ -1,4 +1,4 @@
-//! The bar under two sequences: playback, frame, motion and time offset.
+//! The player of two sequences, in the place of the timeline: playback, frame, motion and time offset.
 
 use egui::{Align, Button, DragValue, Layout, Slider, Ui};
 
@@ -15,7 +15,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     else {
         return;
     };
-    ui.horizontal(|ui| {
+    ui.horizontal_centered(|ui| {
         let playing = model.open.player.playing;
         let play =
             ui.add(Button::new(if playing { "Pause" } else { "Play" }).min_size(egui::vec2(52.0, 0.0)));

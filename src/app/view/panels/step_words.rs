@@ -5,7 +5,7 @@ use egui::{Align, Button, CollapsingHeader, Label, Layout, RichText, ScrollArea,
 use super::finish_button;
 use super::tabs::parameters;
 use super::terms;
-use crate::app::model::step::{result_text, sentence, title};
+use crate::app::model::step::{sentence, title};
 use crate::app::model::{Command, MethodStep, Model};
 use crate::app::view::theme;
 use crate::estimate::{Method, Preset, Search};
@@ -32,8 +32,9 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
                 });
             }
         });
-        let found = step.stages().iter().filter(|_| figures.is_empty());
-        for text in found.filter_map(|stage| result_text(*stage, &model.document, &model.open.computation)) {
+        let course = model.course();
+        let state = course.steps.iter().find(|timed| timed.step == step).map(|timed| timed.state.in_words());
+        if let Some(text) = state.filter(|text| !text.is_empty()) {
             ui.add(Label::new(RichText::new(text).weak()).wrap());
         }
         if !step.stages().is_empty() {

@@ -1,11 +1,13 @@
-//! The timeline below the pictures: the steps of the search, and the moment that is shown.
+//! The timeline below the pictures: the steps of the search, and the moment that is shown. Sequences have a switch that
+//! exchanges it for the player of their frames.
 
 use egui::{
     Align2, Button, Color32, CornerRadius, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui,
     UiBuilder, WidgetInfo, pos2, vec2,
 };
 
-use super::{busy, finish_button};
+use super::{busy, finish_button, player};
+use crate::app::model::recording::PlayerCommand;
 use crate::app::model::replay::ReplayCommand;
 use crate::app::model::replay::course::{Course, StepState, TimedStep};
 use crate::app::model::step::{StepProgress, duration, progress_of, sentence, title};
@@ -18,6 +20,7 @@ const USUAL: f32 = 48.0;
 /// Height of the window from which the timeline has its usual height.
 const HIGH_WINDOW: f32 = 720.0;
 /// Widths of the parts beside the steps.
+const SWITCH: f32 = 124.0;
 const PLAY: f32 = 44.0;
 const SPEED: f32 = 44.0;
 const TIME: f32 = 46.0;
@@ -45,27 +48,32 @@ pub fn show(ui: &mut Ui, area: Rect, model: &Model, commands: &mut Vec<Command>)
     let line = Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color);
     ui.painter().rect_filled(area, 0.0, ui.visuals().panel_fill);
     ui.painter().hline(area.x_range(), area.min.y, line);
+    let mut room = area.shrink2(vec2(8.0, 4.0));
+    if model.has_sequences() {
+        let (switch, rest) = room.split_left_right_at_x(room.min.x + SWITCH);
+        room = rest;
+        frames_or_search(&mut inside(ui, switch, "switch"), model, commands);
+        if model.shows_player() {
+            player::show(&mut inside(ui, room, "player"), model, commands);
+            return;
+        }
+    }
     let course = model.course();
-    let room = area.shrink2(vec2(8.0, 4.0));
     let (play, rest) = room.split_left_right_at_x(room.min.x + PLAY);
     let (speed, rest) = rest.split_left_right_at_x(rest.min.x + SPEED);
     let (rest, result) = rest.split_left_right_at_x(rest.max.x - RESULT);
     let (steps, time) = rest.split_left_right_at_x(rest.max.x - TIME);
     play_button(ui, play, model, commands);
-    ui.scope_builder(UiBuilder::new().max_rect(speed).id_salt("speed"), |ui| {
-        ui.centered_and_justified(|ui| {
-            let button = ui.add(Button::new(model.look.speed.label()).frame(false));
-            button.widget_info(|| WidgetInfo::labeled(Role::Button, true, "Speed"));
-            finish_button(ui, button, ReplayCommand::NextSpeed.into(), commands);
-        });
+    inside(ui, speed, "speed").centered_and_justified(|ui| {
+        let button = ui.add(Button::new(model.look.speed.label()).frame(false));
+        button.widget_info(|| WidgetInfo::labeled(Role::Button, true, "Speed"));
+        finish_button(ui, button, ReplayCommand::NextSpeed.into(), commands);
     });
-    ui.scope_builder(UiBuilder::new().max_rect(result.shrink2(vec2(2.0, 4.0))).id_salt("result"), |ui| {
-        ui.centered_and_justified(|ui| {
-            let runs = model.open.computation.is_running();
-            let shows_moment = model.open.replay.moment().is_some() && !model.is_live();
-            let button = ui.add_enabled(shows_moment, Button::new(if runs { "Live" } else { "Result" }));
-            finish_button(ui, button, ReplayCommand::Finish.into(), commands);
-        });
+    inside(ui, result.shrink2(vec2(2.0, 4.0)), "result").centered_and_justified(|ui| {
+        let runs = model.open.computation.is_running();
+        let shows_moment = model.open.replay.moment().is_some() && !model.is_live();
+        let button = ui.add_enabled(shows_moment, Button::new(if runs { "Live" } else { "Result" }));
+        finish_button(ui, button, ReplayCommand::Finish.into(), commands);
     });
     let now = model.replayed().map(|place| course.at(place));
     let written = now.or_else(|| model.has_record().then(|| course.length()));
@@ -75,6 +83,23 @@ pub fn show(ui: &mut Ui, area: Rect, model: &Model, commands: &mut Vec<Command>)
         ui.painter().text(time.center(), Align2::CENTER_CENTER, text, FontId::proportional(12.0), color);
     }
     all_steps(ui, steps, &course, model, commands);
+}
+
+fn inside(ui: &mut Ui, area: Rect, name: &str) -> Ui {
+    ui.new_child(UiBuilder::new().max_rect(area).id_salt(name))
+}
+
+/// Shows the switch between the player of the frames and the replay of the search.
+fn frames_or_search(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    ui.horizontal_centered(|ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        for (name, is_shown) in [("Frames", model.shows_player()), ("Search", !model.shows_player())] {
+            let button = ui.add(Button::selectable(is_shown, name).frame_when_inactive(true));
+            if !is_shown {
+                finish_button(ui, button, PlayerCommand::Exchange.into(), commands);
+            }
+        }
+    });
 }
 
 fn play_button(ui: &mut Ui, area: Rect, model: &Model, commands: &mut Vec<Command>) {
@@ -243,13 +268,8 @@ fn one_step(
         }
         _ => {}
     }
-    let state = match timed.state {
-        StepState::NotNeeded => " This search did not need it.",
-        StepState::NotReached => " The search ended before it.",
-        StepState::Waiting | StepState::Ran => "",
-    };
-    let hint = format!("{name}. {}{state}", sentence(timed.step, plan));
-    if response.on_hover_text(hint).clicked() {
+    let hint = format!("{name}. {} {}", sentence(timed.step, plan), timed.state.in_words());
+    if response.on_hover_text(hint.trim_end()).clicked() {
         commands.push(ReplayCommand::Play(timed.step).into());
     }
 }
@@ -283,6 +303,10 @@ fn pictogram(painter: &Painter, step: MethodStep, centre: Pos2, color: Color32) 
         MethodStep::Pencils => lines(&[[-6.0, 0.0, 6.0, -4.0], [-6.0, 0.0, 6.0, 0.0], [-6.0, 0.0, 6.0, 4.0]]),
         MethodStep::Candidates => lines(&[[-6.0, -3.5, 6.0, 3.5], [-6.0, 3.5, 6.0, -3.5]]),
         MethodStep::Features => dots(&[[-4.5, -3.5], [0.0, 1.0], [4.5, -2.0], [-3.0, 4.5], [4.0, 4.0]], 1.5),
+        MethodStep::Matches => {
+            lines(&[[-5.0, -3.0, 5.0, -4.5], [-5.0, 4.0, 5.0, 2.5]]);
+            dots(&[[-5.0, -3.0], [5.0, -4.5], [-5.0, 4.0], [5.0, 2.5]], 1.5);
+        }
         MethodStep::Epipoles => {
             lines(&[[-6.0, -4.5, 6.0, 4.5], [-6.0, 4.5, 6.0, -4.5]]);
             dots(&[[0.0, 0.0]], 2.4);

@@ -14,6 +14,8 @@ use crate::app::model::look::Tool;
 use crate::app::model::open_pair::Hover;
 use crate::app::model::pane_view::{LARGEST_SCALE, PaneView, QuarterTurns};
 use crate::app::model::picture::Opened;
+use crate::app::model::replay::ReplayCommand;
+use crate::app::model::replay::moment::Moment;
 use crate::app::model::shared::Shared;
 use crate::app::model::{Command, LineSource, Model, OverlayId, PointRef, Side, pair_name};
 use crate::app::view::panels::{pair_menu, pin_menu, place_menu};
@@ -87,6 +89,15 @@ struct PaneImage {
 impl PaneImage {
     fn transform(&self, rect: Rect) -> Transform {
         self.view.transform(self.shown, rect).through(self.lens.as_ref())
+    }
+
+    /// Returns the transform at a moment of the replay. Epipoles far outside come into view.
+    fn zoomed_out(&self, rect: Rect, moment: Option<&Moment>) -> Transform {
+        let Some(zoom) = moment.map(|moment| moment.zoom).filter(|zoom| *zoom > 1.0) else {
+            return self.transform(rect);
+        };
+        let whole = self.view.fitted(self.shown).transform(self.shown, rect);
+        whole.at(rect, whole.scale / zoom).through(self.lens.as_ref())
     }
 }
 
@@ -198,33 +209,11 @@ impl ImagePane {
         };
         let frame = image.picture.frame();
         zoom(ui, &response, image);
-        let mut transform = image.transform(rect);
+        let moment = model.drawn_moment();
+        let mut transform = image.zoomed_out(rect, moment);
         if let Some(drag) = &self.drag {
             follow(ui, drag, image, &transform, commands);
-            transform = image.transform(rect);
-        }
-        self.press(ui, &response, model, &transform, commands);
-        let image = self.image.as_mut()?;
-        let changing = ui.input(|input| input.pointer.any_down());
-        let rendition = model.open.tones.of[side.index()];
-        let moment = model.open.replay.moment();
-        let piled = moment.and_then(|moment| moment.piled);
-        match model.shown_frames() {
-            Some(frames) => {
-                let marked = model.open.player.silhouettes || piled.is_some();
-                image.texture.show_frame(frames[side.index()], marked, rendition);
-            }
-            None => image.texture.set_rendition(rendition, changing),
-        }
-        if let Some(zoom) = moment.map(|moment| moment.zoom).filter(|zoom| *zoom > 1.0) {
-            // Epipoles far outside come into view.
-            let whole = image.view.fitted(image.shown).transform(image.shown, rect);
-            transform = whole.at(rect, whole.scale / zoom).through(image.lens.as_ref());
-        }
-        let tint = moment.map_or(egui::Color32::WHITE, |_| theme::DIMMED);
-        image.texture.draw_tinted(&painter, &transform, tint);
-        if let Some(piled) = piled {
-            image.texture.draw_pile(&painter, &transform, piled[side.index()]);
+            transform = image.zoomed_out(rect, moment);
         }
         let labels = Labels::default();
         labels.take(self.chip);
@@ -237,6 +226,23 @@ impl ImagePane {
             labels: Some(&labels),
             is_figure: false,
         };
+        self.press(ui, &response, &canvas, commands);
+        let image = self.image.as_mut()?;
+        let changing = ui.input(|input| input.pointer.any_down());
+        let rendition = model.open.tones.of[side.index()];
+        let piled = moment.and_then(|moment| moment.piled);
+        match model.shown_frames() {
+            Some(frames) => {
+                let marked = model.open.player.silhouettes || piled.is_some();
+                image.texture.show_frame(frames[side.index()], marked, rendition);
+            }
+            None => image.texture.set_rendition(rendition, changing),
+        }
+        let tint = moment.map_or(egui::Color32::WHITE, |_| theme::DIMMED);
+        image.texture.draw_tinted(&painter, &transform, tint);
+        if let Some(piled) = piled {
+            image.texture.draw_pile(&painter, &transform, piled[side.index()]);
+        }
         draw_overlays(&canvas);
         if response.secondary_clicked() && self.menu.is_none() && model.look.shows(OverlayId::Pinned) {
             let under = response.interact_pointer_pos().and_then(|at| pinned_at(&canvas, at));
@@ -267,10 +273,10 @@ impl ImagePane {
         if due {
             painter.rect_stroke(rect, 0.0, egui::Stroke::new(2.0, palette.accent), StrokeKind::Inside);
         }
-        let hover = self.under_cursor(&response, &transform, frame, model);
+        let hover = self.under_cursor(&response, &canvas);
         if let Some(point) = self.magnified(model, hover).filter(|_| model.look.loupe) {
             let uncovered: Vec<Pos2> = suggested_places(&canvas).into_iter().map(|(_, at)| at).collect();
-            self.magnify(&painter, &transform, point, &uncovered, model);
+            self.magnify(&canvas, point, &uncovered);
         }
         if let Some(image) = &self.image {
             let scale = Some(image.transform(rect).scale).filter(|_| !image.view.fits());
@@ -282,14 +288,8 @@ impl ImagePane {
     }
 
     /// Returns the place in this image under the cursor, or under the crosshair of the keyboard.
-    fn under_cursor(
-        &self,
-        response: &Response,
-        transform: &Transform,
-        frame: Frame,
-        model: &Model,
-    ) -> Option<Hover> {
-        let side = self.side;
+    fn under_cursor(&self, response: &Response, canvas: &Canvas) -> Option<Hover> {
+        let Canvas { model, transform, frame, side, .. } = *canvas;
         if let Some(crosshair) = model.crosshair_as_hover() {
             return Some(crosshair).filter(|crosshair| crosshair.side == side);
         }
@@ -324,67 +324,32 @@ impl ImagePane {
     }
 
     /// Draws the loupe beside a point.
-    fn magnify(
-        &mut self,
-        painter: &egui::Painter,
-        pane: &Transform,
-        point: Point,
-        uncovered: &[Pos2],
-        model: &Model,
-    ) {
+    fn magnify(&mut self, pane: &Canvas, point: Point, uncovered: &[Pos2]) {
         let Some(image) = &mut self.image else { return };
-        let Some(transform) = loupe::place(pane, point, uncovered) else { return };
-        let painter = painter.with_clip_rect(transform.rect.intersect(pane.rect));
+        let Some(transform) = loupe::place(pane.transform, point, uncovered) else { return };
+        let painter = pane.painter.with_clip_rect(transform.rect.intersect(pane.transform.rect));
         painter.rect_filled(transform.rect, 6.0, egui::Color32::from_gray(30));
         image.texture.draw(&painter, &transform);
-        let frame = image.picture.frame();
-        let canvas = Canvas {
-            painter: &painter,
-            transform: &transform,
-            side: self.side,
-            frame,
-            model,
-            labels: None,
-            is_figure: false,
-        };
+        let canvas = Canvas { painter: &painter, transform: &transform, labels: None, ..*pane };
         for overlay in &OVERLAYS {
-            if model.look.shows(overlay.id) && overlay.magnified {
+            if pane.model.look.shows(overlay.id) && overlay.magnified {
                 (overlay.draw)(&canvas);
             }
         }
         loupe::finish(&painter, &transform);
     }
 
-    /// Measures from or to a place on the screen, or the point there.
-    fn measure(
-        &self,
-        at: Pos2,
-        model: &Model,
-        transform: &Transform,
-        command: fn(Side, Point) -> Command,
-        commands: &mut Vec<Command>,
-    ) {
-        let point = handle_at(model, self.side, transform, at)
-            .map_or_else(|| transform.image_from_screen(at), |(_, placed)| placed);
-        if self.image.as_ref().is_some_and(|image| image.picture.frame().contains(point)) {
-            commands.push(command(self.side, point));
-        }
-    }
-
     /// Handles clicks, double clicks, and the start and end of drags.
-    fn press(
-        &mut self,
-        ui: &Ui,
-        response: &Response,
-        model: &Model,
-        transform: &Transform,
-        commands: &mut Vec<Command>,
-    ) {
-        let Some(image) = &self.image else { return };
-        let (frame, centre) = (image.picture.frame(), image.view.centre);
+    fn press(&mut self, ui: &Ui, response: &Response, canvas: &Canvas, commands: &mut Vec<Command>) {
+        let Canvas { model, transform, frame, side, .. } = *canvas;
+        let Some(centre) = self.image.as_ref().map(|image| image.view.centre) else { return };
         let space = ui.input(|input| input.key_down(egui::Key::Space));
-        let side = self.side;
         let handle_at = |position: Pos2| handle_at(model, side, transform, position);
+        // The matches of different scenes are drawn without a replay. Clicks among them place points.
+        let replayed_at = |position: Pos2| {
+            model.replayed()?;
+            replay::at(canvas, position).map(|own| own.target)
+        };
         if response.drag_started()
             && let Some(origin) = ui.input(|input| input.pointer.press_origin())
         {
@@ -392,7 +357,7 @@ impl ImagePane {
             let what = match handle_at(origin) {
                 // A drag is the same as two clicks.
                 _ if primary && !space && model.tool == Tool::Measure => {
-                    self.measure(origin, model, transform, Command::MeasureFrom, commands);
+                    measure(origin, canvas, Command::MeasureFrom, commands);
                     Dragged::Measurement
                 }
                 Some((at, point)) if primary && !space => {
@@ -406,7 +371,7 @@ impl ImagePane {
         if response.drag_stopped() {
             let end = response.interact_pointer_pos();
             if let (Some(Drag { what: Dragged::Measurement, .. }), Some(end)) = (self.drag, end) {
-                self.measure(end, model, transform, Command::Measure, commands);
+                measure(end, canvas, Command::Measure, commands);
             }
             if self.let_go() {
                 commands.push(Command::EndDrag);
@@ -431,7 +396,7 @@ impl ImagePane {
             let point = transform.image_from_screen(position);
             let handle = handle_at(position).map(|(at, _)| at);
             if model.tool == Tool::Measure {
-                self.measure(position, model, transform, Command::Measure, commands);
+                measure(position, canvas, Command::Measure, commands);
             } else if model.tool == Tool::Inspect {
                 let whole = handle.filter(|at| at.pair < model.document.pairs.len());
                 let source =
@@ -441,6 +406,8 @@ impl ImagePane {
                 }
             } else if let Some(at) = handle {
                 commands.push(Command::Select(Some(at)));
+            } else if let Some(target) = replayed_at(position) {
+                commands.push(ReplayCommand::Show(target).into());
             } else if frame.contains(point) {
                 commands.push(Command::Place(self.side, point));
             } else {
@@ -452,6 +419,7 @@ impl ImagePane {
             Some(Dragged::View(_)) => CursorIcon::Grabbing,
             None if space => CursorIcon::Grab,
             None if response.hover_pos().and_then(handle_at).is_some() => CursorIcon::Move,
+            None if response.hover_pos().and_then(replayed_at).is_some() => CursorIcon::PointingHand,
             Some(Dragged::Measurement) | None => CursorIcon::Crosshair,
         };
         if response.hovered() || self.drag.is_some() {
@@ -469,7 +437,7 @@ impl ImagePane {
 
 /// Draws the moment of the replay, with the points alone, or else all visible overlays.
 fn draw_overlays(canvas: &Canvas) {
-    let (look, moment) = (&canvas.model.look, canvas.model.open.replay.moment());
+    let (look, moment) = (&canvas.model.look, canvas.model.drawn_moment());
     if let Some(moment) = moment {
         replay::draw(canvas, moment);
     }
@@ -481,6 +449,16 @@ fn draw_overlays(canvas: &Canvas) {
     };
     for overlay in OVERLAYS.iter().filter(|overlay| is_part(overlay.id) && look.shows(overlay.id)) {
         (overlay.draw)(canvas);
+    }
+}
+
+/// Measures from or to a place on the screen, or the point there.
+fn measure(at: Pos2, canvas: &Canvas, command: fn(Side, Point) -> Command, commands: &mut Vec<Command>) {
+    let Canvas { model, transform, frame, side, .. } = *canvas;
+    let point = handle_at(model, side, transform, at)
+        .map_or_else(|| transform.image_from_screen(at), |(_, placed)| placed);
+    if frame.contains(point) {
+        commands.push(command(side, point));
     }
 }
 

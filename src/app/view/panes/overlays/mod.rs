@@ -76,13 +76,15 @@ pub fn pointed_at(canvas: &Canvas, position: Pos2) -> Option<Target> {
         (OverlayId::Given, given::at),
     ];
     // The replay draws only the points of these.
-    let replayed = canvas.model.open.replay.moment().is_some();
+    let replayed = canvas.model.drawn_moment().is_some();
     let is_drawn =
         |overlay: OverlayId| canvas.model.look.shows(overlay) && (!replayed || overlay == OverlayId::Points);
     let found = finders.iter().filter(|(overlay, _)| is_drawn(*overlay));
     let found = found.filter_map(|(_, at)| at(canvas, position));
     // The plot marks the sample under the cursor even if its overlay is off.
-    let found = found.chain(samples::at(canvas, position)).chain(replay::at(canvas, position));
+    let is_paused = !canvas.model.open.replay.is_playing();
+    let found = found.chain(samples::at(canvas, position));
+    let found = found.chain(replay::at(canvas, position).filter(|_| is_paused));
     found.min_by(|a, b| a.distance.total_cmp(&b.distance)).map(|pointing| pointing.target)
 }
 

@@ -67,7 +67,7 @@ fn is_visible(canvas: &Canvas, mark: &Mark) -> bool {
 
 /// Returns the part of the moment at a screen position: a dot, or else a line.
 pub fn at(canvas: &Canvas, position: Pos2) -> Option<Pointing> {
-    let moment = canvas.model.open.replay.moment().filter(|_| !canvas.model.open.replay.is_playing())?;
+    let moment = canvas.model.drawn_moment()?;
     let side = canvas.side.index();
     let (mut dot, mut line): (Option<Pointing>, Option<Pointing>) = (None, None);
     for mark in moment.marks.iter().filter(|mark| is_visible(canvas, mark)) {

@@ -4,6 +4,7 @@ use egui::{Align2, Color32, FontId, Mesh, Painter, Rect, Sense, Shape, Stroke, U
 
 use super::super::barcodes::runs;
 use super::super::empty;
+use super::touch;
 use crate::app::model::focus::Replayed;
 use crate::app::model::replay::moment::Grown;
 use crate::app::model::replay::sweep::{Sweep, SweptLine};
@@ -35,7 +36,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         );
         return;
     };
-    let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::hover());
+    let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, "barcodes of the swept lines"));
     let painter = ui.painter_at(area);
     let paper = theme::palette(ui.visuals()).canvas;
@@ -62,8 +63,8 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             .map(|at| ((at.y - plot.min.y) / plot.height() * sweep.swept.len() as f32) as usize);
         hovered = hovered.or(row.filter(|row| *row < grown.swept));
     }
-    if let Some(row) = hovered.filter(|_| !model.open.replay.is_playing()) {
-        commands.push(Command::PointAt(Target::Replayed(Replayed::Swept(row))));
+    if let Some(row) = hovered {
+        touch(Target::Replayed(Replayed::Swept(row)), response.clicked(), model, commands);
     }
 }
 

@@ -4,7 +4,7 @@ use egui::Ui;
 
 use super::super::super::table::{Column, RowLook, Table};
 use super::super::empty;
-use super::{NO_PENCILS, has_no_pencils};
+use super::{NO_PENCILS, has_no_pencils, touch};
 use crate::app::model::focus::Replayed;
 use crate::app::model::{Command, LineSource, Model, Target, pair_name};
 use crate::estimate::ComparedPencils;
@@ -57,7 +57,8 @@ fn all_listed(model: &Model) -> Vec<Listed> {
     pencils.map(|(number, pencils)| (number, &**pencils)).flat_map(of).collect()
 }
 
-/// Shows the table. A row under the cursor shows its two lines in the images; a click pins lines through a click.
+/// Shows the table. A row under the cursor shows its two lines in the images. A click pauses the replay, and pins
+/// lines through a click.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let rows = &all_listed(model)[..];
     if rows.is_empty() {
@@ -121,7 +122,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
     .show(ui);
     if let Some(target) = touched.hovered.and_then(target) {
-        commands.push(Command::PointAt(target));
+        touch(target, touched.clicked.is_some(), model, commands);
     }
     if let Some(row) = touched.clicked
         && let Some(source) = rows[row].source

@@ -1,11 +1,12 @@
 //! The crossings of the candidates: a cell for each pair of them, and the hypotheses that were kept.
 
 use egui::{
-    Align2, Color32, FontId, Grid, Rect, RichText, Sense, Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo,
-    pos2, vec2,
+    Align2, Color32, FontId, Grid, Label, Rect, RichText, Sense, Stroke, StrokeKind, Ui, UiBuilder,
+    WidgetInfo, pos2, vec2,
 };
 
 use super::super::empty;
+use super::touch;
 use crate::app::model::focus::Replayed;
 use crate::app::model::replay::record::{Record, short_origin};
 use crate::app::model::verdict::short_epipole_text;
@@ -48,20 +49,21 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     };
     let listed =
         ui.scope_builder(UiBuilder::new().max_rect(list).id_salt("best"), |ui| best(ui, record, lit));
-    if let Some(k) = hovered.or(listed.inner).filter(|_| !model.open.replay.is_playing()) {
-        commands.push(Command::PointAt(Target::Replayed(Replayed::Hypothesis(k))));
+    if let Some((k, clicked)) = hovered.or(listed.inner) {
+        touch(Target::Replayed(Replayed::Hypothesis(k)), clicked, model, commands);
     }
 }
 
-/// Shows a cell for each crossing; bright ones gave a hypothesis that was kept. Returns the hypothesis under the cursor.
+/// Shows a cell for each crossing; bright ones gave a hypothesis that was kept. Returns the hypothesis under the cursor,
+/// and whether it was clicked.
 fn cells(
     ui: &Ui,
     area: Rect,
     record: &Record,
     crossed: Option<[usize; 2]>,
     lit: Option<usize>,
-) -> Option<usize> {
-    let response = ui.interact(area, ui.scope_id().with("crossings"), Sense::hover());
+) -> Option<(usize, bool)> {
+    let response = ui.interact(area, ui.scope_id().with("crossings"), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, "crossings of the candidates"));
     let painter = ui.painter_at(area);
     let side = (area.height() - 18.0).min(area.width() - 18.0).max(20.0);
@@ -113,15 +115,17 @@ fn cells(
     if let Some(ranks) = lit.and_then(ranks) {
         painter.rect_filled(place(ranks).expand(1.0), 0.0, theme::HOVER);
     }
-    let hovered = response.hover_pos();
+    let (hovered, clicked) = (response.hover_pos()?, response.clicked());
     response.on_hover_text(
         "Each cell is one crossing. Bright cells gave hypotheses that were kept, the best brightest.",
     );
-    (0..count).find(|k| ranks(*k).is_some_and(|ranks| hovered.is_some_and(|at| place(ranks).contains(at))))
+    let k = (0..count).find(|k| ranks(*k).is_some_and(|ranks| place(ranks).contains(hovered)))?;
+    Some((k, clicked))
 }
 
-/// Lists the best hypotheses with their origins and epipoles. Returns the hypothesis under the cursor.
-fn best(ui: &mut Ui, record: &Record, lit: Option<usize>) -> Option<usize> {
+/// Lists the best hypotheses with their origins and epipoles. Returns the hypothesis under the cursor, and whether it was
+/// clicked.
+fn best(ui: &mut Ui, record: &Record, lit: Option<usize>) -> Option<(usize, bool)> {
     let mut hovered = None;
     let head = |text: &str| RichText::new(text).size(theme::CAPTION).weak();
     Grid::new("best hypotheses").num_columns(3).spacing(vec2(18.0, 4.0)).show(ui, |ui| {
@@ -130,17 +134,18 @@ fn best(ui: &mut Ui, record: &Record, lit: Option<usize>) -> Option<usize> {
         }
         ui.end_row();
         for (k, own) in record.hypotheses.iter().take(LISTED).enumerate() {
-            let text = |text: String| {
+            let mut show = |text: String| {
                 let text = RichText::new(text);
-                if lit == Some(k) { text.strong() } else { text }
+                let text = if lit == Some(k) { text.strong() } else { text };
+                ui.add(Label::new(text).selectable(false).sense(Sense::click()))
             };
-            let mut row = ui.label(text(short_origin(&own.origin)));
+            let mut row = show(short_origin(&own.origin));
             for side in Side::BOTH {
                 let epipole = short_epipole_text(&side.epipole(&own.fundamental));
-                row |= ui.label(text(epipole).weak());
+                row |= show(epipole);
             }
             if row.hovered() {
-                hovered = Some(k);
+                hovered = Some((k, row.clicked()));
             }
             ui.end_row();
         }

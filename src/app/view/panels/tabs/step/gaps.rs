@@ -3,23 +3,27 @@
 use egui::{Align2, FontId, Sense, Stroke, Ui, WidgetInfo, pos2};
 
 use super::super::empty;
-use crate::app::model::Model;
+use super::touch;
+use crate::app::model::{Command, Model, Target};
 use crate::app::view::theme;
 
 /// Least gap on the axis, px. Smaller ones are as good as none.
 const LEAST: f64 = 0.1;
+/// Largest distance from which a dot is pointed at, screen points.
+const REACH: f32 = 7.0;
 
-pub fn show(ui: &mut Ui, model: &Model) {
+/// Shows the gaps as dots. The one under the cursor shows its lines in the images.
+pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(record) = model.record().filter(|record| !record.gaps.is_empty()) else {
         empty(ui, "The gaps between lines and their returns appear here. This search has none.");
         return;
     };
-    let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::hover());
+    let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, "gaps of the round trips"));
     let visuals = ui.visuals();
     let painter = ui.painter_at(area);
     let plot = area.shrink2(egui::vec2(16.0, 0.0)).with_max_y(area.max.y - 20.0);
-    let most = record.gaps.iter().copied().fold(10.0 * LEAST, f64::max).log10().ceil();
+    let most = record.gaps.iter().map(|(gap, _)| *gap).fold(10.0 * LEAST, f64::max).log10().ceil();
     let least = LEAST.log10();
     let x = |gap: f64| {
         let share = (gap.max(LEAST).log10() - least) / (most - least);
@@ -40,11 +44,22 @@ pub fn show(ui: &mut Ui, model: &Model) {
             weak,
         );
     }
-    for (k, gap) in record.gaps.iter().enumerate() {
+    let mut nearest: Option<(f32, Target)> = None;
+    for (k, (gap, number)) in record.gaps.iter().enumerate() {
         // Dots side by side would hide each other.
         let row = (k * 7 % 11) as f32 / 11.0;
         let y = egui::lerp(plot.min.y + 24.0..=plot.max.y - 8.0, row);
-        painter.circle_filled(pos2(x(*gap), y), 3.0, theme::UNCHECKED.gamma_multiply(0.8));
+        let (at, target) = (pos2(x(*gap), y), Target::Hypothesis(*number));
+        let is_lit = model.open.focus.hovered() == Some(target);
+        let color = if is_lit { theme::HOVER } else { theme::UNCHECKED.gamma_multiply(0.8) };
+        painter.circle_filled(at, 3.0, color);
+        let away = response.hover_pos().map_or(f32::INFINITY, |cursor| cursor.distance(at));
+        if away <= nearest.map_or(REACH, |(least, _)| least) {
+            nearest = Some((away, target));
+        }
+    }
+    if let Some((_, target)) = nearest {
+        touch(target, response.clicked(), model, commands);
     }
     if let Some(gap) = model.open.replay.moment().and_then(|moment| moment.gap) {
         painter.vline(x(gap), plot.y_range(), Stroke::new(2.0, theme::FORWARD));

@@ -15,7 +15,8 @@ mod race;
 use egui::Ui;
 
 use super::{Tab, pale_earlier, say_earlier};
-use crate::app::model::{Command, MethodStep, Model, TabId};
+use crate::app::model::replay::ReplayCommand;
+use crate::app::model::{Command, MethodStep, Model, TabId, Target};
 use crate::estimate::SearchPlan;
 
 /// Registered in [`super::TABS`].
@@ -43,11 +44,22 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         MethodStep::Motion | MethodStep::Barcodes => barcodes::show(ui, model, commands),
         MethodStep::Pencils => pencils::show(ui, model, commands),
         MethodStep::Candidates => candidates::show(ui, model, commands),
-        MethodStep::Features => features::show(ui, model),
+        MethodStep::Features | MethodStep::Matches => features::show(ui, model),
         MethodStep::Epipoles => crossings::show(ui, model, commands),
-        MethodStep::RoundTrip => gaps::show(ui, model),
+        MethodStep::RoundTrip => gaps::show(ui, model, commands),
         MethodStep::Validation => race::show(ui, model, commands),
         MethodStep::Refinement => fit::show(ui, model),
+    }
+}
+
+/// Lights a part of the replay that is under the cursor, unless the replay plays. A click pauses it and shows the
+/// hypothesis that the part belongs to.
+fn touch(target: Target, clicked: bool, model: &Model, commands: &mut Vec<Command>) {
+    if !model.open.replay.is_playing() {
+        commands.push(Command::PointAt(target));
+    }
+    if clicked {
+        commands.push(ReplayCommand::Show(target).into());
     }
 }
 

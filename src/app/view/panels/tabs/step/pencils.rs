@@ -5,7 +5,7 @@ use egui::{Rect, RichText, Ui, UiBuilder, Vec2, pos2, vec2};
 use super::super::empty;
 use super::super::profiles::sliding;
 use super::matrix::PencilMatrix;
-use super::{NO_PENCILS, NO_ROOM, has_no_pencils};
+use super::{NO_PENCILS, NO_ROOM, has_no_pencils, touch};
 use crate::app::model::{Command, LineSource, Model, Target, pair_name};
 use crate::app::view::heat;
 use crate::app::view::theme;
@@ -150,7 +150,7 @@ fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, com
         matrix.cover(ui, plot, filled.rows);
     }
     let Some([row, column]) = hovered else { return };
-    commands.push(Command::PointAt(Target::Cell { pair: number, row, column }));
+    touch(Target::Cell { pair: number, row, column }, response.clicked(), model, commands);
     if response.clicked()
         && let (Some(angles), Some(pair)) = (pencils.angles(row, column), pair)
     {

@@ -3,6 +3,7 @@
 use egui::{Align2, Color32, FontId, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::super::empty;
+use super::touch;
 use crate::app::model::focus::Replayed;
 use crate::app::model::replay::moment::Racer;
 use crate::app::model::{Command, Model, Target};
@@ -46,15 +47,15 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             (false, false) => theme::UNCHECKED.gamma_multiply(0.6),
         },
     };
-    let hovered = bars(ui, "race of the hypotheses", &moment.race.iter().map(bar).collect::<Vec<_>>());
-    if let Some(own) = hovered.and_then(|k| moment.race.get(k)).filter(|_| !model.open.replay.is_playing()) {
-        commands.push(Command::PointAt(target(own)));
+    let all: Vec<Bar> = moment.race.iter().map(bar).collect();
+    if let Some((k, clicked)) = bars(ui, "race of the hypotheses", &all) {
+        touch(target(&moment.race[k]), clicked, model, commands);
     }
 }
 
-/// Shows bars, one below the other. Returns the number of the bar under the cursor.
-pub fn bars(ui: &mut Ui, name: &str, bars: &[Bar]) -> Option<usize> {
-    let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::hover());
+/// Shows bars, one below the other. Returns the number of the bar under the cursor, and whether it was clicked.
+pub fn bars(ui: &mut Ui, name: &str, bars: &[Bar]) -> Option<(usize, bool)> {
+    let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, name));
     let height = (area.height() / bars.len().max(1) as f32).min(ROW);
     let visuals = ui.visuals();
@@ -80,5 +81,6 @@ pub fn bars(ui: &mut Ui, name: &str, bars: &[Bar]) -> Option<usize> {
         text(pos2(area.max.x, middle), Align2::RIGHT_CENTER, &bar.value, visuals.weak_text_color());
     }
     let row = (response.hover_pos()?.y - area.min.y) / height;
-    bars.iter().position(|bar| (f64::from(row) - bar.row - 0.5).abs() <= 0.5)
+    let k = bars.iter().position(|bar| (f64::from(row) - bar.row - 0.5).abs() <= 0.5)?;
+    Some((k, response.clicked()))
 }
