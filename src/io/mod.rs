@@ -1,16 +1,24 @@
 //! Files: geometry in the formats of other programs, point pairs, folders of pairs, the VGG layout,
 //! and atomic output.
 
+#[cfg(feature = "inspector")]
+mod autosave;
 mod calibration;
 mod camera_rig;
 #[cfg(feature = "colmap")]
 mod colmap;
 mod covariance;
 mod exif;
+#[cfg(feature = "inspector")]
+mod figure;
 mod geometry_file;
 mod ground_truth;
 mod hash;
 mod identity;
+#[cfg(feature = "inspector")]
+mod import_source;
+#[cfg(feature = "inspector")]
+mod importing;
 mod match_arrays;
 mod match_file;
 mod npy;
@@ -20,7 +28,11 @@ mod opencv_xml;
 mod output;
 mod pair_folder;
 mod part_file;
+#[cfg(feature = "inspector")]
+mod pasted_table;
 mod picture_file;
+#[cfg(feature = "inspector")]
+mod picture_folder;
 mod ply;
 mod point_pairs;
 mod point_result;
@@ -30,16 +42,27 @@ mod result_file;
 mod sequence_file;
 mod session;
 mod stereo_pair;
+#[cfg(feature = "inspector")]
+mod tables;
 mod truth_folder;
 mod undistorted;
 mod vgg;
 
+#[cfg(feature = "inspector")]
+#[doc(hidden)]
+pub use autosave::Autosave;
 pub use calibration::{CalibratedCamera, Calibration, CameraPose, CameraReading};
 #[doc(hidden)]
 pub use camera_rig::CameraRig;
 #[cfg(feature = "colmap")]
 pub use colmap::{ColmapError, ColmapPair};
 pub use exif::focal_length_from_exif;
+#[cfg(feature = "inspector")]
+#[doc(hidden)]
+pub use figure::{
+    Figure, FigureArea, FigureColor, FigureFont, FigurePicture, FigureShape, FigureStroke, write_pdf,
+    write_svg,
+};
 pub use geometry_file::{
     CalibratedNote, Format, GeometryFile, ImageNote, Notation, PairLabel, PairOrigin, TrustNote,
     read_fundamental, read_point_pairs,
@@ -48,6 +71,12 @@ pub use geometry_file::{
 pub use ground_truth::{GroundTruth, TruthError, TruthOrigin};
 #[doc(hidden)]
 pub use identity::refuse_clashes;
+#[cfg(feature = "inspector")]
+#[doc(hidden)]
+pub use import_source::{ImportSource, is_importable, sources};
+#[cfg(feature = "inspector")]
+#[doc(hidden)]
+pub use importing::{Import, ImportFound, ImportedFile, ImportedMatrix};
 pub use match_file::{MatchFile, read_matches};
 pub use npy::fundamental_as_npy;
 #[doc(hidden)]
@@ -55,9 +84,15 @@ pub use output::OutputFile;
 pub use output::WriteError;
 #[doc(hidden)]
 pub use pair_folder::{PairFiles, pair_folder};
+#[cfg(feature = "inspector")]
+#[doc(hidden)]
+pub use pasted_table::parse_table;
 pub use picture_file::{PictureError, PictureFormat};
 #[doc(hidden)]
 pub use picture_file::{described, encode_picture};
+#[cfg(feature = "inspector")]
+#[doc(hidden)]
+pub use picture_folder::PictureFolder;
 pub use ply::cloud_as_ply;
 pub use point_pairs::parse_point_pairs;
 pub use point_result::{PointResultFile, points_in_words};
@@ -73,6 +108,9 @@ pub use session::{
     sha256_of,
 };
 pub use stereo_pair::{StereoPair, StereoPairFiles, StereoProgram};
+#[cfg(feature = "inspector")]
+#[doc(hidden)]
+pub use tables::{LINE_COLUMNS, PairRow, barcode_table, line_table, pair_table};
 #[doc(hidden)]
 pub use truth_folder::TruthFolder;
 pub use undistorted::UndistortedFiles;

@@ -14,7 +14,7 @@ use egui::Ui;
 
 use super::Start;
 use super::model::command::PickPurpose;
-use super::model::exchange::{PendingImport, sources};
+use super::model::exchange::PendingImport;
 use super::model::focus::Focus;
 use super::model::look::Look;
 use super::model::messages::MessageKind;
@@ -24,6 +24,7 @@ use super::tasks::{Picked, Services, Tasks, Wanted};
 use super::view::{KeyboardState, View, pressed};
 use crate::estimate::Estimate;
 use crate::geometry::PointPair;
+use crate::io::sources;
 
 /// Message where the file dialog of the system cannot open.
 const NO_FILE_DIALOG: &str = if cfg!(all(unix, not(target_os = "macos"))) {

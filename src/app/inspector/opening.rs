@@ -6,7 +6,6 @@ use std::sync::Arc;
 use super::Inspector;
 use crate::app::model::album::Album;
 use crate::app::model::document::Imported;
-use crate::app::model::exchange::is_importable;
 use crate::app::model::history::History;
 use crate::app::model::picture::Opened;
 use crate::app::model::session::{OpenSession, has_session_extension};
@@ -15,7 +14,7 @@ use crate::app::tasks::{LoadedPair, NewCalibration, Opening, OpeningFailure, Wan
 use crate::app::view::{FocalDialog, OpenDialog, RelocateDialog};
 use crate::camera::FocalLength;
 use crate::geometry::PointPair;
-use crate::io::{CalibratedCamera, PairOrigin, is_sequence};
+use crate::io::{CalibratedCamera, PairOrigin, is_importable, is_sequence};
 use crate::study::assumed_camera;
 
 impl Inspector {

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::document::{Document, TruthSource};
 use super::focus::LineSource;
-use super::pair_folder::PairFolder;
 use crate::camera::CameraModel;
+use crate::io::PictureFolder;
 use crate::io::{relative, resolve};
 
 /// Names of a left and a right view.
@@ -53,7 +53,7 @@ impl KeptPair {
 
 impl Album {
     /// Creates an album without work on any pair.
-    pub fn new(folder: &PairFolder, pair: [usize; 2]) -> Self {
+    pub fn new(folder: &PictureFolder, pair: [usize; 2]) -> Self {
         Self { folder: folder.path().to_owned(), open: view_names(folder, pair), pairs: Vec::new() }
     }
 
@@ -113,6 +113,6 @@ impl Album {
     }
 }
 
-pub fn view_names(folder: &PairFolder, pair: [usize; 2]) -> ViewNames {
+pub fn view_names(folder: &PictureFolder, pair: [usize; 2]) -> ViewNames {
     pair.map(|view| folder.names()[view].clone())
 }

@@ -11,7 +11,6 @@ use super::focus::Focus;
 use super::inspection::Inspection;
 use super::measuring::Measuring;
 use super::messages::LastDone;
-use super::pair_folder::PairFolder;
 use super::picture::{Opened, Pictures};
 use super::recording::Player;
 use super::rectified::{Rectified, Viewing};
@@ -23,11 +22,12 @@ use super::truth::{KnownTruth, NO_TRUTH};
 use crate::camera::{CameraModel, FocalLength, PicturesOf, ViewPair};
 use crate::estimate::{DivisionFit, Estimate};
 use crate::geometry::{Frame, Point, PointPair};
+use crate::io::PictureFolder;
 use crate::study::{PlaceFound, Study};
 use crate::suggest::NextClick;
 
 /// A folder, and the numbers of the two views that are open.
-pub type OpenFolder = (Arc<PairFolder>, [usize; 2]);
+pub type OpenFolder = (Arc<PictureFolder>, [usize; 2]);
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hover {

@@ -4,13 +4,13 @@ use super::comparison::Contestant;
 use super::computation::Freshness;
 use super::document::Side;
 use super::focus::{LineSource, Pin};
-use super::pair_folder::PairFolder;
 use super::verdict::Tone;
 use super::{Model, TabId};
 use crate::estimate::{Construction, Estimate, Reason, RefinedMatch, lines_at};
 use crate::geometry::fan::{self, NumberedLines};
 use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair, symmetric_epipolar_distance};
 use crate::io::GroundTruth;
+use crate::io::PictureFolder;
 
 /// The geometry shown by the whole window: the selected hypothesis, other method or imported
 /// geometry, or else the result. Without a result, the imported geometry.
@@ -96,7 +96,7 @@ impl Model {
     }
 
     /// Returns the open folder, and its open pair.
-    pub fn folder(&self) -> Option<(&PairFolder, [usize; 2])> {
+    pub fn folder(&self) -> Option<(&PictureFolder, [usize; 2])> {
         self.open.folder.as_ref().map(|(folder, pair)| (folder.as_ref(), *pair))
     }
 

@@ -12,11 +12,11 @@ use super::opening::{
 use super::session_opening::open_session;
 use super::task::{Task, Waiting};
 use super::waker::Waker;
-use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::picture::Opened;
 use crate::app::model::session::OpenSession;
 use crate::camera::CameraModel;
 use crate::cancel::CancelFlag;
+use crate::io::PictureFolder;
 use crate::presentation::camera_doubts;
 
 /// Pictures to open.
@@ -25,7 +25,7 @@ pub enum Wanted {
     /// Something that the user, or the command line, names.
     Opening(Opening),
     /// Two views of a folder, with the cameras of the work on them. Images that are already open are not read again.
-    Views(Arc<PairFolder>, [usize; 2], Option<Box<[CameraModel; 2]>>),
+    Views(Arc<PictureFolder>, [usize; 2], Option<Box<[CameraModel; 2]>>),
     Session(OpenSession),
     /// Open pictures, with their calibrated cameras.
     Calibrated(Box<([Opened; 2], NewCalibration)>),

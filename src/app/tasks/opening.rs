@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use crate::app::model::document::Side;
 use crate::app::model::open_pair::OpenFolder;
-use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::picture::Opened;
 use crate::app::model::recording::Recording;
 use crate::app::model::sample::{FIRST, OpenedSample, sample_pair, sample_recordings};
@@ -16,6 +15,7 @@ use crate::camera::{CameraModel, RelativePose};
 use crate::cancel::CancelFlag;
 use crate::geometry::PointPair;
 use crate::image::Picture;
+use crate::io::PictureFolder;
 use crate::io::{TruthError, is_sequence, read_sequence};
 use crate::study::plan_views;
 use crate::synthetic::Sample;
@@ -215,12 +215,12 @@ pub fn sample_sequences(reading: &PairReading) -> Result<LoadedPair, OpeningFail
 }
 
 pub fn open_folder(path: &Path, reading: &mut PairReading) -> Result<LoadedPair, OpeningFailure> {
-    let folder = PairFolder::open(path).map_err(|problem| unchanged(&problem))?;
+    let folder = PictureFolder::open(path).map_err(|problem| unchanged(&problem))?;
     open_views(&Arc::new(folder), [0, 1], reading)
 }
 
 pub fn open_views(
-    folder: &Arc<PairFolder>,
+    folder: &Arc<PictureFolder>,
     pair: [usize; 2],
     reading: &mut PairReading,
 ) -> Result<LoadedPair, OpeningFailure> {

@@ -22,7 +22,7 @@ use crate::rectify::RectifyMethod;
 pub use given::{GIVEN_FIT, Given};
 pub use parts::{
     AS_READ, Checked, HalfPair, Imported, PairNote, PictureIdentity, PointRef, Role, Side, TruthSource,
-    counted, is_inside, pair_name,
+    counted, pair_name,
 };
 
 /// Everything that a person can change and undo.
@@ -97,7 +97,7 @@ impl Document {
 
     /// Returns whether both points of a pair are inside the pictures.
     pub fn contains(&self, pair: &PointPair) -> bool {
-        self.frames().is_some_and(|frames| is_inside(pair, frames))
+        self.frames().is_some_and(|frames| pair.is_inside(frames))
     }
 
     /// Returns the hint for a picture too small for lines to be compared, whatever is clicked.

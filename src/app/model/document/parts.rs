@@ -191,11 +191,6 @@ pub fn pair_name(pair: usize) -> String {
     }
 }
 
-/// Returns whether both points of a pair are inside images of these sizes.
-pub fn is_inside(pair: &PointPair, [frame1, frame2]: [Frame; 2]) -> bool {
-    frame1.contains(pair.point1) && frame2.contains(pair.point2)
-}
-
 /// Returns a number of point pairs in words.
 pub fn counted(pairs: usize) -> String {
     if pairs == 1 { "1 point pair".to_owned() } else { format!("{pairs} point pairs") }

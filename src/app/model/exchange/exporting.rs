@@ -3,18 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use super::order::{ExportKind, ExportOrder, ReportFormat};
-use super::profile;
-use super::table;
 use super::trust::{result_note, shown_in_words, trust_note};
 use crate::app::model::Model;
-use crate::app::model::document::{Given, Side, counted};
+use crate::app::model::document::{Given, Role, Side, counted};
 use crate::app::model::rectified::RectifyQuestion;
 use crate::camera::PicturesOf;
 use crate::estimate::PlaneHomography;
 use crate::geometry::PointPair;
 use crate::io::{
-    CalibratedNote, ColmapError, Format, GeometryFile, ImageNote, OutputFile, PairLabel, PairOrigin,
-    ResultFile, UndistortedFiles, fundamental_as_npy, refuse_clashes, result_in_words,
+    CalibratedNote, ColmapError, Format, GeometryFile, ImageNote, OutputFile, PairLabel, PairOrigin, PairRow,
+    ResultFile, UndistortedFiles, barcode_table, fundamental_as_npy, line_table, pair_table, refuse_clashes,
+    result_in_words,
 };
 use crate::presentation::pictures_in_words;
 use crate::rectify::Limits;
@@ -126,7 +125,7 @@ pub fn content(
             (text(file.to_text(format)), "the homography of the plane".to_owned())
         }
         ExportKind::Pairs => (text(file.to_text(format)), counted(file.pairs.len())),
-        ExportKind::Table => (text(table::csv(model)), format!("a table of {}", counted(file.pairs.len()))),
+        ExportKind::Table => (text(table(model)), format!("a table of {}", counted(file.pairs.len()))),
         ExportKind::Report => {
             let report = report(order.reported, model, &images).ok_or_else(nothing)?;
             (text(report), "the report of the result".to_owned())
@@ -136,12 +135,13 @@ pub fn content(
             if let (Some(inspected), Some(compared)) =
                 (model.inspected_barcodes(), model.compared_recordings())
             {
-                let table = profile::barcodes_csv(&inspected, compared.offset, trust.as_ref());
+                let table =
+                    barcode_table(&inspected.barcodes, inspected.first, compared.offset, trust.as_ref());
                 return Ok((text(table), "the barcodes of the inspected line pair".to_owned()));
             }
             let inspection = model.open.inspection.as_ref().ok_or_else(nothing)?;
             (
-                text(profile::csv(inspection, &pictures_of, trust.as_ref())),
+                text(line_table(inspection, &pictures_of, trust.as_ref())),
                 "the profile of the inspected line pair".to_owned(),
             )
         }
@@ -234,6 +234,22 @@ fn notes(model: &Model) -> Option<[ImageNote; 2]> {
 fn pairs(model: &Model, with_matches: bool) -> Vec<PointPair> {
     let found = model.matched_pairs().filter(|_| with_matches);
     model.document.included().chain(found).collect()
+}
+
+/// Returns the pairs that are not excluded as a table, in the order of the list.
+fn table(model: &Model) -> String {
+    let document = &model.document;
+    let included =
+        document.labels().zip((0..document.pairs.len()).filter(|k| !document.excluded.contains(k)));
+    let rows: Vec<PairRow> = included
+        .map(|(label, k)| PairRow {
+            pair: model.open.pixels_of(&document.pairs[k]),
+            label,
+            role: if document.role(k) == Role::Used { "used" } else { "check only" },
+            distance: model.pair_distance(k),
+        })
+        .collect();
+    pair_table(&rows, model.open.undistorted().is_some(), trust_note(model).as_ref())
 }
 
 /// Returns names and origins of the exported pairs, in the same order.

@@ -6,8 +6,10 @@
 
 use std::borrow::Cow;
 
+use image::RgbaImage;
+
 use super::RectifiedLook;
-use super::disparity::DisparityMap;
+use crate::app::model::heat;
 use crate::app::model::pane_view::QuarterTurns;
 use crate::app::model::picture::{Opened, Pictures};
 use crate::app::model::revision;
@@ -19,6 +21,7 @@ use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::image::Picture;
 use crate::io::GroundTruth;
 use crate::rectify::{Limits, Rectification, RectifyError, RectifyMethod, rectify};
+use crate::study::DisparityMap;
 
 /// Maximum number of pixels of a rectified picture on the screen.
 const SHOWN: Limits = Limits { pixels: 3_000_000 };
@@ -115,8 +118,7 @@ impl RectifyQuestion {
                 return Ok(None);
             }
             map.and_then(|map| {
-                let picture =
-                    Picture::from_pixels("disparity".into(), None, map.picture.clone().into()).ok()?;
+                let picture = Picture::from_pixels("disparity".into(), None, drawn(&map)?.into()).ok()?;
                 Some((map, Opened::new(picture)))
             })
         };
@@ -130,6 +132,17 @@ impl RectifyQuestion {
         let opened = |k: usize, name: &str, pixels| Opened::new(pictures[k].with_pixels(name.into(), pixels));
         Some([opened(0, "left", left), opened(1, "right", right)])
     }
+}
+
+/// Draws disparities by colour: dark for the smallest, transparent without a match.
+fn drawn(map: &DisparityMap) -> Option<RgbaImage> {
+    let [width, height] = map.size().map(|v| v as u32);
+    let color = |share: f32| {
+        let [red, green, blue] = heat::rgb(share);
+        [red, green, blue, 255]
+    };
+    let pixels = map.shares().flat_map(|share| share.map_or([0; 4], color)).collect();
+    RgbaImage::from_raw(width, height, pixels)
 }
 
 /// Ratio of height to width from which pictures count as high.

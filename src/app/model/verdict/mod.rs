@@ -1,34 +1,28 @@
 //! The result in words: a verdict with its reason, figures, further reasons, and the next action.
 
 mod action;
-mod facts;
-mod gauge;
-mod glance;
-mod standing;
+mod imported;
 #[cfg(test)]
 mod tests;
-mod tone;
 
 use crate::app::model::computation::{Computation, EstimateFailure, Freshness};
-use crate::app::model::document::{Document, GIVEN_FIT, Imported, Role, pair_name};
+use crate::app::model::document::{Document, GIVEN_FIT, Given, Role, pair_name};
 use crate::estimate::{
     self, CLICK_DEVIATIONS, Estimate, PairNames, PairNumbers, Reason, Suspect, Trust, Warning,
 };
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
 use crate::presentation::{
-    named_error_in_words, named_reason_in_words, named_warning_in_words, probability_in_words,
+    self, ResultContext, facts, named_error_in_words, named_reason_in_words, named_warning_in_words,
+    probability_in_words,
 };
 
-pub use action::{CardAction, LineLook, USE_LENS};
-use facts::facts;
-pub use facts::{
-    Fact, corrected_fact, epipole_text, hypothesis_facts, import_facts, is_on_card, lens_fact, pose_facts,
-    short_epipole_text,
+pub use crate::presentation::{
+    EpipolePlace, Fact, Gauge, Glance, HypothesisFigure, HypothesisScales, Standing, Tone, corrected_fact,
+    epipole_text, epipoles_at_a_glance, hypothesis_facts, lens_fact, line_score_text, lines_at_a_glance,
+    pose_facts, short_epipole_text,
 };
-pub use gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text};
-pub use glance::{EpipolePlace, Glance, epipole_places, epipoles_at_a_glance, lines_at_a_glance};
-pub use standing::Standing;
-pub use tone::Tone;
+pub use action::{CardAction, LineLook, USE_LENS};
+pub use imported::{import_facts, import_warning};
 
 /// Description of the state of the estimate.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,19 +37,6 @@ pub struct VerdictInWords {
     pub warnings: Vec<String>,
     /// How likely the lines are right, in a few words, and the sentence that explains it.
     pub likely: Option<[String; 2]>,
-}
-
-/// Returns a warning about an imported geometry.
-pub fn import_warning(imported: &Imported) -> Option<&'static str> {
-    match &imported.check {
-        None => Some(
-            "Unchecked: there were too few matches when it was imported. Compare judges it once there are matches.",
-        ),
-        Some(check) if !check.fits => {
-            Some("It does not fit the matches of these images. It may belong to other images.")
-        }
-        Some(_) => None,
-    }
 }
 
 /// Returns whether the state of the estimate is good or bad news. Lines are drawn accordingly.
@@ -130,19 +111,6 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     };
     let assessment = &estimate.assessment;
     let mut reasons: Vec<&Reason> = assessment.trust.iter().flat_map(|trust| &trust.reasons).collect();
-    // A misplaced pair comes first: a person can mend it at once, and the button is about it. Where the
-    // geometry is the likelier culprit, its other failed tests say why.
-    let order = |reason: &Reason| match *reason {
-        Reason::ClickOff { suspect: Suspect::Click, distance, .. } => (0, -distance),
-        Reason::ClickOff { suspect: Suspect::Geometry, distance, .. } => (2, -distance),
-        Reason::GivenContradict { .. } | Reason::DifferentScenes { .. } => (-1, 0.0),
-        // The words beside the verdict are about the epipole then.
-        Reason::OnePlane { .. }
-        | Reason::NoRelief { .. }
-        | Reason::OnlyTurned { .. }
-        | Reason::BehindCameras { .. } => (1, -1.0),
-        _ => (1, 0.0),
-    };
     reasons.sort_by(|a, b| {
         let ((group, worst), (other, its)) = (order(a), order(b));
         group.cmp(&other).then(worst.total_cmp(&its))
@@ -206,7 +174,48 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
             (word, sentence)
         }
     };
-    VerdictInWords { tone, word, sentence, facts: facts(document, estimate, freshness), warnings, likely }
+    // The figures of a stale result belong to earlier points.
+    let facts = if freshness.is_behind() {
+        Vec::new()
+    } else {
+        facts(estimate, &context(document, estimate, is_final))
+    };
+    VerdictInWords { tone, word, sentence, facts, warnings, likely }
+}
+
+fn context(document: &Document, estimate: &Estimate, is_final: bool) -> ResultContext {
+    let given = |given: &Given| [given.fitting(estimate.fundamental()), given.matches.len()];
+    ResultContext {
+        frames: document.frames(),
+        score: document.parameters.validation.line_score,
+        given: document.given.as_ref().map(given),
+        is_final,
+    }
+}
+
+/// Returns the places of both epipoles of a geometry, with their intervals if it is that of `estimate`.
+pub fn epipole_places(
+    document: &Document,
+    f: &FundamentalMatrix,
+    estimate: Option<&Estimate>,
+) -> Option<[EpipolePlace; 2]> {
+    Some(presentation::epipole_places(f, document.frames()?, estimate))
+}
+
+/// Returns the key by which reasons are sorted. A misplaced pair comes first: a person can mend it at once, and the
+/// button is about it. Where the geometry is the likelier culprit, its other failed tests say why.
+fn order(reason: &Reason) -> (i32, f64) {
+    match *reason {
+        Reason::ClickOff { suspect: Suspect::Click, distance, .. } => (0, -distance),
+        Reason::ClickOff { suspect: Suspect::Geometry, distance, .. } => (2, -distance),
+        Reason::GivenContradict { .. } | Reason::DifferentScenes { .. } => (-1, 0.0),
+        // The words beside the verdict are about the epipole then.
+        Reason::OnePlane { .. }
+        | Reason::NoRelief { .. }
+        | Reason::OnlyTurned { .. }
+        | Reason::BehindCameras { .. } => (1, -1.0),
+        _ => (1, 0.0),
+    }
 }
 
 fn waiting(document: &Document) -> String {

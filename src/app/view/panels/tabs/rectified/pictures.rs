@@ -151,7 +151,7 @@ fn paint(
             // Each pixel of the map covers several pixels of the picture.
             let Some((map, _)) = &drawn.disparity else { return };
             let transform = &transforms[Side::Left.index()];
-            let times = drawn.frame().width as f64 / f64::from(map.picture.width());
+            let times = drawn.frame().width as f64 / map.size()[0] as f64;
             let coarse = transform.of_reduced(times);
             with_texture(ctx, drawn, Kept::Disparity, |texture| texture.draw(painter, &coarse));
         }
