@@ -22,7 +22,6 @@ use crate::io::{
 };
 use crate::rectify::RectifyMethod;
 
-/// Message without images.
 const NOTHING_TO_EXPORT: &str = "There is nothing to export yet: open two images first.";
 
 impl Inspector {
@@ -189,7 +188,6 @@ impl Inspector {
         self.tasks.importing.ask(ImportQuestion { pending, frames, shown, views, matches });
     }
 
-    /// Applies a command about the rectified pair.
     pub(super) fn apply_to_rectified(&mut self, ctx: &Context, command: RectifiedCommand) {
         let model = &mut self.model;
         let shown = model.open.viewing.blink.shown(ctx.input(|input| input.time)).0;

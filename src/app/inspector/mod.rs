@@ -34,7 +34,6 @@ const NO_FILE_DIALOG: &str = if cfg!(all(unix, not(target_os = "macos"))) {
     "The file dialog could not be opened here. Type a path, or drop the files on this window."
 };
 
-/// The whole window.
 pub struct Inspector {
     model: Model,
     tasks: Tasks,
@@ -60,7 +59,6 @@ impl Inspector {
         &self.model
     }
 
-    /// Returns the edited state.
     pub fn document(&self) -> &Document {
         &self.model.document
     }

@@ -333,7 +333,6 @@ impl Inspector {
         }
     }
 
-    /// Opens the first pair of a folder.
     pub(super) fn open_folder(&mut self, path: PathBuf) {
         self.open(Wanted::Opening(Opening::Folder(path)));
     }
@@ -343,7 +342,6 @@ impl Inspector {
         self.view.dialogs.relocate = None;
     }
 
-    /// Opens two views of the open folder.
     pub(super) fn open_views(&mut self, views: [usize; 2]) {
         let Some((folder, _)) = &self.model.open.folder else { return };
         if folder.is_pair(views) {

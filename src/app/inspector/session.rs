@@ -43,7 +43,6 @@ impl Inspector {
         }
     }
 
-    /// Applies a command about sessions.
     pub(super) fn apply_to_session(&mut self, command: SessionCommand) {
         match command {
             SessionCommand::Save => match self.model.session.path.clone() {

@@ -44,7 +44,6 @@ impl KeptPair {
         self.document.is_worth_keeping(true) || !self.pins.is_empty() || self.cameras.is_some()
     }
 
-    /// Returns whether the two have the same work.
     pub fn is_same_work(&self, other: &Self) -> bool {
         let same_views = self.pins == other.pins && self.cameras == other.cameras;
         same_views && self.document.is_same_work(&other.document)

@@ -14,16 +14,13 @@ use crate::study::ShownGeometry;
 
 #[derive(Clone, PartialEq)]
 pub struct ComparisonQuestion {
-    /// The result with its matches.
     pub result: Option<ShownGeometry>,
-    /// Geometry shown by the window.
     pub shown: Option<FundamentalMatrix>,
     pub imported: Option<GivenGeometry>,
     pub pairs: Vec<PointPair>,
     /// Places of the excluded pairs among the clicked ones.
     pub excluded: Vec<usize>,
     pub used: Vec<PointPair>,
-    /// Matches from elsewhere.
     pub given: Option<Shared<Vec<Match>>>,
     pub frames: [Frame; 2],
     /// Ground truth, if known and in use.
@@ -33,7 +30,6 @@ pub struct ComparisonQuestion {
 
 #[derive(Debug, Clone)]
 pub struct Comparison {
-    /// Unique number of this comparison.
     pub number: u64,
     methods: MethodComparison,
     /// The imported geometry, and what the images say of it.

@@ -17,7 +17,6 @@ use crate::similarity::{MatchedLines, StereoParameters};
 #[derive(Debug, Clone, PartialEq)]
 pub struct InspectionRequest {
     pub pictures: Pictures,
-    /// One line in each picture.
     pub lines: [AnchoredLine; 2],
     pub stereo: StereoParameters,
     /// Largest disparity tried, as a fraction of the longer side of the left image.
@@ -42,7 +41,6 @@ impl InspectionRequest {
     }
 }
 
-/// Draws the band of costs.
 fn band(matched: &MatchedLines) -> RgbImage {
     let rows = (matched.range.min..=matched.range.max).rev();
     let pixels = rows.flat_map(|disparity| matched.likeness_at(disparity).flat_map(heat::rgb)).collect();
@@ -50,7 +48,6 @@ fn band(matched: &MatchedLines) -> RgbImage {
     RgbImage::from_raw(width, height, pixels).expect("three bytes a sample and disparity")
 }
 
-/// The inspected lines.
 #[derive(Debug, Clone)]
 pub struct Inspection {
     pub number: u64,

@@ -40,7 +40,6 @@ pub struct Hover {
 /// The open pictures, with all findings about them and selections on them.
 #[derive(Default)]
 pub struct OpenPair {
-    /// The pictures, once loaded.
     pub pictures: Option<[Opened; 2]>,
     /// Point pairs for "Show me", if the pictures have any.
     pub show_me: Option<[PointPair; 2]>,
@@ -126,7 +125,6 @@ impl OpenPair {
         }
     }
 
-    /// Returns the pixels of both pictures.
     pub fn pictures(&self) -> Option<Pictures> {
         Some(self.pictures.as_ref()?.each_ref().map(|opened| opened.picture.clone()))
     }

@@ -32,7 +32,6 @@ const DISTANCES: [f64; 2] = [0.05, 1e5];
 /// Inputs of a scene: one result and the views that it belongs to.
 #[derive(Clone, PartialEq)]
 pub struct SceneQuestion {
-    /// The left view, for colours.
     pub left: Shared<Picture>,
     pub found: Shared<Estimate>,
     pub views: ViewPair,

@@ -157,7 +157,6 @@ impl Model {
         self.open.computation.result().map(|(estimate, _)| estimate)
     }
 
-    /// Returns the matches of the latest result.
     pub fn matches(&self) -> &[RefinedMatch] {
         self.result().map_or(&[], Estimate::matches)
     }
@@ -167,7 +166,6 @@ impl Model {
         self.matches().iter().map(|found| found.pair)
     }
 
-    /// Returns the ground truth in use.
     pub fn truth(&self) -> Option<&GroundTruth> {
         self.document.truth.as_ref()?;
         self.open.known().map(|known| &*known.truth)

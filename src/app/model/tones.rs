@@ -28,7 +28,6 @@ named! {
     }
 }
 
-/// Appearance of one picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rendition {
     /// Exposure, as a power of two.

@@ -19,7 +19,6 @@ use crate::cancel::CancelFlag;
 use crate::io::PictureFolder;
 use crate::presentation::camera_doubts;
 
-/// Pictures to open.
 #[derive(Clone)]
 pub enum Wanted {
     /// Something that the user, or the command line, names.
@@ -60,7 +59,6 @@ impl Wanted {
     }
 }
 
-/// The running opening, if any.
 pub struct Loader {
     waker: Waker,
     task: Option<Task<(Wanted, PairReading), Result<LoadedPair, OpeningFailure>>>,
@@ -90,7 +88,6 @@ impl Loader {
         Some(result)
     }
 
-    /// Starts opening pictures.
     pub fn open(&mut self, wanted: Wanted) {
         // The views of a folder are changed fast, so open images are reused. Files named by the
         // user are read again, as they may have changed.

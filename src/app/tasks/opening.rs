@@ -26,7 +26,6 @@ pub enum Opening {
     SampleSequences,
     /// Two files, left and right, or two folders of frames.
     Files(PathBuf, PathBuf),
-    /// The first pair of a folder.
     Folder(PathBuf),
     Session(PathBuf),
 }
@@ -39,7 +38,6 @@ impl Default for Opening {
 
 #[derive(Clone)]
 pub struct NewCalibration {
-    /// Name of its file, if it has one.
     pub name: Option<String>,
     /// The cameras; `None` takes the pictures as they are.
     pub cameras: Option<[CameraModel; 2]>,
@@ -51,7 +49,6 @@ pub struct LoadedPair {
     pub pictures: [Opened; 2],
     /// Point pairs for "Show me", if the pictures have any.
     pub show_me: Option<[PointPair; 2]>,
-    /// Ground truth of the pictures, if known.
     pub known: Option<KnownTruth>,
     pub folder: Option<OpenFolder>,
     /// Whether to use the ground truth from the start.

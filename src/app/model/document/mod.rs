@@ -33,7 +33,6 @@ pub struct Document {
     pub pictures: Option<[PictureIdentity; 2]>,
     /// Finished point pairs: `p`, `q`, `r`, then numbers.
     pub pairs: Vec<PointPair>,
-    /// Numbers of the excluded pairs.
     #[serde(default)]
     pub excluded: BTreeSet<usize>,
     /// Numbers of the pairs that are only checks.
@@ -60,7 +59,6 @@ pub struct Document {
     /// Imported geometry, shown beside the result.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub imported: Option<Imported>,
-    /// Matches from elsewhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub given: Option<Given>,
     /// The point that keys act on.
@@ -81,7 +79,6 @@ impl Document {
         Self { pictures: Some(pictures), parameters, ..Self::default() }
     }
 
-    /// Returns the sizes of the pictures.
     pub fn frames(&self) -> Option<[Frame; 2]> {
         self.pictures.as_ref().map(|pictures| pictures.each_ref().map(|picture| picture.frame))
     }

@@ -18,7 +18,6 @@ impl From<ImportSource> for PendingImport {
     }
 }
 
-/// Request to import files.
 pub struct ImportQuestion {
     pub pending: PendingImport,
     /// Sizes of the open images.
@@ -27,7 +26,6 @@ pub struct ImportQuestion {
     pub shown: [Frame; 2],
     /// Views without distortion, if a lens is corrected. Points found belong to them.
     pub views: Option<ViewPair>,
-    /// Matches for the check.
     pub matches: MatchesAtHand,
 }
 

@@ -55,12 +55,10 @@ impl MatchesAtHand {
     }
 }
 
-/// Request to rectify a pair.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RectifyQuestion {
     pub pictures: Pictures,
     pub fundamental: FundamentalMatrix,
-    /// Matches for the measures.
     pub matches: MatchesAtHand,
     /// Matches for the range of disparities: the true matches, and the matches of the result or the
     /// clicked pairs.
@@ -156,7 +154,6 @@ pub struct Rectified {
     pub outcome: Result<DrawnPair, RectifyError>,
 }
 
-/// A pair for the screen.
 pub struct DrawnPair {
     /// Rectification at full size, as it would be written, with its measures.
     pub full: Rectification,
@@ -215,7 +212,6 @@ impl DrawnPair {
     }
 }
 
-/// Returns the request for the rectified pair of the sample.
 #[cfg(test)]
 pub fn example() -> RectifyQuestion {
     let sample = crate::app::model::sample::sample_pair(crate::synthetic::Sample::Courtyard);

@@ -3,7 +3,6 @@
 use super::Fact;
 use crate::app::model::document::Imported;
 
-/// Returns a warning about an imported geometry.
 pub fn import_warning(imported: &Imported) -> Option<&'static str> {
     match &imported.check {
         None => Some(

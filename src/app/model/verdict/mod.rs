@@ -28,7 +28,6 @@ pub use imported::{import_facts, import_warning};
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerdictInWords {
     pub tone: Tone,
-    /// The verdict in one or two words.
     pub word: &'static str,
     /// The main reason, or the next step.
     pub sentence: String,

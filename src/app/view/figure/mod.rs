@@ -28,7 +28,6 @@ pub fn figure(
     }))
 }
 
-/// Returns the text fonts of the window.
 fn fonts() -> Vec<FigureFont> {
     let mut fonts = theme::fonts();
     let names = fonts.families.remove(&FontFamily::Proportional).unwrap_or_default();

@@ -28,7 +28,6 @@ const MOST_A_POINT: f32 = 8.0;
 
 /// An image in its place on the sheet.
 struct Placed {
-    /// Position of its pixels on the sheet.
     transform: Transform,
     first: [u32; 2],
     count: [u32; 2],
@@ -50,7 +49,6 @@ impl Placed {
     }
 }
 
-/// The whole content of a figure.
 pub struct Sheet {
     pictures: Pictures,
     /// Frames of sequences, shown instead of the pictures.
@@ -171,7 +169,6 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
 }
 
 impl Sheet {
-    /// Returns the content of the file.
     pub fn figure(self) -> Figure {
         Figure {
             pictures: [0, 1].map(|k| self.picture(k)),

@@ -208,7 +208,6 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// Shows the figures of the shown result.
 fn figures(ui: &mut Ui, model: &Model) {
     let Some(shown) = model.shown() else { return };
     let is_current = !matches!(shown.freshness, Freshness::Followed | Freshness::Stale);

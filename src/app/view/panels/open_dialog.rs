@@ -99,7 +99,6 @@ impl OpenDialog {
         self.opening().into_iter().chain(import).collect()
     }
 
-    /// Returns the command that opens images.
     fn opening(&self) -> Option<Command> {
         if let Some(folder) = path_of(&self.folder) {
             return Some(Command::OpenFolder(folder));

@@ -55,7 +55,6 @@ fn kept_pairs(ui: &mut Ui, model: &Model, folder: &PictureFolder, commands: &mut
     );
 }
 
-/// Shows the switch of the ground truth.
 pub fn truth_button(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let button = Button::selectable(model.truth().is_some(), Command::ToggleTruth.name());
     let button = ui.add_enabled(model.open.known().is_some(), button.frame_when_inactive(true));
@@ -104,7 +103,6 @@ fn view_chooser(
     }
 }
 
-/// Shows the choice of a pair.
 fn pair_chooser(ui: &mut Ui, folder: &PictureFolder, pair: [usize; 2], commands: &mut Vec<Command>) {
     let response =
         ComboBox::from_id_salt("pair").width(130.0).selected_text(folder.pair_name(pair)).show_ui(ui, |ui| {

@@ -15,7 +15,6 @@ use crate::io::{ImportFound, ImportedMatrix};
 pub struct ReadingDialog {
     found: ImportFound,
     matrix: ImportedMatrix,
-    /// Index into the readings of the check.
     chosen: usize,
     with_pairs: bool,
 }
@@ -98,12 +97,10 @@ impl ReadingDialog {
     }
 }
 
-/// Returns the index of the reading as in the file.
 fn as_read(check: &ConventionCheck) -> Option<usize> {
     check.readings.iter().position(|ranked| ranked.reading.changes() == 0)
 }
 
-/// Shows the readings to choose from.
 fn readings(ui: &mut Ui, check: &ConventionCheck, chosen: &mut usize) {
     let own = as_read(check);
     let is_alike = |place: usize| check.fits() && !check.readings[place].told_apart;

@@ -104,7 +104,6 @@ fn small_pictures(drawing: &Drawing, panes: &mut [ImagePane; 2], model: &Model, 
     }
 }
 
-/// A view of the scene on the screen.
 struct Drawing {
     painter: Painter,
     rect: Rect,

@@ -16,7 +16,6 @@ use crate::rectify::{RectifyError, RectifyMethod};
 
 pub use pictures::forget_textures;
 
-/// Shows the pictures on the stage.
 pub fn show_pictures(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let drawn = model.open.rectified.as_ref().and_then(|rectified| rectified.outcome.as_ref().ok());
     if let Some(drawn) = drawn {

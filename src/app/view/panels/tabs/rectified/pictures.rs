@@ -52,7 +52,6 @@ impl RectifiedSheet {
     }
 }
 
-/// Shows the pictures in all available space.
 pub fn show(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Command>) {
     let places: Vec<SheetPlace> = arranged(ui, model, drawn)
         .into_iter()
