@@ -38,6 +38,8 @@ mod point_pairs;
 mod point_result;
 mod read;
 mod rectified;
+#[cfg(feature = "inspector")]
+mod report;
 mod result_file;
 mod sequence_file;
 mod session;
@@ -48,21 +50,12 @@ mod truth_folder;
 mod undistorted;
 mod vgg;
 
-#[cfg(feature = "inspector")]
-#[doc(hidden)]
-pub use autosave::Autosave;
 pub use calibration::{CalibratedCamera, Calibration, CameraPose, CameraReading};
 #[doc(hidden)]
 pub use camera_rig::CameraRig;
 #[cfg(feature = "colmap")]
 pub use colmap::{ColmapError, ColmapPair};
 pub use exif::focal_length_from_exif;
-#[cfg(feature = "inspector")]
-#[doc(hidden)]
-pub use figure::{
-    Figure, FigureArea, FigureColor, FigureFont, FigurePicture, FigureShape, FigureStroke, write_pdf,
-    write_svg,
-};
 pub use geometry_file::{
     CalibratedNote, Format, GeometryFile, ImageNote, Notation, PairLabel, PairOrigin, TrustNote,
     read_fundamental, read_point_pairs,
@@ -71,12 +64,6 @@ pub use geometry_file::{
 pub use ground_truth::{GroundTruth, TruthError, TruthOrigin};
 #[doc(hidden)]
 pub use identity::refuse_clashes;
-#[cfg(feature = "inspector")]
-#[doc(hidden)]
-pub use import_source::{ImportSource, is_importable, sources};
-#[cfg(feature = "inspector")]
-#[doc(hidden)]
-pub use importing::{Import, ImportFound, ImportedFile, ImportedMatrix};
 pub use match_file::{MatchFile, read_matches};
 pub use npy::fundamental_as_npy;
 #[doc(hidden)]
@@ -84,15 +71,9 @@ pub use output::OutputFile;
 pub use output::WriteError;
 #[doc(hidden)]
 pub use pair_folder::{PairFiles, pair_folder};
-#[cfg(feature = "inspector")]
-#[doc(hidden)]
-pub use pasted_table::parse_table;
 pub use picture_file::{PictureError, PictureFormat};
 #[doc(hidden)]
 pub use picture_file::{described, encode_picture};
-#[cfg(feature = "inspector")]
-#[doc(hidden)]
-pub use picture_folder::PictureFolder;
 pub use ply::cloud_as_ply;
 pub use point_pairs::parse_point_pairs;
 pub use point_result::{PointResultFile, points_in_words};
@@ -108,12 +89,26 @@ pub use session::{
     sha256_of,
 };
 pub use stereo_pair::{StereoPair, StereoPairFiles, StereoProgram};
-#[cfg(feature = "inspector")]
-#[doc(hidden)]
-pub use tables::{LINE_COLUMNS, PairRow, barcode_table, line_table, pair_table};
 #[doc(hidden)]
 pub use truth_folder::TruthFolder;
 pub use undistorted::UndistortedFiles;
 #[doc(hidden)]
 pub use vgg::VggFolder;
 pub use vgg::read_camera;
+
+/// Files of the window.
+#[cfg(feature = "inspector")]
+#[doc(hidden)]
+pub use self::{
+    autosave::Autosave,
+    figure::{
+        Figure, FigureArea, FigureColor, FigureFont, FigurePicture, FigureShape, FigureStroke, write_pdf,
+        write_svg,
+    },
+    import_source::{ImportSource, is_importable, sources},
+    importing::{Import, ImportFound, ImportedFile, ImportedMatrix},
+    pasted_table::parse_table,
+    picture_folder::PictureFolder,
+    report::report_in_words,
+    tables::{LINE_COLUMNS, PairRow, barcode_table, line_table, pair_table},
+};

@@ -185,15 +185,6 @@ impl Model {
         estimate.assessment.lines.as_ref().map(|lines| &lines.construction)
     }
 
-    /// Returns whether the pencils compared last pass through the current points.
-    pub fn has_current_pencils(&self) -> bool {
-        let standing_in = self.stood_in().into_iter();
-        let used: Vec<PointPair> =
-            self.document.used().map(|pair| self.document.pairs[pair]).chain(standing_in).collect();
-        let mut pencils = self.open.computation.pencils().into_iter().flatten();
-        pencils.all(|pencil| used.contains(&pencil.click))
-    }
-
     /// Returns the lines of a source under the shown geometry; `None` if there are none.
     pub fn lines(&self, source: LineSource) -> Option<[AnchoredLine; 2]> {
         match source {

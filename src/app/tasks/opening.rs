@@ -10,13 +10,13 @@ use crate::app::model::recording::Recording;
 use crate::app::model::sample::{FIRST, OpenedSample, sample_pair, sample_recordings};
 use crate::app::model::session::{Relocation, Restored};
 use crate::app::model::truth::KnownTruth;
-use crate::app::model::verdict::sentence;
 use crate::camera::{CameraModel, RelativePose};
 use crate::cancel::CancelFlag;
 use crate::geometry::PointPair;
 use crate::image::Picture;
 use crate::io::PictureFolder;
 use crate::io::{TruthError, is_sequence, read_sequence};
+use crate::presentation::sentence;
 use crate::study::plan_views;
 use crate::synthetic::Sample;
 

@@ -11,11 +11,11 @@ use crate::app::model::suggesting::{
     LensQuestion, NextClickQuestion, PlacesQuestion, RepairOutcome, RepairQuestion, SuggestQuestion,
     Suggested,
 };
-use crate::app::model::verdict::sentence;
 use crate::cancel::CancelFlag;
 use crate::estimate::{DivisionFit, Estimate, EstimateError, Monitor};
 use crate::io::{IMAGE_EXTENSIONS, VIDEO_EXTENSIONS};
 use crate::motion::MotionError;
+use crate::presentation::sentence;
 use crate::study::{PlaceFound, Question, Study};
 use crate::suggest::{ClickedImage, NextClick};
 

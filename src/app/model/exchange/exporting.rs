@@ -11,11 +11,10 @@ use crate::camera::PicturesOf;
 use crate::estimate::PlaneHomography;
 use crate::geometry::PointPair;
 use crate::io::{
-    CalibratedNote, ColmapError, Format, GeometryFile, ImageNote, OutputFile, PairLabel, PairOrigin, PairRow,
+    CalibratedNote, ColmapError, GeometryFile, ImageNote, OutputFile, PairLabel, PairOrigin, PairRow,
     ResultFile, UndistortedFiles, barcode_table, fundamental_as_npy, line_table, pair_table, refuse_clashes,
-    result_in_words,
+    report_in_words,
 };
-use crate::presentation::pictures_in_words;
 use crate::rectify::Limits;
 use crate::study::PoseOutcome;
 
@@ -283,37 +282,9 @@ fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Opt
             serde_json::to_string_pretty(&file).ok()? + "\n"
         }
         ReportFormat::Text => {
-            let mut lines = vec![format!(
-                "Epipolar geometry of two images, written by epiline {}.",
-                env!("CARGO_PKG_VERSION")
-            )];
-            lines.extend(Format::Text.convention());
-            if pictures_of == PicturesOf::Original {
-                lines.extend(pictures_in_words(&pictures_of, 0.0));
-            }
+            let pairs: Vec<_> = pairs.into_iter().zip(labels(model, false)).collect();
             let shown = model.shown().and_then(|shown| shown_in_words(model, &shown));
-            lines.extend(shown.map(|shown| {
-                format!("This is the report of the result. The window shows another geometry: {shown}.")
-            }));
-            lines.push(String::new());
-            for (image, place) in images.iter().zip(["left", "right"]) {
-                let (width, height) = (image.frame.width, image.frame.height);
-                lines.push(format!("Image {place}: {}, {width} x {height} px", image.name));
-            }
-            for (pair, label) in pairs.iter().zip(labels(model, false)) {
-                let (a, b, PairLabel { name, origin }) = (pair.point1, pair.point2, label);
-                let distance = crate::geometry::symmetric_epipolar_distance(estimate.fundamental(), pair);
-                lines.push(format!(
-                    "Point pair {name}, {}: ({}, {}) and ({}, {}), {distance:.3} px from its epipolar lines",
-                    origin.name(),
-                    a.x,
-                    a.y,
-                    b.x,
-                    b.y
-                ));
-            }
-            lines.push(String::new());
-            lines.join("\n") + "\n" + &result_in_words(estimate, images, &pictures_of)
+            report_in_words(estimate, images, &pairs, &pictures_of, shown.as_deref())
         }
     })
 }

@@ -7,13 +7,11 @@ mod tests;
 
 use crate::app::model::computation::{Computation, EstimateFailure, Freshness};
 use crate::app::model::document::{Document, GIVEN_FIT, Given, Role, pair_name};
-use crate::estimate::{
-    self, CLICK_DEVIATIONS, Estimate, PairNames, PairNumbers, Reason, Suspect, Trust, Warning,
-};
+use crate::estimate::{self, CLICK_DEVIATIONS, Estimate, PairNames, PairNumbers, Trust, Warning};
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
 use crate::presentation::{
-    self, ResultContext, facts, named_error_in_words, named_reason_in_words, named_warning_in_words,
-    probability_in_words,
+    self, ResultContext, facts, likely_in_words, mostly_misplaced, named_error_in_words,
+    named_reason_in_words, named_warning_in_words, sentence, sorted_reasons,
 };
 
 pub use crate::presentation::{
@@ -109,12 +107,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
         };
     };
     let assessment = &estimate.assessment;
-    let mut reasons: Vec<&Reason> = assessment.trust.iter().flat_map(|trust| &trust.reasons).collect();
-    reasons.sort_by(|a, b| {
-        let ((group, worst), (other, its)) = (order(a), order(b));
-        group.cmp(&other).then(worst.total_cmp(&its))
-    });
-    let misplaced = reasons.iter().filter(|reason| order(reason).0 == 0).count();
+    let (reasons, misplaced) = assessment.trust.as_ref().map(sorted_reasons).unwrap_or_default();
     let mostly_misplaced = mostly_misplaced(misplaced, document.used().count());
     let names = WindowNames { document, fundamental: Some(estimate.fundamental()) };
     let reasons = reasons.into_iter().map(|reason| named_reason_in_words(reason, &names));
@@ -127,17 +120,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     // unreliable one.
     let of_clicks = assessment.trust.as_ref().is_some_and(Trust::doubts_clicks_alone);
     let states = is_final && checked.is_none() && !of_clicks && matches!(tone, Tone::Good | Tone::Caution);
-    let likely = Some(assessment).filter(|_| states).and_then(|assessment| {
-        let frames = document.frames()?;
-        let side = frames[0].longer_side().max(frames[1].longer_side());
-        let words = probability_in_words(assessment, side);
-        if estimate.says_one_plane() {
-            // The lines are right near the matches only, so the figure would read like a recommendation.
-            return None;
-        }
-        let percent = (100.0 * assessment.probability_within_one_percent()?).round();
-        Some([format!("{percent:.0} % likely within {:.0} px", (0.01 * side).max(1.0)), words?])
-    });
+    let likely = document.frames().filter(|_| states).and_then(|frames| likely_in_words(estimate, frames));
     // Warnings about an unfinished result could be outdated a moment later.
     let finished = matches!(freshness, Freshness::Final | Freshness::Stopped);
     let warnings: Vec<_> = mostly_misplaced
@@ -201,22 +184,6 @@ pub fn epipole_places(
     Some(presentation::epipole_places(f, document.frames()?, estimate))
 }
 
-/// Returns the key by which reasons are sorted. A misplaced pair comes first: a person can mend it at once, and the
-/// button is about it. Where the geometry is the likelier culprit, its other failed tests say why.
-fn order(reason: &Reason) -> (i32, f64) {
-    match *reason {
-        Reason::ClickOff { suspect: Suspect::Click, distance, .. } => (0, -distance),
-        Reason::ClickOff { suspect: Suspect::Geometry, distance, .. } => (2, -distance),
-        Reason::GivenContradict { .. } | Reason::DifferentScenes { .. } => (-1, 0.0),
-        // The words beside the verdict are about the epipole then.
-        Reason::OnePlane { .. }
-        | Reason::NoRelief { .. }
-        | Reason::OnlyTurned { .. }
-        | Reason::BehindCameras { .. } => (1, -1.0),
-        _ => (1, 0.0),
-    }
-}
-
 fn waiting(document: &Document) -> String {
     let needed = document.pairs_needed();
     if document.pictures.is_none() {
@@ -275,17 +242,6 @@ fn contradicting_check(document: &Document, f: &FundamentalMatrix) -> Option<Str
     ))
 }
 
-/// Returns a sentence if most of the pairs are misplaced: one that names a single pair would mislead.
-fn mostly_misplaced(misplaced: usize, used: usize) -> Option<String> {
-    (misplaced > 2 && 2 * misplaced > used).then(|| {
-        format!(
-            "{misplaced} of {used} point pairs are off their epipolar lines. \
-             The images support the geometry, so these pairs are probably misplaced. \
-             Leave them out, or check that both points show the same scene point."
-        )
-    })
-}
-
 /// Names of the used pairs in the window, and their symmetric distances.
 struct WindowNames<'a> {
     document: &'a Document,
@@ -313,10 +269,4 @@ impl PairNames for WindowNames<'_> {
             _ => PairNumbers.off_line(pair, distance),
         }
     }
-}
-
-/// Returns a sentence of the library with a capital first letter.
-pub fn sentence(text: &str) -> String {
-    let mut characters = text.chars();
-    characters.next().map_or(String::new(), |first| first.to_uppercase().chain(characters).collect())
 }

@@ -4,7 +4,7 @@ use super::*;
 use crate::app::fake;
 use crate::app::model::computation::EstimateNews;
 use crate::app::model::document::{PictureIdentity, Role};
-use crate::estimate::{BarcodeFigures, Estimate, EstimateError, Reason, Trust, Verdict, Warning};
+use crate::estimate::{BarcodeFigures, Estimate, EstimateError, Reason, Suspect, Trust, Verdict, Warning};
 use crate::geometry::{Frame, PointPair};
 
 fn computed(change: impl Fn(&mut Estimate)) -> (Document, Computation) {

@@ -8,12 +8,12 @@ use super::pieces::{area, color, take_apart};
 use crate::app::model::exchange::{FigureChoices, trust_note};
 use crate::app::model::pane_view::{PaneView, QuarterTurns};
 use crate::app::model::picture::Pictures;
-use crate::app::model::tones::Rendition;
 use crate::app::model::{Model, OverlayId, Side};
 use crate::app::view::panes::overlays::{Canvas, Labels, OVERLAYS};
 use crate::app::view::panes::{PanePlace, Transform};
 use crate::app::view::theme;
 use crate::geometry::Frame;
+use crate::image::Rendition;
 use crate::io::{Figure, FigurePicture, TrustNote};
 
 /// Height of images side by side, and width of stacked images, in points. With text of 13 points,

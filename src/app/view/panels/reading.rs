@@ -5,10 +5,10 @@ use egui::{Grid, Key, Label, RichText, Ui};
 use super::dialog::dialog;
 use super::{finish_button, main_button};
 use crate::app::model::command::{Command, ExchangeCommand};
-use crate::app::model::verdict::sentence;
 use crate::app::view::theme;
 use crate::convention::{ConventionCheck, FEWEST_MATCHES};
 use crate::io::{ImportFound, ImportedMatrix};
+use crate::presentation::sentence;
 
 /// The imported content and the present choice.
 #[derive(Debug, Clone)]

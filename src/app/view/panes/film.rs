@@ -5,8 +5,8 @@ use image::{DynamicImage, GrayImage};
 
 use crate::app::model::recording::Recording;
 use crate::app::model::shared::Shared;
-use crate::app::model::tones::Rendition;
 use crate::app::view::theme;
+use crate::image::Rendition;
 
 /// Sharp pixels when magnified, smooth when reduced.
 pub const PIXELS: TextureOptions = TextureOptions {

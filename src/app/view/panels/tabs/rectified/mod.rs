@@ -9,9 +9,9 @@ use egui::{Align, Label, Layout, RichText, ScrollArea, Ui};
 
 use super::{busy, empty, finish_button, main_button};
 use crate::app::model::rectified::RectifiedCommand;
-use crate::app::model::verdict::sentence;
 use crate::app::model::{Command, Model};
 use crate::app::view::theme;
+use crate::presentation::sentence;
 use crate::rectify::{RectifyError, RectifyMethod};
 
 pub use pictures::forget_textures;

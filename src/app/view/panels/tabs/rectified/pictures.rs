@@ -9,10 +9,10 @@ use super::sheet::{SheetCanvas, SheetRow};
 use crate::app::model::rectified::{
     DrawnPair, RectifiedCommand, RectifiedLayout, RectifiedSheet, RectifiedView,
 };
-use crate::app::model::tones::{Channel, Rendition};
 use crate::app::model::{Command, Model, Side, Target};
 use crate::app::view::panes::{PictureTexture, Transform, halves, zoom_asked};
 use crate::app::view::theme;
+use crate::image::{Channel, Rendition};
 
 /// Distance within which the cursor grabs the line of a wipe, screen points.
 const WIPE_REACH: f32 = 7.0;
