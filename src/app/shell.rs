@@ -30,19 +30,12 @@ pub enum AppError {
     )]
     Display { display: String },
     #[error("cannot open a window: the library {library} is missing. Install it (on Debian: {package})")]
-    Library {
-        library: &'static str,
-        /// The package that contains the library.
-        package: &'static str,
-    },
+    Library { library: &'static str, package: &'static str },
     #[error("cannot open a window: OpenGL does not work. Check the graphics driver (on Debian: libgl1)")]
     Graphics,
     /// The window toolkit failed.
     #[error("the window closed unexpectedly: {reason}")]
-    Crashed {
-        /// Message of the toolkit.
-        reason: String,
-    },
+    Crashed { reason: String },
 }
 
 /// Storage key of the visible overlays, tabs and panels. The toolkit itself stores theme, window

@@ -15,6 +15,8 @@ mod lens;
 mod lens_model;
 mod model;
 mod names;
+#[cfg(feature = "inspector")]
+mod orbit;
 mod pictures_of;
 mod pose;
 #[cfg(test)]
@@ -30,6 +32,9 @@ pub use model::{CameraModel, FocalLength};
 #[cfg(feature = "files")]
 pub(crate) use names::IMPOSSIBLE;
 pub use names::calibration;
+#[cfg(feature = "inspector")]
+#[doc(hidden)]
+pub use orbit::Orbit;
 pub use pictures_of::PicturesOf;
 pub use pose::{PoseDifference, PoseFit, PoseUncertainty, RelativePose};
 pub use undistorted_view::UndistortedView;

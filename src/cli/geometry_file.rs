@@ -101,9 +101,8 @@ pub(super) fn read_matches(path: &Path) -> Result<Vec<Match>, CliError> {
 }
 
 /// Tells that matches lie outside the pictures, if so: they may belong to pictures of another size.
-pub(super) fn tell_outside(matches: &[Match], [frame1, frame2]: [Frame; 2]) {
-    let is_inside = |pair: &PointPair| frame1.contains(pair.point1) && frame2.contains(pair.point2);
-    let outside = matches.iter().filter(|found| !is_inside(&found.pair)).count();
+pub(super) fn tell_outside(matches: &[Match], frames: [Frame; 2]) {
+    let outside = matches.iter().filter(|found| !found.pair.is_inside(frames)).count();
     if outside > 0 {
         tell(format_args!(
             "note: {outside} of the {} given matches lie outside the pictures. They may belong to pictures of another size",

@@ -22,11 +22,6 @@ pub struct KnownPair<'a> {
 }
 
 impl KnownPair<'_> {
-    /// Returns whether both points of a pair lie on the images.
-    pub fn shows(&self, pair: &PointPair) -> bool {
-        self.frames[0].contains(pair.point1) && self.frames[1].contains(pair.point2)
-    }
-
     /// Adds random true matches to clicked pairs until there are `count`. Each is at least 30 px
     /// from all earlier ones in both images. Returns the indices of the added matches, or `None` if
     /// there are not enough. The result depends only on `seed` and `trial`.
@@ -42,7 +37,7 @@ impl KnownPair<'_> {
         let mut added = Vec::new();
         while all.len() < count {
             let free: Vec<_> = (0..self.matches.len())
-                .filter(|k| self.shows(&self.matches[*k]))
+                .filter(|k| self.matches[*k].is_inside(self.frames))
                 .filter(|k| all.iter().all(|other| apart(other, &self.matches[*k])))
                 .collect();
             if free.is_empty() {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Line, Point, Vector};
+use super::{Line, Point, PointPair, Vector};
 
 /// Width and height of an image in pixels.
 ///
@@ -128,6 +128,13 @@ impl Frame {
         let direction = line.direction();
         let (a, b) = self.clip_ray(origin, direction)?;
         Some(Segment { start: origin + direction * a, end: origin + direction * b })
+    }
+}
+
+impl PointPair {
+    /// Returns whether both points are inside images of these sizes.
+    pub fn is_inside(&self, [frame1, frame2]: [Frame; 2]) -> bool {
+        frame1.contains(self.point1) && frame2.contains(self.point2)
     }
 }
 

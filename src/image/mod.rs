@@ -33,6 +33,8 @@ mod patch;
 mod patch_block;
 mod plane;
 mod pyramid;
+#[cfg(feature = "inspector")]
+mod rendition;
 mod sampling;
 #[cfg(feature = "pictures")]
 mod tiff_file;
@@ -68,6 +70,9 @@ pub(crate) use patch_block::{PatchBlock, Sketch, correlations, may_correlate, mo
 pub use plane::GrayPlane;
 pub(crate) use plane::interpolate_all;
 pub use pyramid::Pyramid;
+#[cfg(feature = "inspector")]
+#[doc(hidden)]
+pub use rendition::{Channel, Rendition};
 pub use sampling::Profile;
 #[cfg(feature = "pictures")]
 pub(crate) use warp::{PixelMap, warp};

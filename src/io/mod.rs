@@ -1,16 +1,24 @@
 //! Files: geometry in the formats of other programs, point pairs, folders of pairs, the VGG layout,
 //! and atomic output.
 
+#[cfg(feature = "inspector")]
+mod autosave;
 mod calibration;
 mod camera_rig;
 #[cfg(feature = "colmap")]
 mod colmap;
 mod covariance;
 mod exif;
+#[cfg(feature = "inspector")]
+mod figure;
 mod geometry_file;
 mod ground_truth;
 mod hash;
 mod identity;
+#[cfg(feature = "inspector")]
+mod import_source;
+#[cfg(feature = "inspector")]
+mod importing;
 mod match_arrays;
 mod match_file;
 mod npy;
@@ -20,16 +28,24 @@ mod opencv_xml;
 mod output;
 mod pair_folder;
 mod part_file;
+#[cfg(feature = "inspector")]
+mod pasted_table;
 mod picture_file;
+#[cfg(feature = "inspector")]
+mod picture_folder;
 mod ply;
 mod point_pairs;
 mod point_result;
 mod read;
 mod rectified;
+#[cfg(feature = "inspector")]
+mod report;
 mod result_file;
 mod sequence_file;
 mod session;
 mod stereo_pair;
+#[cfg(feature = "inspector")]
+mod tables;
 mod truth_folder;
 mod undistorted;
 mod vgg;
@@ -79,3 +95,20 @@ pub use undistorted::UndistortedFiles;
 #[doc(hidden)]
 pub use vgg::VggFolder;
 pub use vgg::read_camera;
+
+/// Files of the window.
+#[cfg(feature = "inspector")]
+#[doc(hidden)]
+pub use self::{
+    autosave::Autosave,
+    figure::{
+        Figure, FigureArea, FigureColor, FigureFont, FigurePicture, FigureShape, FigureStroke, write_pdf,
+        write_svg,
+    },
+    import_source::{ImportSource, is_importable, sources},
+    importing::{Import, ImportFound, ImportedFile, ImportedMatrix},
+    pasted_table::parse_table,
+    picture_folder::PictureFolder,
+    report::report_in_words,
+    tables::{LINE_COLUMNS, PairRow, barcode_table, line_table, pair_table},
+};

@@ -45,6 +45,12 @@ pub fn named_error_in_words(error: &EstimateError, names: &dyn PairNames) -> Str
     format!("{}{more}", error.fact(names))
 }
 
+/// Returns a text with a capital first letter, as the beginning of a sentence.
+pub fn sentence(text: &str) -> String {
+    let mut characters = text.chars();
+    characters.next().map_or(String::new(), |first| first.to_uppercase().chain(characters).collect())
+}
+
 /// Formats a number for sentences: with commas between thousands, and π by name.
 fn in_words(value: f64) -> String {
     if value.to_bits() == PI.to_bits() {

@@ -7,6 +7,9 @@
 mod cameras;
 mod epipoles;
 mod errors;
+mod facts;
+mod gauge;
+mod glance;
 mod interpretation;
 mod judgement;
 mod lens;
@@ -16,7 +19,9 @@ mod pose;
 mod probability;
 mod reasons;
 mod scale;
+mod standing;
 mod story;
+mod tone;
 
 pub use cameras::camera_doubts;
 pub use epipoles::{NOT_DETERMINED, epipole_in_words, interval_in_words, length_in_words};
@@ -24,11 +29,25 @@ pub use errors::{error_in_words, named_error_in_words};
 pub use interpretation::interpretation_in_words;
 pub use judgement::{judgement_in_words, rows_in_words};
 pub use lens::{lens_in_words, lenses_in_words, pictures_in_words};
-#[doc(hidden)]
-pub use origin::{origin_in_words, resampling_in_words};
 pub use parameters::{ShownParameter, shown_parameters};
 pub use pose::{NO_BASELINE, pose_difference_in_words, pose_in_words, turn_in_words};
 pub use probability::probability_in_words;
 pub use reasons::{named_reason_in_words, named_warning_in_words, reason_in_words, warning_in_words};
 pub use scale::Scale;
 pub use story::story_in_words;
+
+#[doc(hidden)]
+pub use self::{
+    errors::sentence,
+    facts::{
+        Fact, ResultContext, corrected_fact, epipole_text, facts, hypothesis_facts, lens_fact, pose_facts,
+        short_epipole_text,
+    },
+    gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text},
+    glance::{EpipolePlace, Glance, epipole_places, epipoles_at_a_glance, lines_at_a_glance},
+    origin::{origin_in_words, resampling_in_words},
+    probability::likely_in_words,
+    reasons::{mostly_misplaced, sorted_reasons},
+    standing::Standing,
+    tone::Tone,
+};

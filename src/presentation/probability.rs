@@ -1,6 +1,7 @@
 //! Words for the probability of a result.
 
-use crate::estimate::{Assessment, Trust};
+use crate::estimate::{Assessment, Estimate, Trust};
+use crate::geometry::Frame;
 
 /// Describes how likely the lines of a result are right. `side` is the longer side of the larger
 /// image, px. `None` without a probability.
@@ -12,6 +13,18 @@ pub fn probability_in_words(assessment: &Assessment, side: f64) -> Option<String
         "{lines}: about {percent:.0} % likely to be within {:.0} px, 1 % of the longer side",
         (0.01 * side).max(1.0)
     ))
+}
+
+/// Returns how likely the lines of a result are right, in a few words and in a sentence. `None` where they are right
+/// near the matches only: the figure would read like a recommendation.
+pub fn likely_in_words(estimate: &Estimate, frames: [Frame; 2]) -> Option<[String; 2]> {
+    if estimate.says_one_plane() {
+        return None;
+    }
+    let side = frames[0].longer_side().max(frames[1].longer_side());
+    let percent = (100.0 * estimate.assessment.probability_within_one_percent()?).round();
+    let words = probability_in_words(&estimate.assessment, side)?;
+    Some([format!("{percent:.0} % likely within {:.0} px", (0.01 * side).max(1.0)), words])
 }
 
 #[cfg(test)]

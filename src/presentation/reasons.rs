@@ -4,7 +4,7 @@
 //! sentences. Pairs of points have the names of [`PairNames`]. `docs/verdicts.md` explains every
 //! message.
 
-use crate::estimate::{ENOUGH_MATCHES, Missing, PairNames, PairNumbers, Reason, Suspect, Warning};
+use crate::estimate::{ENOUGH_MATCHES, Missing, PairNames, PairNumbers, Reason, Suspect, Trust, Warning};
 
 /// Returns the message of a reason, with pairs by their numbers.
 pub fn reason_in_words(reason: &Reason) -> String {
@@ -141,6 +141,44 @@ pub fn named_reason_in_words(reason: &Reason, names: &dyn PairNames) -> String {
         ),
         Reason::Untested { missing } => untested(missing).into(),
     }
+}
+
+/// Returns the reasons of a verdict, the most important first, and the number of misplaced pairs among them.
+pub fn sorted_reasons(trust: &Trust) -> (Vec<&Reason>, usize) {
+    let mut reasons: Vec<&Reason> = trust.reasons.iter().collect();
+    reasons.sort_by(|a, b| {
+        let ((group, worst), (other, its)) = (order(a), order(b));
+        group.cmp(&other).then(worst.total_cmp(&its))
+    });
+    let misplaced = reasons.iter().filter(|reason| order(reason).0 == 0).count();
+    (reasons, misplaced)
+}
+
+/// Returns the key by which reasons are sorted. A misplaced pair comes first: a person can mend it at once, and the
+/// button is about it. Where the geometry is the likelier culprit, its other failed tests say why.
+fn order(reason: &Reason) -> (i32, f64) {
+    match *reason {
+        Reason::ClickOff { suspect: Suspect::Click, distance, .. } => (0, -distance),
+        Reason::ClickOff { suspect: Suspect::Geometry, distance, .. } => (2, -distance),
+        Reason::GivenContradict { .. } | Reason::DifferentScenes { .. } => (-1, 0.0),
+        // The words beside the verdict are about the epipole then.
+        Reason::OnePlane { .. }
+        | Reason::NoRelief { .. }
+        | Reason::OnlyTurned { .. }
+        | Reason::BehindCameras { .. } => (1, -1.0),
+        _ => (1, 0.0),
+    }
+}
+
+/// Returns a sentence if most of the pairs are misplaced: one that names a single pair would mislead.
+pub fn mostly_misplaced(misplaced: usize, used: usize) -> Option<String> {
+    (misplaced > 2 && 2 * misplaced > used).then(|| {
+        format!(
+            "{misplaced} of {used} point pairs are off their epipolar lines. \
+             The images support the geometry, so these pairs are probably misplaced. \
+             Leave them out, or check that both points show the same scene point."
+        )
+    })
 }
 
 /// Returns the message of a test that lacks its data.

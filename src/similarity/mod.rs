@@ -8,8 +8,11 @@
 
 mod barcode;
 mod kernel;
+#[cfg(feature = "inspector")]
+mod matched_lines;
 mod measure;
 mod parameters;
+#[cfg(feature = "inspector")]
 mod profile;
 mod source;
 mod stereo;
@@ -17,9 +20,10 @@ mod stereo;
 pub use barcode::{BarcodeSimilarity, BarcodeSource};
 #[doc(hidden)]
 pub use kernel::{Kernel, LANES, LaneBlock};
+#[cfg(feature = "inspector")]
+#[doc(hidden)]
+pub use matched_lines::MatchedLines;
 pub use measure::{CostMatrix, LineSimilarity, StereoSimilarity};
 pub use parameters::{DisparityRange, LineMeasure, Ordering, SimilarityParameters, StereoParameters};
-#[doc(hidden)]
-pub use profile::{WarpedProfile, inspect_lines, inspection_scale};
 pub use source::{PictureSource, ScaledSimilarity, SimilaritySource};
 pub use stereo::{StereoMatch, match_cost, match_profiles};

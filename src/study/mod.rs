@@ -18,6 +18,8 @@
 
 mod advice;
 mod cameras;
+#[cfg(feature = "inspector")]
+mod disparities;
 mod error;
 mod judge;
 mod points;
@@ -28,6 +30,9 @@ mod tests;
 
 pub use advice::PlaceFound;
 pub use cameras::{assumed_camera, clicks_in, matches_in, plan_views, undistorted};
+#[cfg(feature = "inspector")]
+#[doc(hidden)]
+pub use disparities::DisparityMap;
 pub use error::StudyError;
 pub use judge::ShownGeometry;
 pub use points::PointStudy;

@@ -8,8 +8,8 @@ use super::Inspector;
 use crate::app::model::comparison::Contestant;
 use crate::app::model::document::{AS_READ, Checked, Given, Imported};
 use crate::app::model::exchange::{
-    ExportContent, ExportKind, ExportOrder, ImportFound, ImportQuestion, ImportSource, ImportedFile,
-    ImportedMatrix, PendingImport, ViewPart, colmap, content, sources, trust_note, undistorted,
+    ExportContent, ExportKind, ExportOrder, ImportQuestion, PendingImport, ViewPart, colmap, content,
+    trust_note, undistorted,
 };
 use crate::app::model::messages::{MessageAction, MessageKind};
 use crate::app::model::rectified::{Blink, RectifiedCommand, RectifiedLayout, RectifyOrder};
@@ -17,10 +17,11 @@ use crate::app::model::session::suggested_path;
 use crate::app::model::{ExchangeCommand, Side};
 use crate::app::tasks::saver;
 use crate::app::view::{Destination, ImagePane, ReadingDialog, WantedView, excerpt, figure, screen_as_png};
-use crate::io::{PairOrigin, RectifiedOptions};
+use crate::io::{
+    ImportFound, ImportSource, ImportedFile, ImportedMatrix, PairOrigin, RectifiedOptions, sources,
+};
 use crate::rectify::RectifyMethod;
 
-/// Message without images.
 const NOTHING_TO_EXPORT: &str = "There is nothing to export yet: open two images first.";
 
 impl Inspector {
@@ -187,7 +188,6 @@ impl Inspector {
         self.tasks.importing.ask(ImportQuestion { pending, frames, shown, views, matches });
     }
 
-    /// Applies a command about the rectified pair.
     pub(super) fn apply_to_rectified(&mut self, ctx: &Context, command: RectifiedCommand) {
         let model = &mut self.model;
         let shown = model.open.viewing.blink.shown(ctx.input(|input| input.time)).0;

@@ -14,7 +14,7 @@ use egui::Ui;
 
 use super::Start;
 use super::model::command::PickPurpose;
-use super::model::exchange::{PendingImport, sources};
+use super::model::exchange::PendingImport;
 use super::model::focus::Focus;
 use super::model::look::Look;
 use super::model::messages::MessageKind;
@@ -24,6 +24,7 @@ use super::tasks::{Picked, Services, Tasks, Wanted};
 use super::view::{KeyboardState, View, pressed};
 use crate::estimate::Estimate;
 use crate::geometry::PointPair;
+use crate::io::sources;
 
 /// Message where the file dialog of the system cannot open.
 const NO_FILE_DIALOG: &str = if cfg!(all(unix, not(target_os = "macos"))) {
@@ -33,7 +34,6 @@ const NO_FILE_DIALOG: &str = if cfg!(all(unix, not(target_os = "macos"))) {
     "The file dialog could not be opened here. Type a path, or drop the files on this window."
 };
 
-/// The whole window.
 pub struct Inspector {
     model: Model,
     tasks: Tasks,
@@ -59,7 +59,6 @@ impl Inspector {
         &self.model
     }
 
-    /// Returns the edited state.
     pub fn document(&self) -> &Document {
         &self.model.document
     }

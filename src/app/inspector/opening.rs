@@ -6,7 +6,6 @@ use std::sync::Arc;
 use super::Inspector;
 use crate::app::model::album::Album;
 use crate::app::model::document::Imported;
-use crate::app::model::exchange::is_importable;
 use crate::app::model::history::History;
 use crate::app::model::picture::Opened;
 use crate::app::model::session::{OpenSession, has_session_extension};
@@ -15,7 +14,7 @@ use crate::app::tasks::{LoadedPair, NewCalibration, Opening, OpeningFailure, Wan
 use crate::app::view::{FocalDialog, OpenDialog, RelocateDialog};
 use crate::camera::FocalLength;
 use crate::geometry::PointPair;
-use crate::io::{CalibratedCamera, PairOrigin, is_sequence};
+use crate::io::{CalibratedCamera, PairOrigin, is_importable, is_sequence};
 use crate::study::assumed_camera;
 
 impl Inspector {
@@ -334,7 +333,6 @@ impl Inspector {
         }
     }
 
-    /// Opens the first pair of a folder.
     pub(super) fn open_folder(&mut self, path: PathBuf) {
         self.open(Wanted::Opening(Opening::Folder(path)));
     }
@@ -344,7 +342,6 @@ impl Inspector {
         self.view.dialogs.relocate = None;
     }
 
-    /// Opens two views of the open folder.
     pub(super) fn open_views(&mut self, views: [usize; 2]) {
         let Some((folder, _)) = &self.model.open.folder else { return };
         if folder.is_pair(views) {

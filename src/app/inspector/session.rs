@@ -11,9 +11,9 @@ use crate::app::model::left_behind::LeftBehind;
 use crate::app::model::look::Tool;
 use crate::app::model::messages::{MessageAction, MessageKind};
 use crate::app::model::session::{Restored, Work, suggested_path};
-use crate::app::tasks::Autosave;
 use crate::app::tasks::saver::{self, Written};
 use crate::app::view::SaveDialog;
+use crate::io::Autosave;
 
 /// Interval of copies of unsaved work. Including the time for writing, no edit stays without a copy
 /// for more than two seconds.
@@ -43,7 +43,6 @@ impl Inspector {
         }
     }
 
-    /// Applies a command about sessions.
     pub(super) fn apply_to_session(&mut self, command: SessionCommand) {
         match command {
             SessionCommand::Save => match self.model.session.path.clone() {

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::document::{Document, TruthSource};
 use super::focus::LineSource;
-use super::pair_folder::PairFolder;
 use crate::camera::CameraModel;
+use crate::io::PictureFolder;
 use crate::io::{relative, resolve};
 
 /// Names of a left and a right view.
@@ -44,7 +44,6 @@ impl KeptPair {
         self.document.is_worth_keeping(true) || !self.pins.is_empty() || self.cameras.is_some()
     }
 
-    /// Returns whether the two have the same work.
     pub fn is_same_work(&self, other: &Self) -> bool {
         let same_views = self.pins == other.pins && self.cameras == other.cameras;
         same_views && self.document.is_same_work(&other.document)
@@ -53,7 +52,7 @@ impl KeptPair {
 
 impl Album {
     /// Creates an album without work on any pair.
-    pub fn new(folder: &PairFolder, pair: [usize; 2]) -> Self {
+    pub fn new(folder: &PictureFolder, pair: [usize; 2]) -> Self {
         Self { folder: folder.path().to_owned(), open: view_names(folder, pair), pairs: Vec::new() }
     }
 
@@ -113,6 +112,6 @@ impl Album {
     }
 }
 
-pub fn view_names(folder: &PairFolder, pair: [usize; 2]) -> ViewNames {
+pub fn view_names(folder: &PictureFolder, pair: [usize; 2]) -> ViewNames {
     pair.map(|view| folder.names()[view].clone())
 }

@@ -21,9 +21,7 @@ pub struct EstimateRequest {
     /// Views of the pictures, if their cameras take part in the search.
     pub views: Option<ViewPair>,
     pub pairs: Vec<PointPair>,
-    /// Matches from elsewhere.
     pub given: Option<Shared<Vec<Match>>>,
-    /// Everything else.
     pub parameters: Parameters,
 }
 
@@ -36,7 +34,6 @@ pub enum EstimateFailure {
     Panic(String),
 }
 
-/// News about a request.
 #[derive(Debug)]
 pub enum EstimateNews {
     /// Something that the record of the search has now, too.
@@ -284,7 +281,6 @@ impl Computation {
         self.input = None;
     }
 
-    /// Processes news from a search.
     pub fn take(&mut self, generation: u64, news: EstimateNews) {
         let current = generation == self.generation;
         match news {

@@ -13,7 +13,6 @@ pub struct Crosshair {
     pub moved: bool,
 }
 
-/// A command about the crosshair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CrosshairCommand {
     /// Put it into a picture, or take it away.

@@ -79,7 +79,6 @@ impl DockLook {
     }
 }
 
-/// Arrangement of dock and pictures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
     pub edge: DockEdge,
@@ -143,7 +142,6 @@ fn sizes(stage: [f32; 2], frames: [Frame; 2], stacked: bool) -> [[f32; 2]; 2] {
     })
 }
 
-/// Returns the area that both pictures take in a stage.
 pub fn pictures_area(stage: [f32; 2], frames: [Frame; 2], stacked: bool) -> f32 {
     sizes(stage, frames, stacked).iter().map(|[width, height]| width * height).sum()
 }
@@ -159,7 +157,6 @@ fn used(stage: [f32; 2], frames: [Frame; 2], stacked: bool) -> [f32; 2] {
 mod tests {
     use super::*;
 
-    /// Height of the bars.
     const BARS: f32 = 62.0;
 
     /// Returns the area of the pictures as a share of a bare window.

@@ -11,7 +11,6 @@ use super::document::{Document, PointRef};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EditKey {
     Drag(PointRef),
-    /// A run of arrow keys.
     Nudge(PointRef),
     /// Letters of the name of a pair.
     Name(usize),

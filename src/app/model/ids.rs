@@ -82,7 +82,6 @@ pub enum Visibility {
 named! {
     fn title;
 
-    /// Group of overlays in their menu.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum OverlayGroup {
         Result = "Result",

@@ -40,7 +40,6 @@ pub struct Look {
     pub stage: StageId,
     #[serde(serialize_with = "tab_by_title", deserialize_with = "tab_from_title")]
     pub tab: TabId,
-    /// Speed of the replay.
     pub speed: Speed,
     /// Whether the replay shows only the last moment of each step.
     pub still_steps: bool,

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`document`], [`history`] | the edited state; undo and redo |
 //! | [`point_table`] | the list of point pairs: selection, copying and pasting |
-//! | [`open_pair`], [`pair_folder`] | state that belongs to the open pictures; their folder |
+//! | [`open_pair`] | state that belongs to the open pictures |
 //! | [`album`] | work on the other pairs of the folder |
 //! | [`computation`] | progress and result of the estimate |
 //! | [`comparison`], [`inspection`], [`suggesting`], [`rectified`] | other questions with their
@@ -45,7 +45,6 @@ pub mod look;
 pub mod measuring;
 pub mod messages;
 pub mod open_pair;
-pub mod pair_folder;
 pub mod pane_view;
 pub mod picture;
 mod playing;

@@ -11,23 +11,23 @@ use super::focus::Focus;
 use super::inspection::Inspection;
 use super::measuring::Measuring;
 use super::messages::LastDone;
-use super::pair_folder::PairFolder;
 use super::picture::{Opened, Pictures};
 use super::recording::Player;
 use super::rectified::{Rectified, Viewing};
 use super::replay::Replay;
-use super::scene::{Orbit, Scene};
+use super::scene::Scene;
 use super::suggesting::{LensQuestion, PlacesQuestion, Suggested};
 use super::tones::{Tones, TonesCommand};
 use super::truth::{KnownTruth, NO_TRUTH};
-use crate::camera::{CameraModel, FocalLength, PicturesOf, ViewPair};
+use crate::camera::{CameraModel, FocalLength, Orbit, PicturesOf, ViewPair};
 use crate::estimate::{DivisionFit, Estimate};
 use crate::geometry::{Frame, Point, PointPair};
+use crate::io::PictureFolder;
 use crate::study::{PlaceFound, Study};
 use crate::suggest::NextClick;
 
 /// A folder, and the numbers of the two views that are open.
-pub type OpenFolder = (Arc<PairFolder>, [usize; 2]);
+pub type OpenFolder = (Arc<PictureFolder>, [usize; 2]);
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hover {
@@ -40,7 +40,6 @@ pub struct Hover {
 /// The open pictures, with all findings about them and selections on them.
 #[derive(Default)]
 pub struct OpenPair {
-    /// The pictures, once loaded.
     pub pictures: Option<[Opened; 2]>,
     /// Point pairs for "Show me", if the pictures have any.
     pub show_me: Option<[PointPair; 2]>,
@@ -126,7 +125,6 @@ impl OpenPair {
         }
     }
 
-    /// Returns the pixels of both pictures.
     pub fn pictures(&self) -> Option<Pictures> {
         Some(self.pictures.as_ref()?.each_ref().map(|opened| opened.picture.clone()))
     }

@@ -68,7 +68,6 @@ pub struct PaneView {
 }
 
 impl PaneView {
-    /// Returns a view of the whole image.
     pub fn fitting(frame: Frame) -> Self {
         Self { centre: frame.centre(), scale: None, turn: QuarterTurns::default() }
     }

@@ -14,7 +14,6 @@ use crate::image::Picture;
 use crate::io::{focal_length_from_exif, sha256_of};
 use crate::study::{assumed_camera, undistorted};
 
-/// The left and the right picture.
 pub type Pictures = [Shared<Picture>; 2];
 
 /// Longest side of an overview, px. All supported graphics systems allow textures of this size.

@@ -134,7 +134,6 @@ pub enum Lost {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Relocation {
     pub session: OpenSession,
-    /// Problem with each image, if any.
     pub lost: [Option<Lost>; 2],
 }
 
@@ -147,7 +146,6 @@ pub struct Restored {
     pub notes: Vec<String>,
 }
 
-/// The open session, and its saved state.
 #[derive(Debug, Clone, Default)]
 pub struct SessionState {
     /// Path of the session file, once there is one.

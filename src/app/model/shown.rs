@@ -4,13 +4,13 @@ use super::comparison::Contestant;
 use super::computation::Freshness;
 use super::document::Side;
 use super::focus::{LineSource, Pin};
-use super::pair_folder::PairFolder;
 use super::verdict::Tone;
 use super::{Model, TabId};
 use crate::estimate::{Construction, Estimate, Reason, RefinedMatch, lines_at};
 use crate::geometry::fan::{self, NumberedLines};
 use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair, symmetric_epipolar_distance};
 use crate::io::GroundTruth;
+use crate::io::PictureFolder;
 
 /// The geometry shown by the whole window: the selected hypothesis, other method or imported
 /// geometry, or else the result. Without a result, the imported geometry.
@@ -96,7 +96,7 @@ impl Model {
     }
 
     /// Returns the open folder, and its open pair.
-    pub fn folder(&self) -> Option<(&PairFolder, [usize; 2])> {
+    pub fn folder(&self) -> Option<(&PictureFolder, [usize; 2])> {
         self.open.folder.as_ref().map(|(folder, pair)| (folder.as_ref(), *pair))
     }
 
@@ -157,7 +157,6 @@ impl Model {
         self.open.computation.result().map(|(estimate, _)| estimate)
     }
 
-    /// Returns the matches of the latest result.
     pub fn matches(&self) -> &[RefinedMatch] {
         self.result().map_or(&[], Estimate::matches)
     }
@@ -167,7 +166,6 @@ impl Model {
         self.matches().iter().map(|found| found.pair)
     }
 
-    /// Returns the ground truth in use.
     pub fn truth(&self) -> Option<&GroundTruth> {
         self.document.truth.as_ref()?;
         self.open.known().map(|known| &*known.truth)
@@ -185,15 +183,6 @@ impl Model {
         let shown = self.shown()?;
         let estimate = shown.hypothesis.map_or(shown.estimate, |(_, hypothesis)| hypothesis);
         estimate.assessment.lines.as_ref().map(|lines| &lines.construction)
-    }
-
-    /// Returns whether the pencils compared last pass through the current points.
-    pub fn has_current_pencils(&self) -> bool {
-        let standing_in = self.stood_in().into_iter();
-        let used: Vec<PointPair> =
-            self.document.used().map(|pair| self.document.pairs[pair]).chain(standing_in).collect();
-        let mut pencils = self.open.computation.pencils().into_iter().flatten();
-        pencils.all(|pencil| used.contains(&pencil.click))
     }
 
     /// Returns the lines of a source under the shown geometry; `None` if there are none.

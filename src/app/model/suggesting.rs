@@ -11,7 +11,6 @@ use crate::suggest::{SuggestError, Suggestions};
 #[derive(Clone, PartialEq)]
 pub struct SuggestQuestion {
     pub pictures: Pictures,
-    /// The first click.
     pub half: HalfPair,
     /// The final result, unless it is unreliable.
     pub found: Option<Shared<Estimate>>,
@@ -26,7 +25,6 @@ pub type Suggested = Result<Suggestions, SuggestError>;
 #[derive(Clone, PartialEq)]
 pub struct NextClickQuestion {
     pub pictures: Pictures,
-    /// The result and its rivals.
     pub found: Shared<Estimate>,
     pub placed: Vec<PointPair>,
 }

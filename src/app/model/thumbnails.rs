@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::pair_folder::PairFolder;
 use super::picture::Overview;
+use crate::io::PictureFolder;
 
 /// Longest side of a small picture, px.
 pub const SIDE: u32 = 160;
@@ -13,17 +13,17 @@ const KEPT: usize = 256;
 
 #[derive(Debug, Clone)]
 pub struct ThumbnailQuestion {
-    pub folder: Arc<PairFolder>,
+    pub folder: Arc<PictureFolder>,
     pub views: Vec<usize>,
 }
 
 /// A finished picture, with folder and view; `None` for an unreadable image.
-pub type MadeThumbnail = (Arc<PairFolder>, usize, Option<Arc<Overview>>);
+pub type MadeThumbnail = (Arc<PictureFolder>, usize, Option<Arc<Overview>>);
 
 /// The finished small pictures.
 #[derive(Debug, Clone, Default)]
 pub struct Thumbnails {
-    folder: Option<Arc<PairFolder>>,
+    folder: Option<Arc<PictureFolder>>,
     made: HashMap<usize, Option<Arc<Overview>>>,
     /// Numbers of the views in the order of their pictures.
     order: Vec<usize>,
@@ -31,7 +31,7 @@ pub struct Thumbnails {
 
 impl Thumbnails {
     /// Starts over when another folder is open.
-    pub fn follow(&mut self, folder: Option<&Arc<PairFolder>>) {
+    pub fn follow(&mut self, folder: Option<&Arc<PictureFolder>>) {
         if self.folder.as_ref().map(Arc::as_ptr) != folder.map(Arc::as_ptr) {
             *self = Self { folder: folder.cloned(), ..Self::default() };
         }
@@ -62,7 +62,7 @@ mod tests {
     use super::*;
     use crate::image::Picture;
 
-    fn made(folder: &Arc<PairFolder>, view: usize) -> MadeThumbnail {
+    fn made(folder: &Arc<PictureFolder>, view: usize) -> MadeThumbnail {
         let pixels = image::DynamicImage::new_luma8(1000, 10);
         let picture = Picture::from_pixels("a".into(), None, pixels).unwrap();
         (Arc::clone(folder), view, Some(Arc::new(Overview::within(&picture, SIDE))))
@@ -74,7 +74,7 @@ mod tests {
         for name in ["a.png", "b.png"] {
             std::fs::write(files.path().join(name), "").unwrap();
         }
-        let folder = || Arc::new(PairFolder::open(files.path()).unwrap());
+        let folder = || Arc::new(PictureFolder::open(files.path()).unwrap());
         let (one, other) = (folder(), folder());
         let mut thumbnails = Thumbnails::default();
         thumbnails.follow(Some(&one));

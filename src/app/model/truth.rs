@@ -19,7 +19,6 @@ pub struct KnownTruth {
 }
 
 impl KnownTruth {
-    /// Takes the ground truth of a built-in sample.
     pub fn of_sample(truth: GroundTruth) -> Self {
         Self { source: TruthSource::Sample(truth.name.clone()), truth: Shared::new(truth) }
     }

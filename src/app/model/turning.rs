@@ -7,11 +7,11 @@ use super::Model;
 use super::album::{Album, KeptPair, ViewNames, view_names};
 use super::document::Document;
 use super::open_pair::OpenFolder;
-use super::pair_folder::PairFolder;
 use super::picture::Opened;
 use super::session::Work;
 use super::truth::KnownTruth;
 use crate::camera::CameraModel;
+use crate::io::PictureFolder;
 
 impl Work {
     /// Returns the work on all pairs, the open one first. Without a folder there is only one.
@@ -49,7 +49,7 @@ impl Model {
     }
 
     /// Returns the cameras of the work on a pair of the folder that is not open.
-    pub fn kept_cameras(&self, folder: &PairFolder, pair: [usize; 2]) -> Option<[CameraModel; 2]> {
+    pub fn kept_cameras(&self, folder: &PictureFolder, pair: [usize; 2]) -> Option<[CameraModel; 2]> {
         self.album.as_ref()?.kept(&view_names(folder, pair))?.cameras
     }
 

@@ -4,7 +4,6 @@ use crate::app::model::computation::Freshness;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// A computation with its threads.
 struct Computing {
     tasks: Estimating,
     state: Computation,

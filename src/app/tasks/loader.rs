@@ -12,20 +12,19 @@ use super::opening::{
 use super::session_opening::open_session;
 use super::task::{Task, Waiting};
 use super::waker::Waker;
-use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::picture::Opened;
 use crate::app::model::session::OpenSession;
 use crate::camera::CameraModel;
 use crate::cancel::CancelFlag;
+use crate::io::PictureFolder;
 use crate::presentation::camera_doubts;
 
-/// Pictures to open.
 #[derive(Clone)]
 pub enum Wanted {
     /// Something that the user, or the command line, names.
     Opening(Opening),
     /// Two views of a folder, with the cameras of the work on them. Images that are already open are not read again.
-    Views(Arc<PairFolder>, [usize; 2], Option<Box<[CameraModel; 2]>>),
+    Views(Arc<PictureFolder>, [usize; 2], Option<Box<[CameraModel; 2]>>),
     Session(OpenSession),
     /// Open pictures, with their calibrated cameras.
     Calibrated(Box<([Opened; 2], NewCalibration)>),
@@ -60,7 +59,6 @@ impl Wanted {
     }
 }
 
-/// The running opening, if any.
 pub struct Loader {
     waker: Waker,
     task: Option<Task<(Wanted, PairReading), Result<LoadedPair, OpeningFailure>>>,
@@ -90,7 +88,6 @@ impl Loader {
         Some(result)
     }
 
-    /// Starts opening pictures.
     pub fn open(&mut self, wanted: Wanted) {
         // The views of a folder are changed fast, so open images are reused. Files named by the
         // user are read again, as they may have changed.

@@ -1,6 +1,5 @@
 //! Work outside the thread of the window. Each kind of work has its own thread.
 
-mod autosave;
 mod estimating;
 mod loader;
 mod opening;
@@ -15,7 +14,6 @@ mod writing;
 
 use std::path::Path;
 
-pub use autosave::Autosave;
 pub use estimating::Estimating;
 pub use loader::{Loader, Wanted};
 pub use opening::{LoadedPair, NewCalibration, Opening, OpeningFailure};
@@ -28,7 +26,7 @@ pub use writing::Writing;
 use super::model::Model;
 use super::model::command::PickPurpose;
 use super::model::comparison::{Comparison, ComparisonQuestion};
-use super::model::exchange::{ImportQuestion, ImportedFile};
+use super::model::exchange::ImportQuestion;
 use super::model::inspection::{Inspection, InspectionRequest};
 use super::model::picture::Pictures;
 use super::model::recording::{OffsetFound, Recordings};
@@ -38,6 +36,7 @@ use super::model::suggesting::{
     LensQuestion, NextClickQuestion, PlacesQuestion, RepairQuestion, Repaired, SuggestQuestion, Suggested,
 };
 use crate::estimate::DivisionFit;
+use crate::io::{Autosave, ImportedFile};
 use crate::motion::{MOST_OFFSET, find_offset};
 use crate::study::PlaceFound;
 use crate::suggest::NextClick;

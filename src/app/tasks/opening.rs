@@ -5,18 +5,18 @@ use std::sync::Arc;
 
 use crate::app::model::document::Side;
 use crate::app::model::open_pair::OpenFolder;
-use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::picture::Opened;
 use crate::app::model::recording::Recording;
 use crate::app::model::sample::{FIRST, OpenedSample, sample_pair, sample_recordings};
 use crate::app::model::session::{Relocation, Restored};
 use crate::app::model::truth::KnownTruth;
-use crate::app::model::verdict::sentence;
 use crate::camera::{CameraModel, RelativePose};
 use crate::cancel::CancelFlag;
 use crate::geometry::PointPair;
 use crate::image::Picture;
+use crate::io::PictureFolder;
 use crate::io::{TruthError, is_sequence, read_sequence};
+use crate::presentation::sentence;
 use crate::study::plan_views;
 use crate::synthetic::Sample;
 
@@ -26,7 +26,6 @@ pub enum Opening {
     SampleSequences,
     /// Two files, left and right, or two folders of frames.
     Files(PathBuf, PathBuf),
-    /// The first pair of a folder.
     Folder(PathBuf),
     Session(PathBuf),
 }
@@ -39,7 +38,6 @@ impl Default for Opening {
 
 #[derive(Clone)]
 pub struct NewCalibration {
-    /// Name of its file, if it has one.
     pub name: Option<String>,
     /// The cameras; `None` takes the pictures as they are.
     pub cameras: Option<[CameraModel; 2]>,
@@ -51,7 +49,6 @@ pub struct LoadedPair {
     pub pictures: [Opened; 2],
     /// Point pairs for "Show me", if the pictures have any.
     pub show_me: Option<[PointPair; 2]>,
-    /// Ground truth of the pictures, if known.
     pub known: Option<KnownTruth>,
     pub folder: Option<OpenFolder>,
     /// Whether to use the ground truth from the start.
@@ -215,12 +212,12 @@ pub fn sample_sequences(reading: &PairReading) -> Result<LoadedPair, OpeningFail
 }
 
 pub fn open_folder(path: &Path, reading: &mut PairReading) -> Result<LoadedPair, OpeningFailure> {
-    let folder = PairFolder::open(path).map_err(|problem| unchanged(&problem))?;
+    let folder = PictureFolder::open(path).map_err(|problem| unchanged(&problem))?;
     open_views(&Arc::new(folder), [0, 1], reading)
 }
 
 pub fn open_views(
-    folder: &Arc<PairFolder>,
+    folder: &Arc<PictureFolder>,
     pair: [usize; 2],
     reading: &mut PairReading,
 ) -> Result<LoadedPair, OpeningFailure> {

@@ -12,11 +12,8 @@ use crate::app::model::command::PickPurpose;
 /// A dialog that returns sooner was not visible to anybody.
 const UNSEEN: Duration = Duration::from_millis(150);
 
-/// Outcome of a dialog.
 pub enum Picked {
-    /// A path was chosen.
     Path(PickPurpose, PathBuf),
-    /// The user cancelled.
     Nothing,
     /// The dialog could not open.
     Unseen(PickPurpose),

@@ -9,10 +9,8 @@ use crate::app::model::exchange::ExportContent;
 use crate::app::model::session::Work;
 use crate::io::{OutputFile, SessionFile, WriteError, refuse_clashes};
 
-/// A job of the writing thread.
 pub type SaveJob = Box<dyn FnOnce() -> Option<Written> + Send>;
 
-/// Outcome of a job.
 pub enum Written {
     Session {
         path: PathBuf,

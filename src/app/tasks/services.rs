@@ -11,11 +11,11 @@ use crate::app::model::suggesting::{
     LensQuestion, NextClickQuestion, PlacesQuestion, RepairOutcome, RepairQuestion, SuggestQuestion,
     Suggested,
 };
-use crate::app::model::verdict::sentence;
 use crate::cancel::CancelFlag;
 use crate::estimate::{DivisionFit, Estimate, EstimateError, Monitor};
 use crate::io::{IMAGE_EXTENSIONS, VIDEO_EXTENSIONS};
 use crate::motion::MotionError;
+use crate::presentation::sentence;
 use crate::study::{PlaceFound, Question, Study};
 use crate::suggest::{ClickedImage, NextClick};
 
@@ -29,7 +29,6 @@ pub type FollowFn = dyn FnMut(&EstimateRequest, &[&Estimate]) -> Option<Estimate
 /// Prepares data that depends on the pictures only.
 pub type PrepareFn = dyn FnMut(&Pictures, &CancelFlag) + Send;
 
-/// A computation that answers questions.
 pub type AnswerFn<Q, A> = dyn FnMut(&Q) -> A + Send;
 
 /// Asks for a path with a dialog of the system, and returns when the dialog is closed.
@@ -119,7 +118,6 @@ struct KeptStudy {
 }
 
 impl StudyCache {
-    /// Returns the study of pictures.
     fn get(&self, pictures: &Pictures) -> Study {
         self.get_or_make(pictures, None, || Study::of_pictures(pictures.clone()))
     }

@@ -7,11 +7,11 @@ use super::opening::{LoadedPair, OpeningFailure, PairReading, calibrated, sample
 use crate::app::model::album::ViewNames;
 use crate::app::model::document::TruthSource;
 use crate::app::model::open_pair::OpenFolder;
-use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::sample::SAMPLE_SEQUENCES;
 use crate::app::model::session::{Lost, OpenSession, Relocation, Restored, Work};
 use crate::app::model::truth::KnownTruth;
 use crate::foreign::shown_path;
+use crate::io::PictureFolder;
 use crate::io::{ImageReference, ImageSource, Located, SessionError, SessionFile, sha256_of};
 use crate::synthetic::Sample;
 
@@ -116,7 +116,7 @@ fn sample_of(image: &ImageReference) -> Option<&str> {
 }
 
 fn open_folder(path: &Path, views: &ViewNames) -> Result<OpenFolder, String> {
-    let folder = PairFolder::open(path)?;
+    let folder = PictureFolder::open(path)?;
     let missing = || format!("{} does not contain the images that were open", shown_path(path));
     let pair = folder.pair_named(views).ok_or_else(missing)?;
     Ok((Arc::new(folder), pair))

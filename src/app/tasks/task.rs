@@ -17,7 +17,6 @@ use std::time::Duration;
 use super::waker::Waker;
 use crate::cancel::CancelFlag;
 
-/// Rule for waiting questions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Waiting {
     /// Only the newest question is answered. Dropping the task cancels the running one.
@@ -26,9 +25,7 @@ pub enum Waiting {
     All,
 }
 
-/// News from the thread.
 enum Event<A> {
-    /// Intermediate news.
     Told(A),
     /// The end: an answer, or the message of a panic.
     Over(Result<Option<A>, String>),
@@ -220,7 +217,6 @@ impl<Q, A> Drop for Task<Q, A> {
     }
 }
 
-/// Runs the loop of the thread.
 fn run<Q: Send, A: Send>(
     inbox: &Inbox<Q>,
     outbox: &Sender<(u64, Event<A>)>,

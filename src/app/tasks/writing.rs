@@ -70,7 +70,6 @@ impl Writing {
 }
 
 impl RectifyOrder {
-    /// Rectifies, draws and writes the pair.
     fn write(&self, cancel: &CancelFlag, report: &dyn Fn(WritingProgress)) -> WritingEnd {
         let place = self.folder.display();
         let failed = |error: &dyn std::fmt::Display| {

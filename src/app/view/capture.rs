@@ -19,7 +19,6 @@ pub enum Destination {
     Clipboard,
 }
 
-/// A screenshot in progress.
 pub struct WantedView {
     to: Destination,
     part: ViewPart,

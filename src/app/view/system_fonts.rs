@@ -40,7 +40,6 @@ const GROUPS: [&[&str]; 2] = [
     ],
 ];
 
-/// Path and bytes of a font.
 type FontFile = (&'static str, &'static [u8]);
 
 /// The fonts of the system, as far as they were read.

@@ -26,11 +26,9 @@ pub const TRUE: Color32 = Color32::from_rgb(255, 255, 255);
 pub const HOVER: Color32 = Color32::from_rgb(244, 239, 110);
 /// Dark edge around everything drawn over an image.
 pub const HALO: Color32 = Color32::from_black_alpha(150);
-/// Background of a label over an image.
 pub const LABEL_FILL: Color32 = Color32::from_black_alpha(190);
 /// Tint of the pictures during a replay.
 pub const DIMMED: Color32 = Color32::from_gray(191);
-/// Edge of the selected handle.
 pub const SELECTED: Color32 = Color32::WHITE;
 /// Radius of a handle, screen points.
 pub const HANDLE_RADIUS: f32 = 6.5;
@@ -68,7 +66,6 @@ pub const STATUS_BAR: f32 = 22.0;
 pub const ROW: f32 = 20.0;
 /// Width kept free beside scrolled texts, screen points, which the scroll bar would cover.
 pub const SCROLL_BAR: f32 = 8.0;
-/// Size of captions.
 pub const CAPTION: f32 = 11.5;
 /// Size of the figures of the verdict.
 pub const FIGURE: f32 = 14.5;

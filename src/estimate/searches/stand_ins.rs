@@ -37,8 +37,7 @@ pub(super) fn putative_matches(
     let full_size = fine.scales.map(f64::recip);
     let corners = fine.support.distinctive().into_iter().map(|m| m.rescaled(full_size));
     let frames = prepared.frames();
-    let inside = |m: &PointPair| frames[0].contains(m.point1) && frames[1].contains(m.point2);
-    features.chain(corners).filter(inside).collect()
+    features.chain(corners).filter(|pair| pair.is_inside(frames)).collect()
 }
 
 /// Returns the clicks, with two matches that the leading proposal explains as stand-ins, unless two clicks are there.

@@ -36,7 +36,6 @@ impl Given {
         self.pairs().filter(|pair| sampson_distance(f, pair) < GIVEN_FIT).count()
     }
 
-    /// Returns the pairs of the matches, in their order.
     pub fn pairs(&self) -> impl ExactSizeIterator<Item = &PointPair> {
         self.matches.iter().map(|found| &found.pair)
     }

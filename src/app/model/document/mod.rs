@@ -22,7 +22,7 @@ use crate::rectify::RectifyMethod;
 pub use given::{GIVEN_FIT, Given};
 pub use parts::{
     AS_READ, Checked, HalfPair, Imported, PairNote, PictureIdentity, PointRef, Role, Side, TruthSource,
-    counted, is_inside, pair_name,
+    counted, pair_name,
 };
 
 /// Everything that a person can change and undo.
@@ -33,7 +33,6 @@ pub struct Document {
     pub pictures: Option<[PictureIdentity; 2]>,
     /// Finished point pairs: `p`, `q`, `r`, then numbers.
     pub pairs: Vec<PointPair>,
-    /// Numbers of the excluded pairs.
     #[serde(default)]
     pub excluded: BTreeSet<usize>,
     /// Numbers of the pairs that are only checks.
@@ -60,7 +59,6 @@ pub struct Document {
     /// Imported geometry, shown beside the result.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub imported: Option<Imported>,
-    /// Matches from elsewhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub given: Option<Given>,
     /// The point that keys act on.
@@ -81,7 +79,6 @@ impl Document {
         Self { pictures: Some(pictures), parameters, ..Self::default() }
     }
 
-    /// Returns the sizes of the pictures.
     pub fn frames(&self) -> Option<[Frame; 2]> {
         self.pictures.as_ref().map(|pictures| pictures.each_ref().map(|picture| picture.frame))
     }
@@ -97,7 +94,7 @@ impl Document {
 
     /// Returns whether both points of a pair are inside the pictures.
     pub fn contains(&self, pair: &PointPair) -> bool {
-        self.frames().is_some_and(|frames| is_inside(pair, frames))
+        self.frames().is_some_and(|frames| pair.is_inside(frames))
     }
 
     /// Returns the hint for a picture too small for lines to be compared, whatever is clicked.

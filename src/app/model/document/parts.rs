@@ -9,7 +9,6 @@ use crate::image::Picture;
 use crate::io::PairOrigin;
 use crate::judge::GivenGeometry;
 
-/// One of the two images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Side {
@@ -18,7 +17,6 @@ pub enum Side {
 }
 
 impl Side {
-    /// Both sides, left first.
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
     /// Returns 0 or 1, for arrays with one entry per image.
@@ -72,7 +70,6 @@ impl Side {
 pub struct PictureIdentity {
     /// File name, or the name of a built-in sample.
     pub name: String,
-    /// Path of the file, if the picture is from a file.
     pub path: Option<PathBuf>,
     pub frame: Frame,
 }
@@ -83,7 +80,6 @@ impl From<&Picture> for PictureIdentity {
     }
 }
 
-/// Origin of the ground truth.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TruthSource {
@@ -98,7 +94,6 @@ pub enum TruthSource {
     },
 }
 
-/// A geometry from a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Imported {
     /// Matrix in the convention of this program.
@@ -143,7 +138,6 @@ pub struct Checked {
 /// The first click of a pair whose second click is due.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HalfPair {
-    /// The clicked image.
     pub side: Side,
     /// Position of the click, px.
     pub point: Point,
@@ -158,10 +152,8 @@ pub struct PointRef {
     pub side: Side,
 }
 
-/// Use of a pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// The pair is used in the estimate.
     Used,
     /// The pair only checks the geometry.
     Check,
@@ -189,11 +181,6 @@ pub fn pair_name(pair: usize) -> String {
         2 => "r".to_owned(),
         more => (more + 1).to_string(),
     }
-}
-
-/// Returns whether both points of a pair are inside images of these sizes.
-pub fn is_inside(pair: &PointPair, [frame1, frame2]: [Frame; 2]) -> bool {
-    frame1.contains(pair.point1) && frame2.contains(pair.point2)
 }
 
 /// Returns a number of point pairs in words.

@@ -3,20 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use super::order::{ExportKind, ExportOrder, ReportFormat};
-use super::profile;
-use super::table;
 use super::trust::{result_note, shown_in_words, trust_note};
 use crate::app::model::Model;
-use crate::app::model::document::{Given, Side, counted};
+use crate::app::model::document::{Given, Role, Side, counted};
 use crate::app::model::rectified::RectifyQuestion;
 use crate::camera::PicturesOf;
 use crate::estimate::PlaneHomography;
 use crate::geometry::PointPair;
 use crate::io::{
-    CalibratedNote, ColmapError, Format, GeometryFile, ImageNote, OutputFile, PairLabel, PairOrigin,
-    ResultFile, UndistortedFiles, fundamental_as_npy, refuse_clashes, result_in_words,
+    CalibratedNote, ColmapError, GeometryFile, ImageNote, OutputFile, PairLabel, PairOrigin, PairRow,
+    ResultFile, UndistortedFiles, barcode_table, fundamental_as_npy, line_table, pair_table, refuse_clashes,
+    report_in_words,
 };
-use crate::presentation::pictures_in_words;
 use crate::rectify::Limits;
 use crate::study::PoseOutcome;
 
@@ -126,7 +124,7 @@ pub fn content(
             (text(file.to_text(format)), "the homography of the plane".to_owned())
         }
         ExportKind::Pairs => (text(file.to_text(format)), counted(file.pairs.len())),
-        ExportKind::Table => (text(table::csv(model)), format!("a table of {}", counted(file.pairs.len()))),
+        ExportKind::Table => (text(table(model)), format!("a table of {}", counted(file.pairs.len()))),
         ExportKind::Report => {
             let report = report(order.reported, model, &images).ok_or_else(nothing)?;
             (text(report), "the report of the result".to_owned())
@@ -136,12 +134,13 @@ pub fn content(
             if let (Some(inspected), Some(compared)) =
                 (model.inspected_barcodes(), model.compared_recordings())
             {
-                let table = profile::barcodes_csv(&inspected, compared.offset, trust.as_ref());
+                let table =
+                    barcode_table(&inspected.barcodes, inspected.first, compared.offset, trust.as_ref());
                 return Ok((text(table), "the barcodes of the inspected line pair".to_owned()));
             }
             let inspection = model.open.inspection.as_ref().ok_or_else(nothing)?;
             (
-                text(profile::csv(inspection, &pictures_of, trust.as_ref())),
+                text(line_table(inspection, &pictures_of, trust.as_ref())),
                 "the profile of the inspected line pair".to_owned(),
             )
         }
@@ -236,6 +235,22 @@ fn pairs(model: &Model, with_matches: bool) -> Vec<PointPair> {
     model.document.included().chain(found).collect()
 }
 
+/// Returns the pairs that are not excluded as a table, in the order of the list.
+fn table(model: &Model) -> String {
+    let document = &model.document;
+    let included =
+        document.labels().zip((0..document.pairs.len()).filter(|k| !document.excluded.contains(k)));
+    let rows: Vec<PairRow> = included
+        .map(|(label, k)| PairRow {
+            pair: model.open.pixels_of(&document.pairs[k]),
+            label,
+            role: if document.role(k) == Role::Used { "used" } else { "check only" },
+            distance: model.pair_distance(k),
+        })
+        .collect();
+    pair_table(&rows, model.open.undistorted().is_some(), trust_note(model).as_ref())
+}
+
 /// Returns names and origins of the exported pairs, in the same order.
 fn labels(model: &Model, with_matches: bool) -> Vec<PairLabel> {
     let found = if with_matches { model.matches().len() } else { 0 };
@@ -267,37 +282,9 @@ fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Opt
             serde_json::to_string_pretty(&file).ok()? + "\n"
         }
         ReportFormat::Text => {
-            let mut lines = vec![format!(
-                "Epipolar geometry of two images, written by epiline {}.",
-                env!("CARGO_PKG_VERSION")
-            )];
-            lines.extend(Format::Text.convention());
-            if pictures_of == PicturesOf::Original {
-                lines.extend(pictures_in_words(&pictures_of, 0.0));
-            }
+            let pairs: Vec<_> = pairs.into_iter().zip(labels(model, false)).collect();
             let shown = model.shown().and_then(|shown| shown_in_words(model, &shown));
-            lines.extend(shown.map(|shown| {
-                format!("This is the report of the result. The window shows another geometry: {shown}.")
-            }));
-            lines.push(String::new());
-            for (image, place) in images.iter().zip(["left", "right"]) {
-                let (width, height) = (image.frame.width, image.frame.height);
-                lines.push(format!("Image {place}: {}, {width} x {height} px", image.name));
-            }
-            for (pair, label) in pairs.iter().zip(labels(model, false)) {
-                let (a, b, PairLabel { name, origin }) = (pair.point1, pair.point2, label);
-                let distance = crate::geometry::symmetric_epipolar_distance(estimate.fundamental(), pair);
-                lines.push(format!(
-                    "Point pair {name}, {}: ({}, {}) and ({}, {}), {distance:.3} px from its epipolar lines",
-                    origin.name(),
-                    a.x,
-                    a.y,
-                    b.x,
-                    b.y
-                ));
-            }
-            lines.push(String::new());
-            lines.join("\n") + "\n" + &result_in_words(estimate, images, &pictures_of)
+            report_in_words(estimate, images, &pairs, &pictures_of, shown.as_deref())
         }
     })
 }

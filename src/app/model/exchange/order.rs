@@ -14,7 +14,6 @@ pub enum ExportKind {
     Array,
     /// Homography of the plane, where nothing else is certain.
     Plane,
-    /// Point pairs only.
     Pairs,
     /// Point pairs with names, origins, roles and distances.
     Table,
@@ -129,7 +128,6 @@ impl ExportKind {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ViewPart {
-    /// Both images with their overlays.
     #[default]
     Images,
     Window,
@@ -172,7 +170,6 @@ impl FigureChoices {
         !self.left_out[layer as usize]
     }
 
-    /// Includes or excludes an overlay.
     pub fn set(&mut self, layer: OverlayId, on: bool) {
         self.left_out[layer as usize] = !on;
     }
@@ -189,10 +186,8 @@ impl Default for FigureChoices {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ReportFormat {
-    /// Sentences for people.
     #[default]
     Text,
-    /// JSON for scripts.
     Json,
 }
 
@@ -208,7 +203,6 @@ pub struct ExportOrder {
     /// Whether to add the matches behind the result to the point pairs.
     pub with_matches: bool,
     pub reported: ReportFormat,
-    /// Part of the window for a picture.
     pub part: ViewPart,
     pub figure: FigureChoices,
     pub rectified: RectifiedOptions,

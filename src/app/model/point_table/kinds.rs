@@ -13,21 +13,16 @@ pub enum Choosing {
     Through,
 }
 
-/// A command about the list.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum PointsCommand {
     Choose(usize, Choosing),
     ChooseAll,
-    /// Set the role of the selected pairs.
     SetRole(Role),
-    /// Delete the selected pairs.
     Delete,
     Rename(usize, String),
     /// Copy the selected pairs, or all, as a table.
     Copy,
-    /// Request the contents of the clipboard.
     RequestPaste,
-    /// Add the pairs of a table.
     Paste(String),
 }
 

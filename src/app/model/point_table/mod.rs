@@ -1,21 +1,19 @@
 //! The list of point pairs: selection, edits, and copying and pasting as spreadsheets do it.
 
 mod kinds;
-mod pasting;
 #[cfg(test)]
 mod tests;
 
 use std::fmt::Write as _;
 
 pub use kinds::{CHOSEN_EDITS, Choosing, PointsCommand};
-use pasting::{is_name_of_a_place, parse_table};
 
 use super::Model;
-use super::document::{counted, is_inside};
+use super::document::{counted, pair_name};
 use super::history::EditKey;
 use super::verdict::Gauge;
 use crate::geometry::{PointPair, symmetric_epipolar_distance};
-use crate::io::PairOrigin;
+use crate::io::{PairOrigin, parse_table};
 
 impl Model {
     /// Returns the symmetric distance of a pair from the shown geometry, px.
@@ -99,7 +97,7 @@ impl Model {
         // Rows are places in the pictures.
         let points = |(name, pair): (_, PointPair)| Some((name, self.open.points_of(&pair)?));
         let mut inside: Vec<_> = rows.into_iter().filter_map(points).collect();
-        inside.retain(|(_, pair)| is_inside(pair, frames));
+        inside.retain(|(_, pair)| pair.is_inside(frames));
         let (count, outside) = (inside.len(), total - inside.len());
         if outside > 0 {
             let were = if outside == 1 { "lies" } else { "lie" };
@@ -127,4 +125,9 @@ impl Model {
         });
         self.open.done.tell(format!("Pasted {}", counted(count)));
     }
+}
+
+/// Returns whether a name is the automatic name of a place in the list.
+fn is_name_of_a_place(name: &str) -> bool {
+    (0..3).any(|pair| pair_name(pair) == name) || name.parse::<usize>().is_ok()
 }

@@ -27,7 +27,6 @@ pub enum RectifiedCommand {
     StopExport,
 }
 
-/// An order to write the rectified pair.
 #[derive(Clone)]
 pub struct RectifyOrder {
     pub question: RectifyQuestion,
@@ -38,7 +37,6 @@ pub struct RectifyOrder {
     pub trust: Option<TrustNote>,
 }
 
-/// Progress of writing a rectified pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WritingProgress {
     pub done: usize,

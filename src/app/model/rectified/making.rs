@@ -6,8 +6,10 @@
 
 use std::borrow::Cow;
 
+use image::RgbaImage;
+
 use super::RectifiedLook;
-use super::disparity::DisparityMap;
+use crate::app::model::heat;
 use crate::app::model::pane_view::QuarterTurns;
 use crate::app::model::picture::{Opened, Pictures};
 use crate::app::model::revision;
@@ -19,6 +21,7 @@ use crate::geometry::{Frame, FundamentalMatrix, PointPair};
 use crate::image::Picture;
 use crate::io::GroundTruth;
 use crate::rectify::{Limits, Rectification, RectifyError, RectifyMethod, rectify};
+use crate::study::DisparityMap;
 
 /// Maximum number of pixels of a rectified picture on the screen.
 const SHOWN: Limits = Limits { pixels: 3_000_000 };
@@ -52,12 +55,10 @@ impl MatchesAtHand {
     }
 }
 
-/// Request to rectify a pair.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RectifyQuestion {
     pub pictures: Pictures,
     pub fundamental: FundamentalMatrix,
-    /// Matches for the measures.
     pub matches: MatchesAtHand,
     /// Matches for the range of disparities: the true matches, and the matches of the result or the
     /// clicked pairs.
@@ -115,8 +116,7 @@ impl RectifyQuestion {
                 return Ok(None);
             }
             map.and_then(|map| {
-                let picture =
-                    Picture::from_pixels("disparity".into(), None, map.picture.clone().into()).ok()?;
+                let picture = Picture::from_pixels("disparity".into(), None, drawn(&map)?.into()).ok()?;
                 Some((map, Opened::new(picture)))
             })
         };
@@ -132,6 +132,17 @@ impl RectifyQuestion {
     }
 }
 
+/// Draws disparities by colour: dark for the smallest, transparent without a match.
+fn drawn(map: &DisparityMap) -> Option<RgbaImage> {
+    let [width, height] = map.size().map(|v| v as u32);
+    let color = |share: f32| {
+        let [red, green, blue] = heat::rgb(share);
+        [red, green, blue, 255]
+    };
+    let pixels = map.shares().flat_map(|share| share.map_or([0; 4], color)).collect();
+    RgbaImage::from_raw(width, height, pixels)
+}
+
 /// Ratio of height to width from which pictures count as high.
 const HIGH: f64 = 1.5;
 
@@ -143,7 +154,6 @@ pub struct Rectified {
     pub outcome: Result<DrawnPair, RectifyError>,
 }
 
-/// A pair for the screen.
 pub struct DrawnPair {
     /// Rectification at full size, as it would be written, with its measures.
     pub full: Rectification,
@@ -202,7 +212,6 @@ impl DrawnPair {
     }
 }
 
-/// Returns the request for the rectified pair of the sample.
 #[cfg(test)]
 pub fn example() -> RectifyQuestion {
     let sample = crate::app::model::sample::sample_pair(crate::synthetic::Sample::Courtyard);

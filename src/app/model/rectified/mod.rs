@@ -1,7 +1,6 @@
 //! The rectified pair: drawing (`making`), way of viewing (`viewing`) and commands.
 
 mod command;
-mod disparity;
 mod making;
 mod misfit;
 mod viewing;

@@ -23,12 +23,10 @@ pub enum RectifiedLayout {
     Anaglyph,
     /// The left picture up to a movable line, the right picture beyond it.
     Wipe,
-    /// The disparities by colour.
     Disparity,
 }
 
 impl RectifiedLayout {
-    /// All layouts with names and tooltips.
     pub const ALL: [(Self, &'static str, &'static str); 5] = [
         (
             Self::SideBySide,
@@ -87,7 +85,6 @@ pub struct RectifiedLook {
 pub enum Blink {
     /// The pictures alternate by the clock.
     Running,
-    /// One picture is shown.
     Still(Side),
 }
 

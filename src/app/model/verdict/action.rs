@@ -11,7 +11,6 @@ use crate::estimate::{Estimate, Reason, Suspect, Verdict};
 /// Text of the button that undoes the distortion of the lens.
 pub const USE_LENS: &str = "Correct the lens distortion";
 
-/// A button of the verdict.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CardAction {
     pub label: String,

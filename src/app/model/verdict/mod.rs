@@ -1,40 +1,31 @@
 //! The result in words: a verdict with its reason, figures, further reasons, and the next action.
 
 mod action;
-mod facts;
-mod gauge;
-mod glance;
-mod standing;
+mod imported;
 #[cfg(test)]
 mod tests;
-mod tone;
 
 use crate::app::model::computation::{Computation, EstimateFailure, Freshness};
-use crate::app::model::document::{Document, GIVEN_FIT, Imported, Role, pair_name};
-use crate::estimate::{
-    self, CLICK_DEVIATIONS, Estimate, PairNames, PairNumbers, Reason, Suspect, Trust, Warning,
-};
+use crate::app::model::document::{Document, GIVEN_FIT, Given, Role, pair_name};
+use crate::estimate::{self, CLICK_DEVIATIONS, Estimate, PairNames, PairNumbers, Trust, Warning};
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
 use crate::presentation::{
-    named_error_in_words, named_reason_in_words, named_warning_in_words, probability_in_words,
+    self, ResultContext, facts, likely_in_words, mostly_misplaced, named_error_in_words,
+    named_reason_in_words, named_warning_in_words, sentence, sorted_reasons,
 };
 
-pub use action::{CardAction, LineLook, USE_LENS};
-use facts::facts;
-pub use facts::{
-    Fact, corrected_fact, epipole_text, hypothesis_facts, import_facts, is_on_card, lens_fact, pose_facts,
-    short_epipole_text,
+pub use crate::presentation::{
+    EpipolePlace, Fact, Gauge, Glance, HypothesisFigure, HypothesisScales, Standing, Tone, corrected_fact,
+    epipole_text, epipoles_at_a_glance, hypothesis_facts, lens_fact, line_score_text, lines_at_a_glance,
+    pose_facts, short_epipole_text,
 };
-pub use gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text};
-pub use glance::{EpipolePlace, Glance, epipole_places, epipoles_at_a_glance, lines_at_a_glance};
-pub use standing::Standing;
-pub use tone::Tone;
+pub use action::{CardAction, LineLook, USE_LENS};
+pub use imported::{import_facts, import_warning};
 
 /// Description of the state of the estimate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerdictInWords {
     pub tone: Tone,
-    /// The verdict in one or two words.
     pub word: &'static str,
     /// The main reason, or the next step.
     pub sentence: String,
@@ -43,19 +34,6 @@ pub struct VerdictInWords {
     pub warnings: Vec<String>,
     /// How likely the lines are right, in a few words, and the sentence that explains it.
     pub likely: Option<[String; 2]>,
-}
-
-/// Returns a warning about an imported geometry.
-pub fn import_warning(imported: &Imported) -> Option<&'static str> {
-    match &imported.check {
-        None => Some(
-            "Unchecked: there were too few matches when it was imported. Compare judges it once there are matches.",
-        ),
-        Some(check) if !check.fits => {
-            Some("It does not fit the matches of these images. It may belong to other images.")
-        }
-        Some(_) => None,
-    }
 }
 
 /// Returns whether the state of the estimate is good or bad news. Lines are drawn accordingly.
@@ -129,25 +107,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
         };
     };
     let assessment = &estimate.assessment;
-    let mut reasons: Vec<&Reason> = assessment.trust.iter().flat_map(|trust| &trust.reasons).collect();
-    // A misplaced pair comes first: a person can mend it at once, and the button is about it. Where the
-    // geometry is the likelier culprit, its other failed tests say why.
-    let order = |reason: &Reason| match *reason {
-        Reason::ClickOff { suspect: Suspect::Click, distance, .. } => (0, -distance),
-        Reason::ClickOff { suspect: Suspect::Geometry, distance, .. } => (2, -distance),
-        Reason::GivenContradict { .. } | Reason::DifferentScenes { .. } => (-1, 0.0),
-        // The words beside the verdict are about the epipole then.
-        Reason::OnePlane { .. }
-        | Reason::NoRelief { .. }
-        | Reason::OnlyTurned { .. }
-        | Reason::BehindCameras { .. } => (1, -1.0),
-        _ => (1, 0.0),
-    };
-    reasons.sort_by(|a, b| {
-        let ((group, worst), (other, its)) = (order(a), order(b));
-        group.cmp(&other).then(worst.total_cmp(&its))
-    });
-    let misplaced = reasons.iter().filter(|reason| order(reason).0 == 0).count();
+    let (reasons, misplaced) = assessment.trust.as_ref().map(sorted_reasons).unwrap_or_default();
     let mostly_misplaced = mostly_misplaced(misplaced, document.used().count());
     let names = WindowNames { document, fundamental: Some(estimate.fundamental()) };
     let reasons = reasons.into_iter().map(|reason| named_reason_in_words(reason, &names));
@@ -160,17 +120,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     // unreliable one.
     let of_clicks = assessment.trust.as_ref().is_some_and(Trust::doubts_clicks_alone);
     let states = is_final && checked.is_none() && !of_clicks && matches!(tone, Tone::Good | Tone::Caution);
-    let likely = Some(assessment).filter(|_| states).and_then(|assessment| {
-        let frames = document.frames()?;
-        let side = frames[0].longer_side().max(frames[1].longer_side());
-        let words = probability_in_words(assessment, side);
-        if estimate.says_one_plane() {
-            // The lines are right near the matches only, so the figure would read like a recommendation.
-            return None;
-        }
-        let percent = (100.0 * assessment.probability_within_one_percent()?).round();
-        Some([format!("{percent:.0} % likely within {:.0} px", (0.01 * side).max(1.0)), words?])
-    });
+    let likely = document.frames().filter(|_| states).and_then(|frames| likely_in_words(estimate, frames));
     // Warnings about an unfinished result could be outdated a moment later.
     let finished = matches!(freshness, Freshness::Final | Freshness::Stopped);
     let warnings: Vec<_> = mostly_misplaced
@@ -206,7 +156,32 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
             (word, sentence)
         }
     };
-    VerdictInWords { tone, word, sentence, facts: facts(document, estimate, freshness), warnings, likely }
+    // The figures of a stale result belong to earlier points.
+    let facts = if freshness.is_behind() {
+        Vec::new()
+    } else {
+        facts(estimate, &context(document, estimate, is_final))
+    };
+    VerdictInWords { tone, word, sentence, facts, warnings, likely }
+}
+
+fn context(document: &Document, estimate: &Estimate, is_final: bool) -> ResultContext {
+    let given = |given: &Given| [given.fitting(estimate.fundamental()), given.matches.len()];
+    ResultContext {
+        frames: document.frames(),
+        score: document.parameters.validation.line_score,
+        given: document.given.as_ref().map(given),
+        is_final,
+    }
+}
+
+/// Returns the places of both epipoles of a geometry, with their intervals if it is that of `estimate`.
+pub fn epipole_places(
+    document: &Document,
+    f: &FundamentalMatrix,
+    estimate: Option<&Estimate>,
+) -> Option<[EpipolePlace; 2]> {
+    Some(presentation::epipole_places(f, document.frames()?, estimate))
 }
 
 fn waiting(document: &Document) -> String {
@@ -267,17 +242,6 @@ fn contradicting_check(document: &Document, f: &FundamentalMatrix) -> Option<Str
     ))
 }
 
-/// Returns a sentence if most of the pairs are misplaced: one that names a single pair would mislead.
-fn mostly_misplaced(misplaced: usize, used: usize) -> Option<String> {
-    (misplaced > 2 && 2 * misplaced > used).then(|| {
-        format!(
-            "{misplaced} of {used} point pairs are off their epipolar lines. \
-             The images support the geometry, so these pairs are probably misplaced. \
-             Leave them out, or check that both points show the same scene point."
-        )
-    })
-}
-
 /// Names of the used pairs in the window, and their symmetric distances.
 struct WindowNames<'a> {
     document: &'a Document,
@@ -305,10 +269,4 @@ impl PairNames for WindowNames<'_> {
             _ => PairNumbers.off_line(pair, distance),
         }
     }
-}
-
-/// Returns a sentence of the library with a capital first letter.
-pub fn sentence(text: &str) -> String {
-    let mut characters = text.chars();
-    characters.next().map_or(String::new(), |first| first.to_uppercase().chain(characters).collect())
 }

@@ -4,8 +4,8 @@ use super::*;
 use crate::app::fake;
 use crate::app::model::computation::EstimateNews;
 use crate::app::model::document::{PictureIdentity, Role};
-use crate::estimate::{BarcodeFigures, Estimate, EstimateError, Reason, Trust, Verdict, Warning};
-use crate::geometry::{Frame, HomogeneousPoint, PointPair};
+use crate::estimate::{BarcodeFigures, Estimate, EstimateError, Reason, Suspect, Trust, Verdict, Warning};
+use crate::geometry::{Frame, PointPair};
 
 fn computed(change: impl Fn(&mut Estimate)) -> (Document, Computation) {
     let request = fake::request(1.0);
@@ -163,13 +163,4 @@ fn independent_lines_are_counted_like_those_of_the_verdict() {
     let facts = verdict(&document, &computation).facts;
     let lines = facts.iter().find(|fact| fact.name == "Distinct lines").unwrap();
     assert_eq!(lines.value, "4, in 200 frames");
-}
-
-#[test]
-fn epipoles_are_described_near_and_at_infinity() {
-    let text = |x, y, z| epipole_text(&HomogeneousPoint::new(x, y, z));
-    assert_eq!(text(50.0, 20.0, 1.0), "(50.0, 20.0)");
-    assert_eq!(text(-5000.0, 20.0, 1.0), "(-5000, 20)");
-    assert_eq!(text(-1.0, -1.0, 0.0), "at infinity, 45.0°");
-    assert_eq!(text(1.0, 0.0, 1e-10), "at infinity, 0.0°");
 }

@@ -13,7 +13,6 @@ pub struct Action {
     pub tooltip: &'static str,
     /// Keyboard shortcuts; the first one is displayed.
     pub keys: Vec<KeyboardShortcut>,
-    /// Group in the list of keys.
     pub group: &'static str,
     /// Whether the shortcuts work while a text field or a dialog has the keyboard.
     pub works_while_typing: bool,

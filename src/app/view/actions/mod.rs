@@ -75,7 +75,6 @@ impl Command {
         self.action().map_or("", |action| action.name)
     }
 
-    /// Returns the one-sentence description.
     pub(super) fn tooltip(&self) -> &'static str {
         self.action().map_or("", |action| action.tooltip)
     }

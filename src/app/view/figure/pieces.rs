@@ -1,56 +1,68 @@
 //! Shapes of the overlays, reduced to what vector formats know: lines, circles, polygons and text.
 
 use egui::epaint::{CircleShape, ColorMode, Mesh, PathShape, RectShape, TextShape};
-use egui::{Color32, Pos2, Shape, Stroke};
+use egui::{Color32, Pos2, Rect, Shape, Stroke};
 
-/// A primitive shape. Colours with alpha 0 are invisible.
-pub enum Piece<'a> {
-    Line([Pos2; 2], Stroke),
-    Circle(&'a CircleShape),
-    /// A rectangle, all of whose corners are rounded alike.
-    Rect(&'a RectShape),
-    Path {
-        points: &'a [Pos2],
-        /// Whether the last corner is joined to the first.
-        closed: bool,
-        fill: Color32,
-        stroke: Stroke,
-    },
-    /// Text in one row.
-    Letters {
-        /// Start of the text on the baseline.
-        at: Pos2,
-        size: f32,
-        color: Color32,
-        words: String,
-    },
-}
+use crate::io::{FigureArea, FigureColor, FigureShape, FigureStroke};
 
-/// Breaks a shape up into primitives.
-pub fn take_apart(shape: &Shape, each: &mut dyn FnMut(Piece)) {
+/// Appends the primitives of a shape.
+pub fn take_apart(shape: &Shape, pieces: &mut Vec<FigureShape>) {
     match shape {
-        Shape::Vec(shapes) => shapes.iter().for_each(|inner| take_apart(inner, each)),
-        Shape::LineSegment { points, stroke } => each(Piece::Line(*points, *stroke)),
-        Shape::Circle(circle) => each(Piece::Circle(circle)),
-        Shape::Rect(rect) => each(Piece::Rect(rect)),
+        Shape::Vec(shapes) => shapes.iter().for_each(|inner| take_apart(inner, pieces)),
+        Shape::LineSegment { points, stroke } => {
+            pieces.push(FigureShape::Line(points.map(at), stroked(*stroke)));
+        }
+        Shape::Circle(CircleShape { center, radius, fill, stroke, .. }) => pieces.push(FigureShape::Circle {
+            centre: at(*center),
+            radius: *radius,
+            fill: color(*fill),
+            stroke: stroked(*stroke),
+        }),
+        // All corners are rounded alike.
+        Shape::Rect(RectShape { rect, corner_radius, fill, stroke, .. }) => pieces.push(FigureShape::Rect {
+            area: area(*rect),
+            rounding: f32::from(corner_radius.nw),
+            fill: color(*fill),
+            stroke: stroked(*stroke),
+        }),
         Shape::Path(PathShape { points, closed, fill, stroke }) => {
-            let color = match &stroke.color {
+            let line = match &stroke.color {
                 ColorMode::Solid(color) => *color,
                 ColorMode::UV(_) => Color32::TRANSPARENT,
             };
-            let stroke = Stroke::new(stroke.width, color);
-            each(Piece::Path { points, closed: *closed, fill: *fill, stroke });
+            let stroke = stroked(Stroke::new(stroke.width, line));
+            let points = points.iter().copied().map(at).collect();
+            pieces.push(FigureShape::Path { points, closed: *closed, fill: color(*fill), stroke });
         }
         Shape::Mesh(mesh) => match outline(mesh) {
-            Some((points, fill)) => {
-                each(Piece::Path { points: &points, closed: true, fill, stroke: Stroke::NONE });
-            }
-            None => triangles(mesh, each),
+            Some((points, fill)) => pieces.push(filled(points, fill)),
+            None => pieces.extend(triangles(mesh)),
         },
-        Shape::Text(letters) => rows(letters, each),
+        Shape::Text(letters) => pieces.extend(rows(letters)),
         // No other shapes are drawn over the images.
         _ => {}
     }
+}
+
+fn at(at: Pos2) -> [f32; 2] {
+    [at.x, at.y]
+}
+
+pub fn area(rect: Rect) -> FigureArea {
+    FigureArea { at: at(rect.min), size: [rect.width(), rect.height()] }
+}
+
+pub fn color(color: Color32) -> FigureColor {
+    color.to_srgba_unmultiplied()
+}
+
+fn stroked(stroke: Stroke) -> FigureStroke {
+    FigureStroke { width: stroke.width, color: color(stroke.color) }
+}
+
+fn filled(points: impl IntoIterator<Item = Pos2>, fill: Color32) -> FigureShape {
+    let points = points.into_iter().map(at).collect();
+    FigureShape::Path { points, closed: true, fill: color(fill), stroke: stroked(Stroke::NONE) }
 }
 
 /// Returns the outline and the colour of a mesh of one colour that is a strip or a fan of
@@ -74,31 +86,27 @@ fn outline(mesh: &Mesh) -> Option<(Vec<Pos2>, Color32)> {
     Some((points, fill))
 }
 
-fn triangles(mesh: &Mesh, each: &mut dyn FnMut(Piece)) {
-    for corners in mesh.indices.as_chunks::<3>().0 {
+fn triangles(mesh: &Mesh) -> impl Iterator<Item = FigureShape> + '_ {
+    mesh.indices.as_chunks::<3>().0.iter().filter_map(|corners| {
         let corners = corners.map(|k| mesh.vertices[k as usize]);
         let channel =
             |k: usize| (corners.iter().map(|v| u32::from(v.color.to_array()[k])).sum::<u32>() / 3) as u8;
         let fill = Color32::from_rgba_premultiplied(channel(0), channel(1), channel(2), channel(3));
-        if fill.a() > 0 {
-            let points = &corners.map(|corner| corner.pos);
-            each(Piece::Path { points, closed: true, fill, stroke: Stroke::NONE });
-        }
-    }
+        (fill.a() > 0).then(|| filled(corners.map(|corner| corner.pos), fill))
+    })
 }
 
-fn rows(letters: &TextShape, each: &mut dyn FnMut(Piece)) {
+fn rows(letters: &TextShape) -> impl Iterator<Item = FigureShape> + '_ {
     let galley = &letters.galley;
     let format = galley.job.sections.first().map(|section| &section.format);
-    let color = letters.override_text_color.or(format.map(|format| format.color)).unwrap_or(Color32::WHITE);
-    let color = if color == Color32::PLACEHOLDER { letters.fallback_color } else { color };
+    let own = letters.override_text_color.or(format.map(|format| format.color)).unwrap_or(Color32::WHITE);
+    let own = if own == Color32::PLACEHOLDER { letters.fallback_color } else { own };
     let size = format.map_or(13.0, |format| format.font_id.size);
-    for row in &galley.rows {
-        let Some(glyph) = row.row.glyphs.first() else { continue };
-        let at = letters.pos + row.pos.to_vec2() + glyph.pos.to_vec2();
+    galley.rows.iter().filter_map(move |row| {
+        let start = letters.pos + row.pos.to_vec2() + row.row.glyphs.first()?.pos.to_vec2();
         let words = row.row.glyphs.iter().map(|glyph| glyph.chr).collect();
-        each(Piece::Letters { at, size, color, words });
-    }
+        Some(FigureShape::Text { at: at(start), size, color: color(own), words })
+    })
 }
 
 #[cfg(test)]
@@ -106,12 +114,13 @@ mod tests {
     use super::*;
 
     fn paths(mesh: Mesh) -> Vec<Vec<Pos2>> {
-        let mut paths = Vec::new();
-        take_apart(&Shape::mesh(mesh), &mut |piece| match piece {
-            Piece::Path { points, closed: true, .. } => paths.push(points.to_vec()),
+        let mut pieces = Vec::new();
+        take_apart(&Shape::mesh(mesh), &mut pieces);
+        let corners = |piece| match piece {
+            FigureShape::Path { points, closed: true, .. } => points.into_iter().map(Pos2::from).collect(),
             _ => panic!("not an area"),
-        });
-        paths
+        };
+        pieces.into_iter().map(corners).collect()
     }
 
     #[test]

@@ -1,19 +1,20 @@
 //! The sheet of a figure: both images in their places, and the shapes of the overlays.
 
 use egui::epaint::ClippedShape;
-use egui::{Color32, Rect, Shape, Vec2, pos2, vec2};
+use egui::{Color32, Rect, Vec2, pos2, vec2};
 use image::DynamicImage;
 
+use super::pieces::{area, color, take_apart};
 use crate::app::model::exchange::{FigureChoices, trust_note};
 use crate::app::model::pane_view::{PaneView, QuarterTurns};
 use crate::app::model::picture::Pictures;
-use crate::app::model::tones::Rendition;
 use crate::app::model::{Model, OverlayId, Side};
 use crate::app::view::panes::overlays::{Canvas, Labels, OVERLAYS};
 use crate::app::view::panes::{PanePlace, Transform};
 use crate::app::view::theme;
 use crate::geometry::Frame;
-use crate::io::TrustNote;
+use crate::image::Rendition;
+use crate::io::{Figure, FigurePicture, TrustNote};
 
 /// Height of images side by side, and width of stacked images, in points. With text of 13 points,
 /// this fits a column of a paper.
@@ -26,12 +27,11 @@ const MOST_PIXELS: f32 = 120e6;
 const MOST_A_POINT: f32 = 8.0;
 
 /// An image in its place on the sheet.
-pub struct Placed {
-    /// Position of its pixels on the sheet.
-    pub transform: Transform,
-    pub first: [u32; 2],
-    pub count: [u32; 2],
-    pub rendition: Rendition,
+struct Placed {
+    transform: Transform,
+    first: [u32; 2],
+    count: [u32; 2],
+    rendition: Rendition,
 }
 
 impl Placed {
@@ -49,18 +49,17 @@ impl Placed {
     }
 }
 
-/// The whole content of a figure.
 pub struct Sheet {
-    pub pictures: Pictures,
+    pictures: Pictures,
     /// Frames of sequences, shown instead of the pictures.
-    pub frames: Option<[DynamicImage; 2]>,
-    pub places: [Placed; 2],
-    pub size: Vec2,
-    pub background: Color32,
+    frames: Option<[DynamicImage; 2]>,
+    places: [Placed; 2],
+    size: Vec2,
+    background: Color32,
     /// Shapes of the overlays, each clipped to its image.
-    pub drawn: Vec<ClippedShape>,
-    pub trust: Option<TrustNote>,
-    pub title: String,
+    drawn: Vec<ClippedShape>,
+    trust: Option<TrustNote>,
+    title: String,
 }
 
 /// Composes the sheet: places both images and draws the overlays onto it.
@@ -170,15 +169,18 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
 }
 
 impl Sheet {
-    /// Returns the shapes over an image.
-    pub fn shapes(&self, k: usize) -> impl Iterator<Item = &Shape> {
-        let area = self.places[k].transform.rect.expand(0.5);
-        let inside = self.drawn.iter().filter(move |drawn| area.contains_rect(drawn.clip_rect));
-        inside.map(|drawn| &drawn.shape)
+    pub fn figure(self) -> Figure {
+        Figure {
+            pictures: [0, 1].map(|k| self.picture(k)),
+            title: self.title,
+            trust: self.trust,
+            size: [self.size.x, self.size.y],
+            background: color(self.background),
+        }
     }
 
-    /// Returns the visible part of an image and its place on the sheet, in points.
-    pub fn picture(&self, k: usize) -> (DynamicImage, Rect) {
+    /// Returns the visible part of an image with its place on the sheet, and the shapes over it.
+    fn picture(&self, k: usize) -> FigurePicture {
         let Placed { transform, first: [x, y], count: [width, height], rendition } = &self.places[k];
         let crop = |pixels: &DynamicImage| pixels.crop_imm(*x, *y, *width, *height);
         let pixels = match &self.frames {
@@ -194,6 +196,17 @@ impl Sheet {
             _ => pixels.rotate270(),
         };
         let end = [x + width, y + height].map(|v| v as usize);
-        (pixels, transform.screen_from_pixels([*x as usize, *y as usize], end))
+        let mut shapes = Vec::new();
+        let near = transform.rect.expand(0.5);
+        for drawn in self.drawn.iter().filter(|drawn| near.contains_rect(drawn.clip_rect)) {
+            take_apart(&drawn.shape, &mut shapes);
+        }
+        FigurePicture {
+            area: area(transform.rect),
+            pixels,
+            place: area(transform.screen_from_pixels([*x as usize, *y as usize], end)),
+            is_magnified: transform.scale > 1.5,
+            shapes,
+        }
     }
 }

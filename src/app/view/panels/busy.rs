@@ -7,10 +7,8 @@ use egui::{Sense, Stroke, Ui, vec2};
 /// Time between two steps of the animation. Smooth animation would redraw all the time, and without
 /// a graphics card this would slow the computation down.
 const STEP: Duration = Duration::from_millis(125);
-/// Steps per turn.
 const STEPS: f64 = 8.0;
 
-/// Shows a rotating arc.
 pub fn show(ui: &mut Ui) {
     let (area, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
     let step = (ui.input(|input| input.time) / STEP.as_secs_f64()).floor() % STEPS;

@@ -16,10 +16,12 @@ use crate::app::model::messages::MessageKind;
 use crate::app::model::sample::FIRST;
 use crate::app::model::verdict::{
     CardAction, Fact, Glance, Tone, VerdictInWords, corrected_fact, epipoles_at_a_glance, hypothesis_facts,
-    import_facts, import_warning, is_on_card, lens_fact, lines_at_a_glance, pose_facts, verdict,
+    import_facts, import_warning, lens_fact, lines_at_a_glance, pose_facts, verdict,
 };
 use crate::app::model::{Command, ExchangeCommand, Model, OverlayId};
 use crate::app::view::theme;
+use crate::estimate::Estimate;
+use crate::geometry::FundamentalMatrix;
 
 /// Shows the card in all available space. The details scroll.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -111,8 +113,9 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
     if let Some((number, hypothesis)) = shown.hypothesis {
         heading(ui, None, &format!("Hypothesis {}", number + 1));
         another_shown(ui, model, &format!("hypothesis {}", number + 1), commands);
-        at_a_glance(ui, epipoles_at_a_glance(&model.document, shown.fundamental, None));
-        list(ui, true_error(model).into_iter().chain(hypothesis_facts(&model.document, hypothesis)));
+        at_a_glance(ui, epipoles(model, shown.fundamental, None));
+        let score = model.document.parameters.validation.line_score;
+        list(ui, true_error(model).into_iter().chain(hypothesis_facts(hypothesis, score)));
         return true;
     }
     let Some(contestant) = shown.contestant else { return false };
@@ -142,7 +145,7 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
             command_button(ui, Command::FindWithoutClicks, true, commands);
         }
     });
-    at_a_glance(ui, epipoles_at_a_glance(&model.document, shown.fundamental, None));
+    at_a_glance(ui, epipoles(model, shown.fundamental, None));
     list(ui, true_error(model).into_iter().chain(imported.map(import_facts).unwrap_or_default()));
     true
 }
@@ -205,15 +208,14 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// Shows the figures of the shown result.
 fn figures(ui: &mut Ui, model: &Model) {
     let Some(shown) = model.shown() else { return };
     let is_current = !matches!(shown.freshness, Freshness::Followed | Freshness::Stale);
     let own = Some(shown.estimate).filter(|_| is_current);
-    at_a_glance(ui, own.and_then(|estimate| lines_at_a_glance(&model.document, estimate)));
+    at_a_glance(ui, own.and_then(|estimate| lines_at_a_glance(estimate, model.document.frames()?)));
     // The lens moves the epipoles by more than the matches tell.
     let own = own.filter(|_| model.offered_lens().is_none());
-    at_a_glance(ui, epipoles_at_a_glance(&model.document, shown.fundamental, own));
+    at_a_glance(ui, epipoles(model, shown.fundamental, own));
 }
 
 /// Shows what the verdict asks for, or else the menu that copies F, and a button for the details if it is told
@@ -246,6 +248,16 @@ fn buttons(ui: &mut Ui, model: &Model, details: Option<bool>, commands: &mut Vec
         }
     });
     unfolds
+}
+
+/// Returns whether a figure stands on the card itself: those of sequences, which have no matches.
+fn is_on_card(fact: &Fact) -> bool {
+    ["Agreement", "Distinct lines"].contains(&fact.name)
+}
+
+/// Returns the places of the epipoles of a geometry, with their intervals if it is that of `estimate`.
+fn epipoles(model: &Model, f: &FundamentalMatrix, estimate: Option<&Estimate>) -> Option<Glance> {
+    Some(epipoles_at_a_glance(f, model.document.frames()?, estimate))
 }
 
 /// Shows a row of two figures, with their ranges below.

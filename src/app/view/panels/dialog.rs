@@ -46,7 +46,6 @@ pub struct PathField<'a> {
     pub name: &'a str,
     /// Text shown while the field is empty.
     pub hint: &'a str,
-    /// Width of the field, screen points.
     pub width: f32,
     /// Accessible name of the button.
     pub browse: &'a str,

@@ -37,14 +37,12 @@ pub struct FileExport {
     images: PathBuf,
     /// Folder and stem of suggested file names: the folder of the latest typed path, and the stem of the images.
     begin: PathBuf,
-    /// Latest suggested path.
     suggested: String,
     /// Path typed for each kind, in the order of [`ExportKind::all`].
     typed: [Option<PathBuf>; ExportKind::COUNT],
     /// Reason why the last export failed.
     problem: Option<String>,
     just_opened: bool,
-    /// Time of the last export.
     ordered: Option<Instant>,
 }
 

@@ -12,11 +12,11 @@ use egui::{
 
 use super::dialog::named;
 use crate::app::model::document::counted;
-use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::picture::Overview;
 use crate::app::model::thumbnails::ThumbnailQuestion;
 use crate::app::model::{Command, Model, Side};
 use crate::app::view::theme;
+use crate::io::PictureFolder;
 
 /// Width of a thumbnail, screen points.
 const WIDTH: f32 = 104.0;
@@ -66,7 +66,7 @@ impl FilmStrip {
         &mut self,
         ui: &mut Ui,
         model: &Model,
-        (folder, pair): (&PairFolder, [usize; 2]),
+        (folder, pair): (&PictureFolder, [usize; 2]),
         commands: &mut Vec<Command>,
     ) {
         let count = folder.names().len();
@@ -100,7 +100,7 @@ impl FilmStrip {
         &mut self,
         ui: &mut Ui,
         model: &Model,
-        (folder, pair): (&PairFolder, [usize; 2]),
+        (folder, pair): (&PictureFolder, [usize; 2]),
         view: usize,
         commands: &mut Vec<Command>,
     ) {
@@ -226,7 +226,7 @@ fn badge(ui: &Ui, corner: Pos2, points: usize, fill: Color32, text: Color32) {
 fn side_button(
     ui: &mut Ui,
     caption: Rect,
-    (folder, pair): (&PairFolder, [usize; 2]),
+    (folder, pair): (&PictureFolder, [usize; 2]),
     view: usize,
     side: Side,
     commands: &mut Vec<Command>,

@@ -11,19 +11,15 @@ use crate::camera::FocalLength;
 /// who has a calibration changes it to 0.
 const TYPED_DEVIATION: f64 = 0.05;
 
-/// The typed focal lengths.
 #[derive(Debug, Clone)]
 pub struct FocalDialog {
-    /// Focal lengths from EXIF data.
     guesses: [Option<FocalLength>; 2],
     pixels: [String; 2],
-    /// Deviation of both in percent.
     percent: String,
     just_opened: bool,
 }
 
 impl FocalDialog {
-    /// Creates the dialog with the focal lengths of EXIF data.
     pub fn new(guesses: [Option<FocalLength>; 2]) -> Self {
         let pixels = guesses.map(|guess| guess.map_or_else(String::new, shown));
         let deviation = guesses.iter().flatten().map(|guess| guess.deviation).reduce(f64::max);

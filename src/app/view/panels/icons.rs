@@ -27,7 +27,6 @@ pub const ICON: egui::Vec2 = vec2(28.0, 26.0);
 const HALF: f32 = 7.0;
 
 impl Icon {
-    /// Draws the icon around a place.
     pub fn draw(self, painter: &Painter, centre: Pos2, color: Color32) {
         let stroke = Stroke::new(1.4, color);
         let at = |x: f32, y: f32| pos2(centre.x + x * HALF, centre.y + y * HALF);

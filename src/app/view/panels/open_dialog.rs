@@ -7,10 +7,10 @@ use egui::{Button, Key, Label, Response, RichText, ScrollArea, Ui};
 use super::dialog::{PathField, dialog, path_of};
 use super::{busy, command_button, finish_button};
 use crate::app::model::command::PickPurpose;
-use crate::app::model::exchange::is_importable;
 use crate::app::model::recents::recent_name;
 use crate::app::model::{Command, ExchangeCommand, Model, Side};
 use crate::app::view::theme;
+use crate::io::is_importable;
 
 /// Greatest height of the list of unsaved work, screen points.
 const UNSAVED: f32 = 96.0;
@@ -99,7 +99,6 @@ impl OpenDialog {
         self.opening().into_iter().chain(import).collect()
     }
 
-    /// Returns the command that opens images.
     fn opening(&self) -> Option<Command> {
         if let Some(folder) = path_of(&self.folder) {
             return Some(Command::OpenFolder(folder));

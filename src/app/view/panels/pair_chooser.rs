@@ -6,11 +6,17 @@ use super::dialog::named;
 use super::finish_button;
 use super::icons::{Icon, icon_button};
 use crate::app::model::document::counted;
-use crate::app::model::pair_folder::PairFolder;
 use crate::app::model::{Command, Model, Side};
+use crate::io::PictureFolder;
 
 /// Shows the choice of the pair, and the button of the drawer with all images.
-pub fn show(ui: &mut Ui, model: &Model, folder: &PairFolder, pair: [usize; 2], commands: &mut Vec<Command>) {
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    folder: &PictureFolder,
+    pair: [usize; 2],
+    commands: &mut Vec<Command>,
+) {
     step(ui, folder, pair, false, commands);
     if folder.pairs_freely() {
         for side in Side::BOTH {
@@ -29,7 +35,7 @@ pub fn show(ui: &mut Ui, model: &Model, folder: &PairFolder, pair: [usize; 2], c
 }
 
 /// Shows a menu of the other pairs with points or pinned lines.
-fn kept_pairs(ui: &mut Ui, model: &Model, folder: &PairFolder, commands: &mut Vec<Command>) {
+fn kept_pairs(ui: &mut Ui, model: &Model, folder: &PictureFolder, commands: &mut Vec<Command>) {
     let kept = model.kept_pairs();
     if kept.is_empty() {
         return;
@@ -49,7 +55,6 @@ fn kept_pairs(ui: &mut Ui, model: &Model, folder: &PairFolder, commands: &mut Ve
     );
 }
 
-/// Shows the switch of the ground truth.
 pub fn truth_button(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let button = Button::selectable(model.truth().is_some(), Command::ToggleTruth.name());
     let button = ui.add_enabled(model.open.known().is_some(), button.frame_when_inactive(true));
@@ -60,7 +65,7 @@ pub fn truth_button(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-fn step(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], forward: bool, commands: &mut Vec<Command>) {
+fn step(ui: &mut Ui, folder: &PictureFolder, pair: [usize; 2], forward: bool, commands: &mut Vec<Command>) {
     let enabled = folder.neighbour(pair, forward).is_some();
     let command = Command::StepPair { forward };
     let button = ui.add_enabled(enabled, Button::new(if forward { "▶" } else { "◀" }));
@@ -68,7 +73,13 @@ fn step(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], forward: bool, comma
 }
 
 /// Shows the choice of one of the two views.
-fn view_chooser(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], side: Side, commands: &mut Vec<Command>) {
+fn view_chooser(
+    ui: &mut Ui,
+    folder: &PictureFolder,
+    pair: [usize; 2],
+    side: Side,
+    commands: &mut Vec<Command>,
+) {
     let mut chosen = pair[side.index()];
     let other = pair[side.other().index()];
     let label = format!("The {} view", side.name());
@@ -92,8 +103,7 @@ fn view_chooser(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], side: Side, 
     }
 }
 
-/// Shows the choice of a pair.
-fn pair_chooser(ui: &mut Ui, folder: &PairFolder, pair: [usize; 2], commands: &mut Vec<Command>) {
+fn pair_chooser(ui: &mut Ui, folder: &PictureFolder, pair: [usize; 2], commands: &mut Vec<Command>) {
     let response =
         ComboBox::from_id_salt("pair").width(130.0).selected_text(folder.pair_name(pair)).show_ui(ui, |ui| {
             let pairs = (0..folder.names().len()).step_by(2).map(|view| [view, view + 1]);

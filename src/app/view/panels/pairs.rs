@@ -91,7 +91,6 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// Shows the menu of the whole list.
 fn list_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let (open, any) = (model.document.pictures.is_some(), !model.document.pairs.is_empty());
     for (command, enabled) in
@@ -268,7 +267,6 @@ fn unfolded(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>
     });
 }
 
-/// Shows the field with the user's name for the pair.
 fn name_field(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     let mut name = model.document.given_name(pair).unwrap_or_default().to_owned();
     let width = (ui.available_width() - 12.0).max(40.0);

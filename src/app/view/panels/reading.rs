@@ -5,17 +5,16 @@ use egui::{Grid, Key, Label, RichText, Ui};
 use super::dialog::dialog;
 use super::{finish_button, main_button};
 use crate::app::model::command::{Command, ExchangeCommand};
-use crate::app::model::exchange::{ImportFound, ImportedMatrix};
-use crate::app::model::verdict::sentence;
 use crate::app::view::theme;
 use crate::convention::{ConventionCheck, FEWEST_MATCHES};
+use crate::io::{ImportFound, ImportedMatrix};
+use crate::presentation::sentence;
 
 /// The imported content and the present choice.
 #[derive(Debug, Clone)]
 pub struct ReadingDialog {
     found: ImportFound,
     matrix: ImportedMatrix,
-    /// Index into the readings of the check.
     chosen: usize,
     with_pairs: bool,
 }
@@ -98,12 +97,10 @@ impl ReadingDialog {
     }
 }
 
-/// Returns the index of the reading as in the file.
 fn as_read(check: &ConventionCheck) -> Option<usize> {
     check.readings.iter().position(|ranked| ranked.reading.changes() == 0)
 }
 
-/// Shows the readings to choose from.
 fn readings(ui: &mut Ui, check: &ConventionCheck, chosen: &mut usize) {
     let own = as_read(check);
     let is_alike = |place: usize| check.fits() && !check.readings[place].told_apart;

@@ -18,7 +18,6 @@ const MOUSE: [(&str, &str); 8] = [
     ("Shift or Alt and arrow keys", "Move it by 10 px or by 0.1 px"),
 ];
 
-/// Keys of the toolkit.
 const INTERFACE: [(KeyboardShortcut, &str); 3] = [
     (kb_shortcuts::ZOOM_IN, "Make the texts and buttons larger"),
     (kb_shortcuts::ZOOM_OUT, "Make the texts and buttons smaller"),

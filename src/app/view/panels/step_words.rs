@@ -10,7 +10,6 @@ use crate::app::model::{Command, MethodStep, Model};
 use crate::app::view::theme;
 use crate::estimate::{Method, Preset, Search};
 
-/// Shows the words of a step.
 pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Command>) {
     ScrollArea::vertical().id_salt("step").auto_shrink([false, false]).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 4.0;

@@ -17,9 +17,7 @@ pub struct Column<'a> {
     title: &'static str,
     /// Written behind the title.
     unit: &'static str,
-    /// One sentence about the column.
     tooltip: &'static str,
-    /// Relative width.
     width: f32,
     /// Whether the column holds text instead of figures. Text is left-aligned, and may continue
     /// over the following columns where they are empty.
@@ -74,7 +72,6 @@ impl<'a> Column<'a> {
     }
 }
 
-/// Sort order of the rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sort {
     pub column: usize,
@@ -92,9 +89,7 @@ pub struct RowLook {
 /// User actions on the rows in this frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Touched {
-    /// The row under the cursor.
     pub hovered: Option<usize>,
-    /// The row that was clicked.
     pub clicked: Option<usize>,
 }
 
@@ -108,14 +103,11 @@ pub struct Table<'a> {
     /// Run of the computation, and number of the list in it. Another list opens at its top; later figures of
     /// the same list leave it scrolled as it is.
     pub list: (u64, usize),
-    /// Accessible name of a row.
     pub row_name: &'a dyn Fn(usize) -> String,
-    /// Tooltip of a row, if it has one.
     pub about: &'a dyn Fn(usize) -> Option<String>,
     pub look: &'a dyn Fn(usize) -> RowLook,
 }
 
-/// Headings as written.
 struct Headings {
     texts: Vec<String>,
     /// Width of the column that each heading needs, screen points.
@@ -145,7 +137,6 @@ const INSET: f32 = 6.0;
 const MARK: f32 = 14.0;
 
 impl Table<'_> {
-    /// Shows the table in all available space.
     pub fn show(&self, ui: &mut Ui) -> Touched {
         let id = ui.make_persistent_id(self.name);
         let mut sort =

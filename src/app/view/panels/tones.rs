@@ -6,8 +6,9 @@ use egui::{Button, PopupCloseBehavior, Slider, Ui};
 use super::dialog::named;
 use super::finish_button;
 use super::icons::Icon;
-use crate::app::model::tones::{Channel, Rendition, TonesCommand};
+use crate::app::model::tones::TonesCommand;
 use crate::app::model::{Command, Model, Side};
+use crate::image::{Channel, Rendition};
 
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let changed = model.open.tones.of.iter().any(|own| !own.is_plain());

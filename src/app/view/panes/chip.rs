@@ -19,10 +19,8 @@ pub fn label(painter: &Painter, at: Pos2, align: Align2, text: &str, color: Colo
     painter.galley(area.min + vec2(6.0, 3.0), galley, color);
 }
 
-/// An image and its view.
 pub struct Chip {
     pub side: Side,
-    /// Area of the pane.
     pub rect: Rect,
     /// Size of the picture on the screen, px.
     pub size: Frame,

@@ -5,8 +5,8 @@ use image::{DynamicImage, GrayImage};
 
 use crate::app::model::recording::Recording;
 use crate::app::model::shared::Shared;
-use crate::app::model::tones::Rendition;
 use crate::app::view::theme;
+use crate::image::Rendition;
 
 /// Sharp pixels when magnified, smooth when reduced.
 pub const PIXELS: TextureOptions = TextureOptions {
@@ -15,7 +15,6 @@ pub const PIXELS: TextureOptions = TextureOptions {
     wrap_mode: egui::TextureWrapMode::ClampToEdge,
     mipmap_mode: Some(TextureFilter::Linear),
 };
-/// Smooth at any scale.
 pub const SMOOTH: TextureOptions = TextureOptions { magnification: TextureFilter::Linear, ..PIXELS };
 /// Frame number, whether motion is highlighted, and the rendition.
 type Shown = (usize, bool, Rendition);
@@ -24,7 +23,6 @@ pub struct Film {
     recording: Shared<Recording>,
     shown: Option<Shown>,
     pub texture: TextureHandle,
-    /// Number of silhouettes in the pile.
     piled: usize,
     pub pile: TextureHandle,
 }

@@ -10,10 +10,10 @@ use nalgebra::{Vector2, Vector3};
 
 use super::chip::label;
 use super::{ImagePane, zoom_asked};
-use crate::app::model::scene::{Orbit, Scene};
+use crate::app::model::scene::Scene;
 use crate::app::model::{Command, Model, Side, Target};
 use crate::app::view::theme;
-use crate::camera::PointCloud;
+use crate::camera::{Orbit, PointCloud};
 use crate::presentation::NO_BASELINE;
 
 /// Distance from a point within which the cursor points at it, screen points.
@@ -104,7 +104,6 @@ fn small_pictures(drawing: &Drawing, panes: &mut [ImagePane; 2], model: &Model, 
     }
 }
 
-/// A view of the scene on the screen.
 struct Drawing {
     painter: Painter,
     rect: Rect,

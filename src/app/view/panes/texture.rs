@@ -12,9 +12,9 @@ use super::Transform;
 use super::film::{Film, PIXELS, SMOOTH};
 use crate::app::model::picture::{Opened, Overview, multiplied};
 use crate::app::model::shared::Shared;
-use crate::app::model::tones::Rendition;
 use crate::geometry::Point;
 use crate::image::Picture;
+use crate::image::Rendition;
 use egui::epaint::Vertex;
 use egui::{Color32, ColorImage, Mesh, Painter, TextureHandle, pos2};
 use image::DynamicImage;
@@ -54,7 +54,6 @@ pub struct PictureTexture {
 }
 
 impl PictureTexture {
-    /// Creates the texture and uploads the overview.
     pub fn new(ctx: &egui::Context, opened: &Opened) -> Self {
         let Overview { size, pixels, scale, .. } = &*opened.overview;
         let options = if *scale < 1.0 { SMOOTH } else { PIXELS };
@@ -74,7 +73,6 @@ impl PictureTexture {
         }
     }
 
-    /// Shows a frame of the sequence.
     pub fn show_frame(&mut self, frame: usize, silhouettes: bool, rendition: Rendition) {
         if let Some(film) = &mut self.film {
             film.show(frame, silhouettes, rendition);

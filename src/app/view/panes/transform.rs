@@ -11,7 +11,6 @@ use crate::geometry::{Frame, Point, Vector};
 use egui::{Pos2, Rect, Response, Ui, Vec2, vec2};
 
 impl PaneView {
-    /// Returns the transform for a pane at `rect`.
     pub fn transform(&self, frame: Frame, rect: Rect) -> Transform {
         let scale = self.scale.unwrap_or_else(|| self.fitting_scale(frame, rect));
         Transform { rect, centre: self.centre, scale, turn: self.turn, lens: None }
@@ -90,7 +89,6 @@ pub struct Transform {
     centre: Point,
     /// Screen points per image pixel.
     pub scale: f64,
-    /// Turn of the image on the screen.
     pub turn: QuarterTurns,
     /// View without distortion whose coordinates the window uses; `None` if they are the pixels.
     lens: Option<UndistortedView>,
@@ -156,13 +154,11 @@ impl Transform {
         point.unwrap_or(Point::new(f64::NAN, f64::NAN))
     }
 
-    /// Returns the screen position of a pixel of the picture.
     pub fn screen_from_pixel(&self, pixel: Point) -> Pos2 {
         let offset = self.turn.turned((pixel - self.centre) * self.scale);
         self.rect.center() + vec2(offset.x as f32, offset.y as f32)
     }
 
-    /// Returns the pixel of the picture at a screen position.
     pub fn pixel_from_screen(&self, position: Pos2) -> Point {
         self.centre + self.image_vector(position - self.rect.center())
     }

@@ -3,12 +3,10 @@
 use egui::{Label, RichText, Ui};
 
 use crate::app::model::Model;
-use crate::app::model::exchange::{
-    ExportKind, ExportOrder, FigureFormat, PROFILE_CONVENTION, result_note, trust_note,
-};
+use crate::app::model::exchange::{ExportKind, ExportOrder, FigureFormat, result_note, trust_note};
 use crate::app::view::theme;
 use crate::camera::PicturesOf;
-use crate::io::{Format, TrustNote};
+use crate::io::{Format, LINE_COLUMNS, TrustNote};
 use crate::presentation::pictures_in_words;
 
 /// Shows the conventions of the numbers in the file. Every file states them, too.
@@ -26,7 +24,7 @@ pub fn conventions(ui: &mut Ui, order: &ExportOrder, model: &Model) {
         // The format chosen for other kinds does not apply to the table.
         ExportKind::Table => Format::Text.convention().into_iter().skip(1).take(1).collect(),
         ExportKind::Report => Format::Json.convention(),
-        ExportKind::Profile => PROFILE_CONVENTION.map(str::to_owned).to_vec(),
+        ExportKind::Profile => LINE_COLUMNS.map(str::to_owned).to_vec(),
         ExportKind::Figure => vec![match order.figure.format {
             FigureFormat::Svg => {
                 "Contains the images at full resolution. Lines and text can be edited.".to_owned()

@@ -15,7 +15,6 @@ use crate::io::TruthOrigin;
 use crate::judge::Finding;
 use crate::presentation::judgement_in_words;
 
-/// Registered in [`super::TABS`].
 pub const TAB: Tab = Tab { id: TabId::Compare, tools, show };
 
 /// Width below which the summary leaves out its widest column, screen points.

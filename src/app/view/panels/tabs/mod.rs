@@ -34,7 +34,6 @@ const ROOM_FOR_TOOLS: f32 = 110.0;
 /// Width from which all headings are in one row, screen points.
 const ROOM_FOR_HEADINGS: f32 = 320.0;
 
-/// Shows the headings and the chosen tab.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let tab = chosen(model);
     // In a narrow dock the headings take two rows.

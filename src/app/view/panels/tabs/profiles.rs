@@ -16,10 +16,8 @@ use crate::app::model::inspection::Inspection;
 use crate::app::model::{Command, Model, TabId, Target};
 use crate::app::view::{heat, theme};
 
-/// Registered in [`super::TABS`].
 pub const TAB: Tab = Tab { id: TabId::Profiles, tools, show };
 
-/// Colours of the curves.
 const LEFT: Color32 = theme::CAMERAS[0];
 const RIGHT: Color32 = theme::CAMERAS[1];
 
@@ -174,10 +172,8 @@ fn all_plots(ui: &mut Ui, model: &Model, inspection: &Inspection, area: Rect, gr
     hovered
 }
 
-/// Function that draws the content of a plot.
 type Content = fn(&mut PlotUi, &Inspection, &TextureHandle);
 
-/// Title, tooltip and content of each plot.
 const PLOTS: [(&str, &str, Content); 4] = [
     (
         "Grey before warping",

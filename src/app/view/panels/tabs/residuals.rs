@@ -13,7 +13,6 @@ use crate::app::model::{
 use crate::app::view::panels::truth_button;
 use crate::app::view::theme;
 
-/// Registered in [`super::TABS`].
 pub const TAB: Tab = Tab { id: TabId::Residuals, tools, show };
 
 /// Shows the switch of the ground truth.
@@ -62,7 +61,6 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     points(ui, model, comparison, commands);
 }
 
-/// Shows the choices of points and measure.
 pub fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let now = model.look.compared;
     let measured = model.open.comparison.as_ref().map_or(now.measured, |comparison| comparison.measured);
@@ -97,7 +95,6 @@ pub fn choices(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// Tooltip of the matches of the result.
 const MATCHES: &str = "The matches that the program found in the images. It looked for them along the epipolar \
                            lines of the result, which favours the result.";
 

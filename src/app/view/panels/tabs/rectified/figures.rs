@@ -6,9 +6,9 @@ use egui::{Button, Checkbox, Grid, RichText, Slider, Ui, UiBuilder};
 
 use super::finish_button;
 use crate::app::model::rectified::{Blink, DrawnPair, Rectified, RectifiedCommand, RectifiedLayout};
-use crate::app::model::verdict::sentence;
 use crate::app::model::{Command, Model};
 use crate::app::view::theme;
+use crate::presentation::sentence;
 use crate::rectify::{Distortion, Measures, Rectification, RectifyMethod, RectifyWarning};
 
 /// Step of disparity ranges, px, as block matchers require.

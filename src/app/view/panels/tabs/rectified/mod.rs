@@ -9,14 +9,13 @@ use egui::{Align, Label, Layout, RichText, ScrollArea, Ui};
 
 use super::{busy, empty, finish_button, main_button};
 use crate::app::model::rectified::RectifiedCommand;
-use crate::app::model::verdict::sentence;
 use crate::app::model::{Command, Model};
 use crate::app::view::theme;
+use crate::presentation::sentence;
 use crate::rectify::{RectifyError, RectifyMethod};
 
 pub use pictures::forget_textures;
 
-/// Shows the pictures on the stage.
 pub fn show_pictures(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let drawn = model.open.rectified.as_ref().and_then(|rectified| rectified.outcome.as_ref().ok());
     if let Some(drawn) = drawn {

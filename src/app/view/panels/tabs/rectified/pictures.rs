@@ -9,10 +9,10 @@ use super::sheet::{SheetCanvas, SheetRow};
 use crate::app::model::rectified::{
     DrawnPair, RectifiedCommand, RectifiedLayout, RectifiedSheet, RectifiedView,
 };
-use crate::app::model::tones::{Channel, Rendition};
 use crate::app::model::{Command, Model, Side, Target};
 use crate::app::view::panes::{PictureTexture, Transform, halves, zoom_asked};
 use crate::app::view::theme;
+use crate::image::{Channel, Rendition};
 
 /// Distance within which the cursor grabs the line of a wipe, screen points.
 const WIPE_REACH: f32 = 7.0;
@@ -52,7 +52,6 @@ impl RectifiedSheet {
     }
 }
 
-/// Shows the pictures in all available space.
 pub fn show(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Command>) {
     let places: Vec<SheetPlace> = arranged(ui, model, drawn)
         .into_iter()
@@ -151,7 +150,7 @@ fn paint(
             // Each pixel of the map covers several pixels of the picture.
             let Some((map, _)) = &drawn.disparity else { return };
             let transform = &transforms[Side::Left.index()];
-            let times = drawn.frame().width as f64 / f64::from(map.picture.width());
+            let times = drawn.frame().width as f64 / map.size()[0] as f64;
             let coarse = transform.of_reduced(times);
             with_texture(ctx, drawn, Kept::Disparity, |texture| texture.draw(painter, &coarse));
         }

@@ -23,7 +23,6 @@ pub struct SheetRow {
     at: Point,
     /// Side of the picture; `None` for both.
     side: Option<Side>,
-    /// Description of the position.
     text: String,
 }
 

@@ -3,14 +3,13 @@
 use std::f64::consts::PI;
 
 use super::gauge::line_score_text;
+use super::origin::origin_in_words;
 use super::tone::Tone;
-use crate::app::model::computation::Freshness;
-use crate::app::model::document::{Document, GIVEN_FIT, Given, Imported};
 use crate::camera::{PoseFit, PoseUncertainty};
 use crate::comparison::median;
 use crate::estimate::{DivisionFit, Estimate, LineBands, LineScore, Reason, RefinedMatch};
 use crate::geometry::{Frame, HomogeneousPoint, Point, finite_point, symmetric_epipolar_distance};
-use crate::presentation::origin_in_words;
+use crate::judge::LIMIT;
 
 /// A figure with its name.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,26 +26,6 @@ impl Fact {
     pub fn new(name: &'static str, value: impl Into<String>, tooltip: &'static str) -> Self {
         Self { name, value: value.into(), tooltip, tone: None }
     }
-}
-
-pub fn import_facts(imported: &Imported) -> Vec<Fact> {
-    let check = imported.check.as_ref();
-    let median =
-        check.map_or_else(|| "unchecked".to_owned(), |check| format!("median {:.2} px", check.median));
-    let of = check.map(|check| {
-        let tooltip = "Point pairs that the geometry was checked with at the time of the import.";
-        Fact::new("Checked on", format!("{} {}", check.matches, check.of), tooltip)
-    });
-    let facts = [
-        Fact::new("From", imported.file.clone(), "File that the geometry was imported from."),
-        Fact::new(
-            "Convention",
-            if imported.is_as_read() { "as in the file".to_owned() } else { imported.reading.clone() },
-            "Convention in which the numbers of the file were read. As in the file: they were taken without a change.",
-        ),
-        Fact::new("Checked", median, "Median symmetric distance of these pairs at the time of the import."),
-    ];
-    facts.into_iter().chain(of).collect()
 }
 
 /// Returns the probability of the lines.
@@ -69,11 +48,11 @@ fn lines_anywhere(bands: LineBands) -> Fact {
     )
 }
 
-/// Returns how many given matches fit a result.
-fn given_fact(given: &Given, estimate: &Estimate) -> Fact {
+/// Returns how many given matches fit a result, of all of them.
+fn given_fact([fit, all]: [usize; 2]) -> Fact {
     Fact::new(
         "Given matches",
-        format!("{} of {} fit to {GIVEN_FIT} px", given.fitting(estimate.fundamental()), given.matches.len()),
+        format!("{fit} of {all} fit to {LIMIT} px"),
         "Imported matches near their epipolar lines (Sampson distance). The robust search weighs them by their \
          own noise; the verdict rests on the images.",
     )
@@ -93,6 +72,7 @@ pub fn lens_fact(lens: &DivisionFit, frames: [Frame; 2]) -> Fact {
     )
 }
 
+/// Returns the distortion that is corrected before the search.
 pub fn corrected_fact([left, right]: [f64; 2]) -> Fact {
     let same = (left - right).abs() < 1e-9;
     let coefficients = if same { format!("{left:.3}") } else { format!("{left:.3} and {right:.3}") };
@@ -104,17 +84,26 @@ pub fn corrected_fact([left, right]: [f64; 2]) -> Fact {
     )
 }
 
-pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> Vec<Fact> {
-    if matches!(freshness, Freshness::Followed | Freshness::Stale) {
-        // The figures belong to earlier points.
-        return Vec::new();
-    }
+/// Circumstances of a result.
+#[derive(Debug, Clone, Copy)]
+pub struct ResultContext {
+    /// Sizes of the images, if they are known.
+    pub frames: Option<[Frame; 2]>,
+    /// Kind of the line scores.
+    pub score: LineScore,
+    /// Number of given matches that fit the result, and of all given matches.
+    pub given: Option<[usize; 2]>,
+    /// Whether the search has ended. Near-copies of the result are told from other geometries only then.
+    pub is_final: bool,
+}
+
+/// Returns the figures of a result.
+pub fn facts(estimate: &Estimate, context: &ResultContext) -> Vec<Fact> {
     let mut facts = Vec::new();
     facts.extend(lines_right(estimate));
-    facts.extend(document.frames().and_then(|frames| estimate.line_bands(frames)).map(lines_anywhere));
+    facts.extend(context.frames.and_then(|frames| estimate.line_bands(frames)).map(lines_anywhere));
     facts.extend(origin_fact(estimate));
-    // Near-copies of the result are told from other geometries only at the end.
-    facts.extend((freshness == Freshness::Final).then(|| margin(estimate)));
+    facts.extend(context.is_final.then(|| margin(estimate)));
     facts.extend(barcodes(estimate));
     if let Some(refinement) = &estimate.assessment.refinement {
         let count = refinement.matches.len();
@@ -130,12 +119,12 @@ pub fn facts(document: &Document, estimate: &Estimate, freshness: Freshness) -> 
              image features that were paired before any lines were known.",
         ));
     }
-    facts.extend(document.given.as_ref().map(|given| given_fact(given, estimate)));
+    facts.extend(context.given.map(given_fact));
     // The figures of a search do not judge a result that is fitted to matches. The steps of the method show
     // them.
     let is_fitted = estimate.is_refined();
     if !is_fitted {
-        facts.extend(line_figures(document, estimate));
+        facts.extend(line_figures(estimate, context.score));
     }
     if let Some(support) = estimate.assessment.support.as_ref().filter(|_| !is_fitted) {
         let value = format!("{:.1}, over {} corners", support.score, support.matches);
@@ -215,9 +204,9 @@ const MARGIN_TOOLTIP: &str = "How far the support of the result is ahead of that
                               different geometry.";
 
 /// Returns the figures of a hypothesis.
-pub fn hypothesis_facts(document: &Document, hypothesis: &Estimate) -> Vec<Fact> {
+pub fn hypothesis_facts(hypothesis: &Estimate, score: LineScore) -> Vec<Fact> {
     let support = hypothesis.support_score();
-    line_figures(document, hypothesis)
+    line_figures(hypothesis, score)
         .chain(support.map(|support| Fact::new("Support", format!("{support:.1}"), SUPPORT)))
         .chain(origin_fact(hypothesis))
         .collect()
@@ -234,6 +223,7 @@ fn origin_fact(estimate: &Estimate) -> Option<Fact> {
     ))
 }
 
+/// Returns the figures of a relative pose.
 pub fn pose_facts(fit: &PoseFit) -> Vec<Fact> {
     let deviation = |of: fn(&PoseUncertainty) -> f64| {
         fit.uncertainty.as_ref().map_or_else(String::new, |u| format!(" ± {:.2}°", of(u).to_degrees()))
@@ -261,8 +251,8 @@ pub fn pose_facts(fit: &PoseFit) -> Vec<Fact> {
 }
 
 /// Returns line cost and round trip. The first result of a computation has neither yet.
-fn line_figures(document: &Document, estimate: &Estimate) -> impl Iterator<Item = Fact> + use<> {
-    let score = estimate.line_score().map(|score| match document.parameters.validation.line_score {
+fn line_figures(estimate: &Estimate, kind: LineScore) -> impl Iterator<Item = Fact> + use<> {
+    let score = estimate.line_score().map(|score| match kind {
         LineScore::AgainstMismatched => Fact::new(
             "Line cost",
             format!("{} of mismatched", line_score_text(LineScore::AgainstMismatched, score)),
@@ -284,11 +274,6 @@ fn line_figures(document: &Document, estimate: &Estimate) -> impl Iterator<Item 
         )
     });
     score.into_iter().chain(round_trip)
-}
-
-/// Returns whether a figure stands on the card itself: those of sequences, which have no matches.
-pub fn is_on_card(fact: &Fact) -> bool {
-    ["Agreement", "Distinct lines"].contains(&fact.name)
 }
 
 /// Distance of an epipole that counts as infinite, px. The lines in an image of 1,000 px turn by less than 0.6°.
@@ -333,5 +318,19 @@ pub(super) fn direction(p: Point, frame: Frame) -> &'static str {
         (true, false, _) => "left",
         (false, _, true) => "below",
         (false, _, false) => "above",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn epipoles_are_described_near_and_at_infinity() {
+        let text = |x, y, z| epipole_text(&HomogeneousPoint::new(x, y, z));
+        assert_eq!(text(50.0, 20.0, 1.0), "(50.0, 20.0)");
+        assert_eq!(text(-5000.0, 20.0, 1.0), "(-5000, 20)");
+        assert_eq!(text(-1.0, -1.0, 0.0), "at infinity, 45.0°");
+        assert_eq!(text(1.0, 0.0, 1e-10), "at infinity, 0.0°");
     }
 }

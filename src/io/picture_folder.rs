@@ -4,11 +4,12 @@ use std::collections::HashSet;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use crate::io::{TruthFolder, has_extension, has_image_extension};
+use super::read::{has_extension, has_image_extension};
+use super::truth_folder::TruthFolder;
 
 /// A folder of images, with or without ground truth.
 #[derive(Debug, Clone)]
-pub struct PairFolder {
+pub struct PictureFolder {
     path: PathBuf,
     images: Vec<PathBuf>,
     names: Vec<String>,
@@ -18,7 +19,7 @@ pub struct PairFolder {
     truth: Option<TruthFolder>,
 }
 
-impl From<TruthFolder> for PairFolder {
+impl From<TruthFolder> for PictureFolder {
     fn from(truth: TruthFolder) -> Self {
         Self {
             path: truth.path().to_owned(),
@@ -33,7 +34,7 @@ impl From<TruthFolder> for PairFolder {
 /// Folder of the pictures in the projects of most programs.
 const PICTURES: &str = "images";
 
-impl PairFolder {
+impl PictureFolder {
     /// Opens a folder, or the folder `images` in it if it has no images itself. The error is text for the
     /// middle of a sentence.
     pub fn open(path: &Path) -> Result<Self, String> {
@@ -187,7 +188,7 @@ mod tests {
     #[test]
     fn images_are_in_natural_order() {
         let files = folder(&["b10.png", "b9.JPG", "a.png", "a.jpg", "notes.txt", ".hidden.png", "b9x.png"]);
-        let folder = PairFolder::open(files.path()).unwrap();
+        let folder = PictureFolder::open(files.path()).unwrap();
         assert!(folder.known().is_none() && folder.pairs_freely());
         assert_eq!(folder.names(), ["a.jpg", "a.png", "b9.JPG", "b9x.png", "b10.png"]);
         assert_eq!(folder.neighbour([0, 2], true), Some([1, 3]));
@@ -199,19 +200,19 @@ mod tests {
     #[test]
     fn images_named_in_pairs_are_stepped_through_in_pairs() {
         let files = folder(&["0711A.png", "0711B.png", "0713A.png", "0713B.png"]);
-        let pairs = PairFolder::open(files.path()).unwrap();
+        let pairs = PictureFolder::open(files.path()).unwrap();
         assert!(pairs.known().is_none() && !pairs.pairs_freely());
         assert_eq!(pairs.neighbour([0, 1], true), Some([2, 3]));
         assert_eq!(pairs.neighbour([2, 3], false), Some([0, 1]));
         assert!(!pairs.is_pair([1, 2]) && !pairs.is_pair([4, 5]) && pairs.neighbour([2, 3], true).is_none());
         let files = folder(&["0711A.png", "0711B.png", "0713A.png", "0714B.png"]);
-        assert!(PairFolder::open(files.path()).unwrap().pairs_freely(), "not all have a partner");
+        assert!(PictureFolder::open(files.path()).unwrap().pairs_freely(), "not all have a partner");
     }
 
     #[test]
     fn the_pictures_of_a_project_are_in_its_folder_of_images() {
         let files = folder(&["images/b.png", "images/a.png", "database.db"]);
-        assert_eq!(PairFolder::open(files.path()).unwrap().names, ["a", "b"]);
+        assert_eq!(PictureFolder::open(files.path()).unwrap().names, ["a", "b"]);
     }
 
     #[test]
@@ -222,9 +223,9 @@ mod tests {
             (&["houseA.png", "x.png", "house.txt"], "houseB is missing"),
         ] {
             let files = folder(names);
-            let problem = PairFolder::open(files.path()).unwrap_err();
+            let problem = PictureFolder::open(files.path()).unwrap_err();
             assert!(problem.contains(words), "{problem}");
         }
-        assert!(PairFolder::open(Path::new("/nowhere/at/all")).unwrap_err().contains("/nowhere/at/all"));
+        assert!(PictureFolder::open(Path::new("/nowhere/at/all")).unwrap_err().contains("/nowhere/at/all"));
     }
 }

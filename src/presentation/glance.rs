@@ -1,15 +1,14 @@
-//! The two figures of the card: how far the lines are off, and where the epipoles are.
+//! A result at a glance, in two rows of figures: how far the lines are off, and where the epipoles are.
 
+use super::epipoles::{NOT_DETERMINED, interval_in_words, length_in_words};
 use super::facts::{FAR, direction, far_direction, median_distance};
-use crate::app::model::document::Document;
 use crate::estimate::{Determined, EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Estimate};
 use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, Vector, finite_point};
-use crate::presentation::{NOT_DETERMINED, interval_in_words, length_in_words};
 
 /// Half of a 95 % interval, in standard deviations.
 const REACH: f64 = 1.96;
 
-/// A row of the card: two figures with their ranges.
+/// Two figures of a kind with their ranges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Glance {
     pub name: &'static str,
@@ -82,6 +81,7 @@ impl EpipolePlace {
         }
     }
 
+    /// Describes an epipole that the matches do not determine.
     fn open() -> Self {
         Self { side: "", value: NOT_DETERMINED.to_owned(), range: String::new() }
     }
@@ -99,10 +99,10 @@ impl EpipolePlace {
     }
 }
 
-/// Returns how far the lines of a result are off, if it has matches.
-pub fn lines_at_a_glance(document: &Document, estimate: &Estimate) -> Option<Glance> {
+/// Returns how far the lines of a result are off in images of these sizes, if it has matches.
+pub fn lines_at_a_glance(estimate: &Estimate, frames: [Frame; 2]) -> Option<Glance> {
     let typical = median_distance(estimate)?;
-    let bands = document.frames().and_then(|frames| estimate.line_bands(frames));
+    let bands = estimate.line_bands(frames);
     let decimals = |figure: f64| if figure < 0.1 { 2 } else { usize::from(figure < 10.0) };
     let px = |figure: f64| format!("{figure:.*} px", decimals(figure));
     Some(Glance {
@@ -122,13 +122,12 @@ pub fn lines_at_a_glance(document: &Document, estimate: &Estimate) -> Option<Gla
 
 /// Returns the places of both epipoles of a geometry, with their intervals if it is that of `estimate`.
 pub fn epipole_places(
-    document: &Document,
     f: &FundamentalMatrix,
+    frames: [Frame; 2],
     estimate: Option<&Estimate>,
-) -> Option<[EpipolePlace; 2]> {
-    let frames = document.frames()?;
+) -> [EpipolePlace; 2] {
     if estimate.and_then(|estimate| estimate.determined(frames)) == Some(Determined::Lines) {
-        return Some([EpipolePlace::open(), EpipolePlace::open()]);
+        return [EpipolePlace::open(), EpipolePlace::open()];
     }
     let bearings = estimate.and_then(|estimate| estimate.epipole_bearings(frames));
     let uncertainty = estimate.and_then(Estimate::uncertainty);
@@ -137,23 +136,23 @@ pub fn epipole_places(
     let place = |k: usize| {
         EpipolePlace::of(&epipoles[k], frames[k], bearings.as_ref().map(|both| &both[k]), ellipses[k])
     };
-    Some([place(0), place(1)])
+    [place(0), place(1)]
 }
 
-/// Returns the places of both epipoles as a row of the card.
+/// Returns the places of both epipoles as a row of figures.
 pub fn epipoles_at_a_glance(
-    document: &Document,
     f: &FundamentalMatrix,
+    frames: [Frame; 2],
     estimate: Option<&Estimate>,
-) -> Option<Glance> {
-    let places = epipole_places(document, f, estimate)?;
+) -> Glance {
+    let places = epipole_places(f, frames, estimate);
     let is_common = places[0].side == places[1].side;
     let range = |place: &EpipolePlace| match (is_common, place.side.is_empty(), place.range.is_empty()) {
         (true, ..) | (_, true, _) => place.range.clone(),
         (_, _, true) => place.side.to_owned(),
         _ => format!("{}, {}", place.side, place.range),
     };
-    Some(Glance {
+    Glance {
         name: "Epipole",
         common: if is_common { places[0].side } else { "" },
         heads: ["left", "right"],
@@ -162,7 +161,7 @@ pub fn epipoles_at_a_glance(
         tooltip: "Image of the other camera, where all epipolar lines of a picture meet. Inside the picture: its place. \
                   Outside: the side, and the distance from the middle of the picture. The 95 % interval, if there is \
                   one, follows from the matches.",
-    })
+    }
 }
 
 #[cfg(test)]

@@ -1,12 +1,11 @@
 //! A coarse disparity map of a rectified pair, by matching rows. It previews the result of a stereo
 //! program and the disparity range to search.
 
-use image::{DynamicImage, LumaA, RgbaImage};
+use image::{DynamicImage, LumaA};
 
-use crate::app::model::heat;
 use crate::cancel::CancelFlag;
 use crate::image::Profile;
-use crate::similarity::{DisparityRange, StereoParameters, match_profiles};
+use crate::similarity::{DisparityRange, Ordering, StereoParameters, match_profiles};
 
 /// Width of the matched pictures, px. At this size, matching takes a moment.
 const WIDTH: u32 = 320;
@@ -26,11 +25,10 @@ const LEAST_TEXTURE: u8 = 8;
 /// Disparities of the pixels of the left picture.
 #[derive(Debug, Clone)]
 pub struct DisparityMap {
-    /// Colour map of the disparities: dark for the smallest, transparent without a match.
-    pub picture: RgbaImage,
+    /// Width and height of the map.
+    size: [usize; 2],
     /// Range of nearly all disparities, px of the written pictures, and not beyond that of known
-    /// matches. A disparity is the column in
-    /// the left picture minus the column in the right one.
+    /// matches. A disparity is the column in the left picture minus the column in the right one.
     pub range: [f64; 2],
     /// Disparities row by row, px of the written pictures.
     values: Vec<Option<f32>>,
@@ -54,8 +52,7 @@ impl DisparityMap {
         let (width, height) = small[0].dimensions();
         let scale = written as f64 / f64::from(width);
         let range = tried(known.map(|known| known.map(|disparity| disparity / scale)), f64::from(width));
-        let stereo =
-            StereoParameters { ordering: crate::similarity::Ordering::Positions, ..StereoParameters::PAPER };
+        let stereo = StereoParameters { ordering: Ordering::Positions, ..StereoParameters::PAPER };
         let mut values = vec![None; (width * height) as usize];
         for y in 0..height.min(small[1].height()) {
             if cancel.is_cancelled() {
@@ -88,25 +85,27 @@ impl DisparityMap {
         let [low, high] = [at(BEYOND)?, at(1.0 - BEYOND)?];
         let range = known.map_or([low, high], |[least, most]| [low.max(least), high.min(most)]);
         let range = if range[0] < range[1] { range } else { [low, high] };
-        let spread = (range[1] - range[0]).max(1.0);
-        let picture = RgbaImage::from_fn(width, height, |x, y| match values[(y * width + x) as usize] {
-            Some(value) => {
-                let [red, green, blue] =
-                    heat::rgb((((f64::from(value) - range[0]) / spread) as f32).clamp(0.0, 1.0));
-                image::Rgba([red, green, blue, 255])
-            }
-            None => image::Rgba([0; 4]),
-        });
-        Some(Self { picture, range, values })
+        Some(Self { size: [width, height].map(|v| v as usize), range, values })
     }
 
     /// Returns the disparity at a place, given as fractions of width and height.
     pub fn at(&self, across: f64, down: f64) -> Option<f64> {
-        let (width, height) = self.picture.dimensions();
-        let place = |part: f64, size: u32| {
-            ((part * f64::from(size)).floor().clamp(0.0, f64::from(size) - 1.0)) as usize
-        };
-        self.values.get(place(down, height) * width as usize + place(across, width))?.map(f64::from)
+        let [width, height] = self.size;
+        let place =
+            |part: f64, size: usize| (part * size as f64).floor().clamp(0.0, size as f64 - 1.0) as usize;
+        self.values.get(place(down, height) * width + place(across, width))?.map(f64::from)
+    }
+
+    /// Returns width and height of the map.
+    pub fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
+    /// Returns the disparities row by row as shares of the range, 0 to 1; `None` without a match.
+    pub fn shares(&self) -> impl Iterator<Item = Option<f32>> + '_ {
+        let spread = (self.range[1] - self.range[0]).max(1.0);
+        let share = move |value: f32| (((f64::from(value) - self.range[0]) / spread) as f32).clamp(0.0, 1.0);
+        self.values.iter().map(move |value| value.map(share))
     }
 
     /// Returns the fraction of pixels with a match.

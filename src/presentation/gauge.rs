@@ -1,10 +1,10 @@
 //! Place of a figure between bad and good, for a bar beside it. The limits come from the estimator.
 //! Without limits, the bar runs from the worst to the best hypothesis and has no colour.
 
+use super::scale::Scale;
 use super::tone::Tone;
 use crate::estimate::{self, Construction, Estimate, LineScore};
 use crate::geometry::{FundamentalMatrix, PointPair, sampson_distance};
-use crate::presentation::Scale;
 
 /// A bar: bad on the left, good on the right.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,15 +1,9 @@
 //! Reads tables of point pairs as spreadsheets copy them.
 
-use crate::app::model::document::pair_name;
 use crate::geometry::PointPair;
 
 /// Maximum number of pasted rows, far more than anybody clicks.
 const MOST_PASTED: usize = 1000;
-
-/// Returns whether a name is the automatic name of a place in the list.
-pub fn is_name_of_a_place(name: &str) -> bool {
-    (0..3).any(|pair| pair_name(pair) == name) || name.parse::<usize>().is_ok()
-}
 
 /// Reads rows of `name x1 y1 x2 y2` or `x1 y1 x2 y2`, with or without a heading. Tabs, semicolons,
 /// commas or spaces separate. With tabs or semicolons, a comma is a decimal comma. Further cells
@@ -70,4 +64,31 @@ fn parse_row(row: &str, pairs_first: bool) -> Option<(Option<String>, PointPair)
         return Some((name, pair));
     }
     Some((None, pair(&cells)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_are_read_with_headings_commas_and_names() {
+        let pair = PointPair::new(1.5, 2.0, -3.0, 4.25);
+        for text in [
+            "1.5 2 -3 4.25",
+            "x1,y1,x2,y2\n1.5,2,-3,4.25\n",
+            "\"x1\";\"y1\";\"x2\";\"y2\"\r\n1,5;2;-3;4,25\r\n",
+            "# a comment\n\n1,5\t2\t-3\t4,25\tclicked",
+            "\t1.5\t2\t-3\t4.25",
+            "x1 y1 x2 y2 distance\n1.5 2 -3 4.25 0.7",
+        ] {
+            assert_eq!(parse_table(text), Ok(vec![(None, pair)]), "{text:?}");
+        }
+        for text in ["door 1.5 2 -3 4.25", "Name,x1,y1,x2,y2,role\ndoor,1.5,2,-3,4.25,used"] {
+            assert_eq!(parse_table(text), Ok(vec![(Some("door".to_owned()), pair)]), "{text:?}");
+        }
+        for text in ["", "hello", "1 2 3", "1 2 3 4\nx y z w", "1 2 3 inf"] {
+            assert!(parse_table(text).is_err(), "{text:?}");
+        }
+        assert!(parse_table("1 2 3 4\n1 2 3\n").unwrap_err().contains("line 2"));
+    }
 }

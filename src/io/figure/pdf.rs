@@ -3,17 +3,13 @@
 
 use std::collections::BTreeMap;
 
-use egui::epaint::RectShape;
-use egui::{Color32, Pos2, Rect, Stroke, Vec2};
 use image::{DynamicImage, RgbImage};
 use pdf_writer::types::Predictor;
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Ref, Str, TextStr};
 
-use super::font::Fonts;
-use super::pieces::{Piece, take_apart};
-use super::sheet::Sheet;
-use crate::app::view::theme;
-use crate::io::{PictureFormat, encode_picture};
+use super::font::{FigureFont, Fonts};
+use super::{Figure, FigureArea, FigureColor, FigurePicture, FigureShape, FigureStroke};
+use crate::io::picture_file::{PictureFormat, encode_picture};
 
 /// Distance of the Bézier handles of a quarter circle from its ends, in radii.
 const QUARTER: f32 = 0.552_285;
@@ -28,25 +24,27 @@ const IMAGES: [Ref; 2] = [Ref::new(6), Ref::new(7)];
 const OPACITIES: i32 = 8;
 const IMAGE_NAMES: [Name; 2] = [Name(b"Left"), Name(b"Right")];
 
-pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
+/// Returns the figure as PDF. Each letter has the first of these fonts that has it.
+pub fn write_pdf(figure: &Figure, fonts: Vec<FigureFont>) -> Result<Vec<u8>, String> {
     let mut pdf = Pdf::new();
-    let fonts = Fonts::new(theme::fonts());
+    let fonts = Fonts::new(fonts);
+    let [width, height] = figure.size;
     let mut page = Page { content: Content::new(), opacities: BTreeMap::new(), fonts };
     // PDF has its origin at the lower left, with y upwards; the sheet has it at the upper left.
-    page.content.transform([1.0, 0.0, 0.0, -1.0, 0.0, sheet.size.y]);
-    page.fill(sheet.background);
-    page.content.rect(0.0, 0.0, sheet.size.x, sheet.size.y).fill_nonzero();
-    for (k, place) in sheet.places.iter().enumerate() {
-        let area = place.transform.rect;
-        let (pixels, rect) = sheet.picture(k);
-        image(&mut pdf, IMAGES[k], &on_paper(&pixels, sheet.background))?;
-        page.content.save_state().rect(area.min.x, area.min.y, area.width(), area.height());
+    page.content.transform([1.0, 0.0, 0.0, -1.0, 0.0, height]);
+    page.fill(figure.background);
+    page.content.rect(0.0, 0.0, width, height).fill_nonzero();
+    for (k, picture) in figure.pictures.iter().enumerate() {
+        let FigurePicture { area, pixels, place, shapes, .. } = picture;
+        image(&mut pdf, IMAGES[k], &on_paper(pixels, figure.background))?;
+        page.content.save_state().rect(area.at[0], area.at[1], area.size[0], area.size[1]);
         page.content.clip_nonzero().end_path();
         // A PDF image fills the unit square upright, so this undoes the flip of the page.
-        page.content.save_state().transform([rect.width(), 0.0, 0.0, -rect.height(), rect.min.x, rect.max.y]);
+        let (below, FigureArea { at, size }) = (place.at[1] + place.size[1], place);
+        page.content.save_state().transform([size[0], 0.0, 0.0, -size[1], at[0], below]);
         page.content.x_object(IMAGE_NAMES[k]).restore_state();
-        for shape in sheet.shapes(k) {
-            take_apart(shape, &mut |piece| page.piece(piece));
+        for shape in shapes {
+            page.shape(shape);
         }
         page.content.restore_state();
     }
@@ -64,7 +62,7 @@ pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
     pdf.catalog(CATALOG).pages(PAGES);
     pdf.pages(PAGES).kids([PAGE]).count(1);
     let mut written = pdf.page(PAGE);
-    written.media_box(pdf_writer::Rect::new(0.0, 0.0, sheet.size.x, sheet.size.y));
+    written.media_box(pdf_writer::Rect::new(0.0, 0.0, width, height));
     written.parent(PAGES).contents(CONTENT);
     let mut resources = written.resources();
     resources.x_objects().pairs(IMAGE_NAMES.into_iter().zip(IMAGES));
@@ -77,9 +75,9 @@ pub fn write(sheet: &Sheet) -> Result<Vec<u8>, String> {
     resources.finish();
     written.finish();
     let mut about = pdf.document_info(ABOUT);
-    about.title(TextStr(&sheet.title));
+    about.title(TextStr(&figure.title));
     about.creator(TextStr(concat!("epiline ", env!("CARGO_PKG_VERSION"))));
-    if let Some(trust) = &sheet.trust {
+    if let Some(trust) = &figure.trust {
         about.subject(TextStr(&trust.in_words()));
     }
     about.finish();
@@ -101,39 +99,40 @@ enum Painted {
 }
 
 impl Page {
-    fn piece(&mut self, piece: Piece) {
-        match piece {
-            Piece::Line([a, b], stroke) => self.paint(Color32::TRANSPARENT, stroke, |content| {
-                content.move_to(a.x, a.y).line_to(b.x, b.y);
+    fn shape(&mut self, shape: &FigureShape) {
+        const NONE: FigureColor = [0; 4];
+        match shape {
+            FigureShape::Line([[x1, y1], [x2, y2]], stroke) => self.paint(NONE, *stroke, |content| {
+                content.move_to(*x1, *y1).line_to(*x2, *y2);
             }),
-            Piece::Circle(circle) => self.paint(circle.fill, circle.stroke, |content| {
-                let square = Rect::from_center_size(circle.center, Vec2::splat(2.0 * circle.radius));
-                rounded(content, square, circle.radius);
-            }),
-            Piece::Rect(RectShape { rect, corner_radius, fill, stroke, .. }) => {
-                let rounding = f32::from(corner_radius.nw).min(rect.width() / 2.0).min(rect.height() / 2.0);
-                self.paint(*fill, *stroke, |content| rounded(content, *rect, rounding));
+            FigureShape::Circle { centre: [x, y], radius, fill, stroke } => {
+                let square = FigureArea { at: [x - radius, y - radius], size: [2.0 * radius; 2] };
+                self.paint(*fill, *stroke, |content| rounded(content, &square, *radius));
             }
-            Piece::Path { points: [first, rest @ ..], closed, fill, stroke } => {
-                self.paint(fill, stroke, |content| {
-                    content.move_to(first.x, first.y);
-                    for point in rest {
-                        content.line_to(point.x, point.y);
+            FigureShape::Rect { area, rounding, fill, stroke } => {
+                let rounding = rounding.min(area.size[0] / 2.0).min(area.size[1] / 2.0);
+                self.paint(*fill, *stroke, |content| rounded(content, area, rounding));
+            }
+            FigureShape::Path { points, closed, fill, stroke } => {
+                let Some(([x, y], rest)) = points.split_first() else { return };
+                self.paint(*fill, *stroke, |content| {
+                    content.move_to(*x, *y);
+                    for [x, y] in rest {
+                        content.line_to(*x, *y);
                     }
-                    if closed {
+                    if *closed {
                         content.close_path();
                     }
                 });
             }
-            Piece::Path { .. } => {}
-            Piece::Letters { at, size, color, words } => self.letters(at, size, color, &words),
+            FigureShape::Text { at, size, color, words } => self.letters(*at, *size, *color, words),
         }
     }
 
     /// Fills and strokes a path. The colours come first: PDF allows nothing between a path and its
     /// painting operator.
-    fn paint(&mut self, fill: Color32, stroke: Stroke, path: impl FnOnce(&mut Content)) {
-        let (filled, drawn) = (fill.a() > 0, stroke.width > 0.0 && stroke.color.a() > 0);
+    fn paint(&mut self, fill: FigureColor, stroke: FigureStroke, path: impl FnOnce(&mut Content)) {
+        let (filled, drawn) = (fill[3] > 0, stroke.width > 0.0 && stroke.color[3] > 0);
         if filled {
             self.fill(fill);
         }
@@ -151,11 +150,11 @@ impl Page {
         }
     }
 
-    fn letters(&mut self, at: Pos2, size: f32, color: Color32, words: &str) {
+    fn letters(&mut self, [x, y]: [f32; 2], size: f32, color: FigureColor, words: &str) {
         self.fill(color);
         let runs = self.fonts.write(words);
         // The text matrix undoes the flip of the page. Each run starts where the previous one ends.
-        self.content.begin_text().set_text_matrix([1.0, 0.0, 0.0, -1.0, at.x, at.y]);
+        self.content.begin_text().set_text_matrix([1.0, 0.0, 0.0, -1.0, x, y]);
         for run in &runs {
             let (font, size, rise) = self.fonts.style(run, size);
             self.content.set_font(Name(font.as_bytes()), size).set_rise(rise).show(Str(&run.codes));
@@ -163,13 +162,13 @@ impl Page {
         self.content.end_text();
     }
 
-    fn fill(&mut self, color: Color32) {
+    fn fill(&mut self, color: FigureColor) {
         let [red, green, blue, alpha] = shares(color);
         self.opacity(Painted::Inside, alpha);
         self.content.set_fill_rgb(red, green, blue);
     }
 
-    fn stroke(&mut self, stroke: Stroke) {
+    fn stroke(&mut self, stroke: FigureStroke) {
         let [red, green, blue, alpha] = shares(stroke.color);
         self.opacity(Painted::Line, alpha);
         self.content.set_stroke_rgb(red, green, blue).set_line_width(stroke.width);
@@ -184,35 +183,35 @@ impl Page {
     }
 }
 
-fn shares(color: Color32) -> [f32; 4] {
-    color.to_srgba_unmultiplied().map(|v| f32::from(v) / 255.0)
+fn shares(color: FigureColor) -> [f32; 4] {
+    color.map(|v| f32::from(v) / 255.0)
 }
 
 /// Describes a rectangle with rounded corners. It is a circle if its size is twice the radius.
-fn rounded(content: &mut Content, rect: Rect, radius: f32) {
+fn rounded(content: &mut Content, area: &FigureArea, radius: f32) {
+    let FigureArea { at: [left, top], size: [width, height] } = *area;
     if radius <= 0.0 {
-        content.rect(rect.min.x, rect.min.y, rect.width(), rect.height());
+        content.rect(left, top, width, height);
         return;
     }
-    let (Rect { min, max }, handle) = (rect, radius * (1.0 - QUARTER));
-    content.move_to(min.x + radius, min.y).line_to(max.x - radius, min.y);
-    content.cubic_to(max.x - handle, min.y, max.x, min.y + handle, max.x, min.y + radius);
-    content.line_to(max.x, max.y - radius);
-    content.cubic_to(max.x, max.y - handle, max.x - handle, max.y, max.x - radius, max.y);
-    content.line_to(min.x + radius, max.y);
-    content.cubic_to(min.x + handle, max.y, min.x, max.y - handle, min.x, max.y - radius);
-    content.line_to(min.x, min.y + radius);
-    content.cubic_to(min.x, min.y + handle, min.x + handle, min.y, min.x + radius, min.y).close_path();
+    let (right, bottom, handle) = (left + width, top + height, radius * (1.0 - QUARTER));
+    content.move_to(left + radius, top).line_to(right - radius, top);
+    content.cubic_to(right - handle, top, right, top + handle, right, top + radius);
+    content.line_to(right, bottom - radius);
+    content.cubic_to(right, bottom - handle, right - handle, bottom, right - radius, bottom);
+    content.line_to(left + radius, bottom);
+    content.cubic_to(left + handle, bottom, left, bottom - handle, left, bottom - radius);
+    content.line_to(left, top + radius);
+    content.cubic_to(left, top + handle, left + handle, top, left + radius, top).close_path();
 }
 
 /// Blends transparent pixels with the colour of the paper.
-fn on_paper(pixels: &DynamicImage, paper: Color32) -> RgbImage {
+fn on_paper(pixels: &DynamicImage, paper: FigureColor) -> RgbImage {
     let pixels = pixels.to_rgba8();
     RgbImage::from_fn(pixels.width(), pixels.height(), |x, y| {
         // Colours are premultiplied by alpha.
         let [colors @ .., alpha] = pixels.get_pixel(x, y).0;
         let rest = 255 - u32::from(alpha);
-        let paper = [paper.r(), paper.g(), paper.b()];
         image::Rgb(std::array::from_fn(|k| {
             (u32::from(colors[k]) + (u32::from(paper[k]) * rest + 127) / 255).min(255) as u8
         }))
@@ -265,7 +264,7 @@ mod tests {
     #[test]
     fn transparent_pixels_show_the_paper() {
         let pixels = image::RgbaImage::from_raw(2, 1, vec![0, 0, 0, 0, 100, 50, 0, 127]).unwrap();
-        let seen = on_paper(&pixels.into(), Color32::WHITE);
+        let seen = on_paper(&pixels.into(), [255; 4]);
         assert_eq!(seen.as_raw(), &[255, 255, 255, 228, 178, 128]);
     }
 }

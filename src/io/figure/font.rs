@@ -1,12 +1,9 @@
-//! Fonts of a PDF: the fonts of the window, each embedded with only the letters used.
+//! Fonts of a PDF, each embedded with only the letters used.
 //!
 //! Each letter of a font has a number (PDF 2.0, 9.7), in the order of first use. One map leads from
 //! the numbers to the glyphs. Another leads to the letters, so that text can be selected and
 //! searched.
 
-use std::sync::Arc;
-
-use egui::{FontData, FontDefinitions, FontFamily};
 use pdf_writer::types::{CidFontType, FontFlags, SystemInfo, UnicodeCmap};
 use pdf_writer::{Finish, Name, Pdf, Rect, Ref, Str};
 use skrifa::instance::{LocationRef, Size};
@@ -22,13 +19,26 @@ const OBJECTS: i32 = 6;
 const IDENTITY: SystemInfo =
     SystemInfo { registry: Str(b"Adobe"), ordering: Str(b"Identity"), supplement: 0 };
 
-/// The fonts of the window, with the letters used so far.
+/// A font of a figure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FigureFont {
+    /// Content of the font file.
+    pub file: Vec<u8>,
+    /// Number of the font in the file.
+    pub index: u32,
+    /// Size over the size of the text.
+    pub scale: f32,
+    /// Drop below the baseline, points, and as a share of the size of the text.
+    pub drop: [f32; 2],
+}
+
+/// The fonts of a figure, with the letters used so far.
 pub struct Fonts {
     faces: Vec<Face>,
 }
 
 struct Face {
-    data: Arc<FontData>,
+    font: FigureFont,
     letters: Vec<(char, GlyphId)>,
 }
 
@@ -41,11 +51,9 @@ pub struct Run {
 }
 
 impl Fonts {
-    /// Takes the text fonts of the window, with no letters used yet.
-    pub fn new(mut fonts: FontDefinitions) -> Self {
-        let names = fonts.families.remove(&FontFamily::Proportional).unwrap_or_default();
-        let data = names.iter().filter_map(|name| fonts.font_data.get(name));
-        Self { faces: data.map(|data| Face { data: Arc::clone(data), letters: Vec::new() }).collect() }
+    /// Takes the fonts, with no letters used yet.
+    pub fn new(fonts: Vec<FigureFont>) -> Self {
+        Self { faces: fonts.into_iter().map(|font| Face { font, letters: Vec::new() }).collect() }
     }
 
     /// Encodes a text, using for each letter the first font that has it.
@@ -68,7 +76,7 @@ impl Fonts {
     /// Returns the first font that has a letter, and the glyph.
     fn find(&self, letter: char) -> Option<(usize, GlyphId)> {
         self.faces.iter().enumerate().find_map(|(number, face)| {
-            // Only TrueType outlines are embedded; all fonts of the window have them.
+            // Only TrueType outlines are embedded.
             let font = face.font().filter(|font| font.glyf().is_ok())?;
             Some((number, font.charmap().map(letter)?))
         })
@@ -77,9 +85,8 @@ impl Fonts {
     /// Returns the name, the size and the rise above the baseline of a run's font, for text of the
     /// given size.
     pub fn style(&self, run: &Run, size: f32) -> (String, f32, f32) {
-        let tweak = &self.faces[run.font].data.tweak;
-        let rise = -(tweak.y_offset + tweak.y_offset_factor * size);
-        (name(run.font), size * tweak.scale, rise)
+        let FigureFont { scale, drop, .. } = &self.faces[run.font].font;
+        (name(run.font), size * scale, -(drop[0] + drop[1] * size))
     }
 
     /// Embeds the fonts that were used, in objects numbered from `first`. Returns their names and
@@ -101,12 +108,8 @@ fn name(number: usize) -> String {
 }
 
 impl Face {
-    fn bytes(&self) -> &[u8] {
-        (*self.data.font).as_ref()
-    }
-
     fn font(&self) -> Option<FontRef<'_>> {
-        FontRef::from_index(self.bytes(), self.data.index).ok()
+        FontRef::from_index(&self.font.file, self.font.index).ok()
     }
 
     /// Returns the number of a letter, starting at 1; code 0 is never used.
@@ -127,7 +130,7 @@ impl Face {
         let mut kept = GlyphRemapper::new();
         let glyphs: Vec<u16> =
             self.letters.iter().map(|(_, glyph)| kept.remap(glyph.to_u32() as u16)).collect();
-        let file = subsetter::subset(self.bytes(), self.data.index, &kept)
+        let file = subsetter::subset(&self.font.file, self.font.index, &kept)
             .map_err(|e| format!("The font could not be embedded: {e}."))?;
         let postscript = font.localized_strings(StringId::POSTSCRIPT_NAME).english_or_first();
         let postscript = postscript.map_or_else(|| "Font".to_owned(), |name| name.chars().collect());
@@ -195,11 +198,24 @@ fn tag(letters: &[(char, GlyphId)]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::view::theme;
+    use egui::{FontDefinitions, FontFamily};
+
+    /// Returns fonts with all letters of labels.
+    fn fonts() -> Fonts {
+        let fonts = FontDefinitions::default();
+        let names = fonts.families[&FontFamily::Proportional].iter().map(String::as_str).chain(["Hack"]);
+        let font = |name: &str| FigureFont {
+            file: (*fonts.font_data[name].font).as_ref().to_vec(),
+            index: fonts.font_data[name].index,
+            scale: 1.0,
+            drop: [0.0; 2],
+        };
+        Fonts::new(names.map(font).collect())
+    }
 
     #[test]
     fn every_letter_of_a_label_has_a_glyph() {
-        let mut fonts = Fonts::new(theme::fonts());
+        let mut fonts = fonts();
         let named = ('!'..='~').chain('À'..='ÿ').chain("αβκλπ′″−–—…€×²→".chars());
         for letter in named {
             let (face, glyph) = fonts.find(letter).unwrap_or_else(|| panic!("no font has {letter}"));
@@ -216,7 +232,7 @@ mod tests {
 
     #[test]
     fn letters_of_a_font_are_numbered_and_embedded_with_their_widths() {
-        let mut fonts = Fonts::new(theme::fonts());
+        let mut fonts = fonts();
         let runs = fonts.write("abba");
         assert_eq!(runs, [Run { font: 0, codes: vec![0, 1, 0, 2, 0, 2, 0, 1] }]);
         let mut pdf = Pdf::new();

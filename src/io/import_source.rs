@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::io::{Format, has_extension};
+use super::geometry_file::Format;
+use super::read::has_extension;
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ImportSource {
