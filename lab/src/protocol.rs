@@ -97,7 +97,7 @@ impl<'a> Draws<'a> {
     /// Time and memory are quadratic in the number of matches.
     pub fn new(known: KnownPair<'a>, protocol: Protocol, trials: usize, noise: f64, seed: u64) -> Self {
         let matches = known.matches;
-        let visible: Vec<_> = (0..matches.len()).filter(|k| known.shows(&matches[*k])).collect();
+        let visible: Vec<_> = (0..matches.len()).filter(|k| matches[*k].is_inside(known.frames)).collect();
         let mut firsts: Vec<[usize; 2]> = visible
             .iter()
             .enumerate()
@@ -159,7 +159,7 @@ impl<'a> Draws<'a> {
             .known
             .matches
             .iter()
-            .filter(|m| self.known.shows(m) && (m.point2 - right).norm() >= SPACING)
+            .filter(|m| m.is_inside(self.known.frames) && (m.point2 - right).norm() >= SPACING)
             .map(|m| m.point2)
             .collect();
         // Never empty: the other clicked match qualifies.
@@ -276,7 +276,7 @@ mod tests {
         for trial in 0..draws.trials() {
             let matches = draws.matches(trial, 2).unwrap();
             for (k, click) in matches.iter().zip(draws.clicks(trial, &matches)) {
-                assert!(scene.known().shows(&click));
+                assert!(click.is_inside(scene.known().frames));
                 let exact = scene.matches[*k];
                 squares.push((click.point1 - exact.point1).norm_squared() / 2.0);
                 squares.push((click.point2 - exact.point2).norm_squared() / 2.0);
@@ -289,7 +289,9 @@ mod tests {
         let wild = Draws::new(scene.known(), Protocol::Paper, 50, 5000.0, 11);
         for trial in 0..wild.trials() {
             assert!(
-                wild.clicks(trial, &wild.matches(trial, 2).unwrap()).iter().all(|c| scene.known().shows(c))
+                wild.clicks(trial, &wild.matches(trial, 2).unwrap())
+                    .iter()
+                    .all(|c| c.is_inside(scene.known().frames))
             );
         }
     }

@@ -127,7 +127,9 @@ mod tests {
     }
 
     fn matched(planes: [&GrayPlane; 2], lines: [AnchoredLine; 2], scale: f64) -> MatchedLines {
-        MatchedLines::new(planes, lines, scale, 0.3, &StereoParameters::PAPER)
+        // Those of the preset Robust.
+        let stereo = StereoParameters { lambda: 400, alpha: 2000, outside: 1500, ..StereoParameters::PAPER };
+        MatchedLines::new(planes, lines, scale, 0.16, &stereo)
     }
 
     fn in_row_20() -> MatchedLines {
