@@ -8,17 +8,13 @@ mod dialogs;
 mod keys;
 mod named;
 
-use std::mem::{Discriminant, discriminant};
+use std::mem::discriminant;
 use std::sync::LazyLock;
 
 use egui::KeyboardShortcut;
 
-use crate::app::model::command::{Command, ExchangeCommand, SessionCommand};
-use crate::app::model::document::Role;
+use crate::app::model::command::Command;
 use crate::app::model::point_table::PointsCommand;
-use crate::app::model::recording::PlayerCommand;
-use crate::app::model::rectified::RectifiedCommand;
-use crate::app::model::tones::TonesCommand;
 pub use action::Action;
 pub use keys::GROUPS;
 
@@ -27,38 +23,21 @@ pub static ACTIONS: LazyLock<Vec<Action>> = LazyLock::new(|| {
     [keys::with_keys(), named::by_name(), dialogs::in_dialogs()].into_iter().flatten().collect()
 });
 
-/// Kind of a command: its variant, and the data that select another entry.
-#[derive(PartialEq, Eq)]
-enum Kind {
-    Session(Discriminant<SessionCommand>),
-    Exchange(Discriminant<ExchangeCommand>),
-    Rectified(Discriminant<RectifiedCommand>),
-    Tones(Discriminant<TonesCommand>),
-    /// Also the sign of the step: forwards and backwards have separate entries.
-    Player(Discriminant<PlayerCommand>, Option<i32>),
-    /// Also the role of the chosen rows.
-    Points(Discriminant<PointsCommand>, Option<Role>),
-    /// Each role has an entry.
-    Role(Role),
-    Other(Discriminant<Command>),
-}
-
-fn kind(command: &Command) -> Kind {
-    match command {
-        Command::Session(command) => Kind::Session(discriminant(command)),
-        Command::Exchange(command) => Kind::Exchange(discriminant(command)),
-        Command::Rectified(command) => Kind::Rectified(discriminant(command)),
-        Command::Tones(command) => Kind::Tones(discriminant(command)),
-        Command::Player(command) => {
-            let by = if let PlayerCommand::Step(by) = command { Some(by.signum()) } else { None };
-            Kind::Player(discriminant(command), by)
+/// Returns whether two commands are of one kind: the same variant, and for roles the same role.
+fn is_alike(one: &Command, other: &Command) -> bool {
+    match (one, other) {
+        (Command::Session(one), Command::Session(other)) => discriminant(one) == discriminant(other),
+        (Command::Exchange(one), Command::Exchange(other)) => discriminant(one) == discriminant(other),
+        (Command::Rectified(one), Command::Rectified(other)) => discriminant(one) == discriminant(other),
+        (Command::Tones(one), Command::Tones(other)) => discriminant(one) == discriminant(other),
+        (Command::Player(one), Command::Player(other)) => discriminant(one) == discriminant(other),
+        (Command::Replay(one), Command::Replay(other)) => discriminant(one) == discriminant(other),
+        (Command::SetRole(_, one), Command::SetRole(_, other))
+        | (Command::Points(PointsCommand::SetRole(one)), Command::Points(PointsCommand::SetRole(other))) => {
+            one == other
         }
-        Command::Points(command) => {
-            let role = if let PointsCommand::SetRole(role) = command { Some(*role) } else { None };
-            Kind::Points(discriminant(command), role)
-        }
-        Command::SetRole(_, role) => Kind::Role(*role),
-        other => Kind::Other(discriminant(other)),
+        (Command::Points(one), Command::Points(other)) => discriminant(one) == discriminant(other),
+        _ => discriminant(one) == discriminant(other),
     }
 }
 
@@ -67,7 +46,7 @@ impl Command {
     /// have none.
     pub(super) fn action(&self) -> Option<&'static Action> {
         let own = ACTIONS.iter().find(|action| action.command == *self);
-        own.or_else(|| ACTIONS.iter().find(|action| kind(&action.command) == kind(self)))
+        own.or_else(|| ACTIONS.iter().find(|action| is_alike(&action.command, self)))
     }
 
     /// Returns the text of the command's button.
@@ -90,6 +69,7 @@ impl Command {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::model::command::{ExchangeCommand, SessionCommand};
     use std::collections::HashSet;
 
     #[test]
