@@ -62,8 +62,7 @@ pub use points::{PointEstimate, PointsError, check_inside, estimate_points};
 pub use stage::Stage;
 pub use verdict::assessment::examine;
 pub use verdict::constants::{
-    CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, EVEN_LINES, FAR_TOO_FEW,
-    SURE_LINES,
+    CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, EVEN, FAR_TOO_FEW, SURE_LINES,
 };
 pub use verdict::events::{DistinctMatch, Event, EventKind, HypothesisNote, LinePairNote, RankedHypothesis};
 pub use verdict::result::{

@@ -6,7 +6,7 @@ use crate::geometry::Frame;
 
 /// Minimum number of moving pixels, of a pixel and its eight neighbours, for the pixel to move. The
 /// vote removes specks of noise and holes.
-const MAJORITY: u8 = 5;
+const EVEN: u8 = 5;
 /// Largest difference from the background used to measure the shift, grey levels. Moving objects
 /// differ by more.
 const SHIFT_DIFFERENCE: f32 = 40.0;
@@ -88,7 +88,7 @@ pub(super) fn by_majority(mask: &[bool], size: Frame) -> Vec<bool> {
         for x in 0..width {
             let above = if y > 0 { rows[(y - 1) * width + x] } else { 0 };
             let below = if y + 1 < height { rows[(y + 1) * width + x] } else { 0 };
-            clean.push(above + rows[y * width + x] + below >= MAJORITY);
+            clean.push(above + rows[y * width + x] + below >= EVEN);
         }
     }
     clean

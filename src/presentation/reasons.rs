@@ -96,7 +96,7 @@ pub fn named_reason_in_words(reason: &Reason, names: &dyn PairNames) -> String {
         }
         Reason::Contradicted { contradicting, matches } => format!(
             "{contradicting} of {matches} distinctive matches are off their epipolar lines, \
-             more than the quarter that a right geometry may leave. \
+             more than the eighth that a right geometry may leave. \
              Something in the scene moves, a lens bends the images, or the geometry is wrong. \
              Check the lines at points that you recognise."
         ),

@@ -1,8 +1,8 @@
 //! Scales that tell good figures of a result from bad ones, with the limits of the verdict's rules.
 
 use crate::estimate::{
-    CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, EVEN_LINES, FAR_TOO_FEW,
-    SURE_LINES, Verdict,
+    CLEAR_MARGIN, CLICK_DEVIATIONS, CLICK_DEVIATIONS_WRONG, ENOUGH_MATCHES, EVEN, FAR_TOO_FEW, SURE_LINES,
+    Verdict,
 };
 
 /// Margin below which a result is a guess. It colours the gauge; no verdict depends on it.
@@ -19,7 +19,7 @@ pub struct Scale {
 
 impl Scale {
     /// Probability that the lines are right, 0 to 1.
-    pub const LINES: Self = Self { good: SURE_LINES, bad: EVEN_LINES };
+    pub const LINES: Self = Self { good: SURE_LINES, bad: EVEN };
     /// Number of matches at full resolution, of a geometry that the images did not propose.
     pub const MATCHES: Self = Self { good: ENOUGH_MATCHES as f64, bad: FAR_TOO_FEW as f64 };
     /// Advantage over the best clearly different geometry, as a fraction.

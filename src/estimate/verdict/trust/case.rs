@@ -11,7 +11,7 @@ use super::parallax::{Baseline, PlaneEvidence, Relief};
 use crate::estimate::evidence::patches::MirrorMatches;
 use crate::estimate::fit::ResidualPattern;
 use crate::estimate::fit::false_alarms::{Agreement, OF_A_PLANE};
-use crate::estimate::verdict::constants::{MAJORITY, MIRRORED, MOSTLY_ALONG};
+use crate::estimate::verdict::constants::{EVEN, MIRRORED, OFF_RIGHT_LINES};
 
 /// Figures of a geometry from the barcodes of corresponding lines.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -149,7 +149,7 @@ pub(in crate::estimate) struct Distinctive {
 impl Distinctive {
     /// Returns whether more of them contradict `F` than a right geometry leaves.
     pub(super) fn contradict(self) -> bool {
-        is_more_than(1.0 - MOSTLY_ALONG, self.off, self.all)
+        is_more_than(OFF_RIGHT_LINES, self.off, self.all)
     }
 }
 
@@ -168,6 +168,6 @@ pub(in crate::estimate) struct GivenFigures {
 impl GivenFigures {
     /// Returns whether most of the matches contradict the geometry, and not by chance.
     pub fn contradict(&self) -> bool {
-        is_more_than(MAJORITY, self.off, self.matches)
+        is_more_than(EVEN, self.off, self.matches)
     }
 }

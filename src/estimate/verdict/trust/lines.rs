@@ -47,7 +47,7 @@ impl LineEvidence {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::verdict::constants::{EVEN_LINES, SURE_LINES};
+    use crate::estimate::verdict::constants::{EVEN, SURE_LINES};
 
     #[test]
     fn the_lead_is_limited_by_the_number_of_geometries() {
@@ -67,6 +67,6 @@ mod tests {
         let probabilities = leads.map(of);
         assert!(probabilities.is_sorted(), "{probabilities:?}");
         assert!(probabilities.iter().all(|p| (0.05..0.9999).contains(p)), "{probabilities:?}");
-        assert!(of(0.0) < EVEN_LINES && of(1000.0) > SURE_LINES);
+        assert!(of(0.0) < EVEN && of(1000.0) > SURE_LINES);
     }
 }

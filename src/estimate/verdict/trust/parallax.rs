@@ -6,9 +6,7 @@ use serde::Serialize;
 
 use super::chance::{at_least, tail};
 use crate::estimate::fit::false_alarms::BY_CHANCE;
-use crate::estimate::verdict::constants::{
-    ALONG, ANY_EPIPOLE, HALF_PLANE, MAJORITY, MOSTLY_ALONG, ONE_PLANE,
-};
+use crate::estimate::verdict::constants::{ALONG, ANY_EPIPOLE, EVEN, HALF_PLANE, MOSTLY_ALONG, ONE_PLANE};
 
 /// Matches off the largest plane, as evidence for the epipoles.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -65,7 +63,7 @@ impl PlaneEvidence {
         let is_undecided = || !relief.is_some_and(|relief| relief.further.show_the_epipole());
         self.share > ONE_PLANE
             || self.share > HALF_PLANE && self.is_still
-            || self.share > MAJORITY && !self.off.holds_the_epipoles() && is_undecided()
+            || self.share > EVEN && !self.off.holds_the_epipoles() && is_undecided()
             || self.share > HALF_PLANE && self.off.motions <= ANY_EPIPOLE && is_undecided()
     }
 }
@@ -95,7 +93,7 @@ impl Witnesses {
 
     /// Returns whether more matches lie along their lines than clearly off them.
     pub fn are_mostly_along(self) -> bool {
-        at_least(self.along, self.along + self.off) >= MAJORITY
+        at_least(self.along, self.along + self.off) >= EVEN
     }
 
     /// Returns whether chance seldom does as well. A wrong match lies in any direction from the warp.

@@ -2,7 +2,7 @@
 
 use super::TestResult::{self, NotAsked, Passed};
 use crate::estimate::fit::ResidualPattern;
-use crate::estimate::verdict::constants::{MAJORITY, PATTERN_SIZE, largest_error};
+use crate::estimate::verdict::constants::{EVEN, PATTERN_SIZE, largest_error};
 use crate::estimate::verdict::trust::case::Case;
 use crate::estimate::verdict::trust::parallax::{Baseline, OffPlane, PlaneEvidence, Relief, Witnesses};
 use crate::estimate::verdict::trust::{Missing, Reason};
@@ -56,7 +56,7 @@ fn relief(case: &Case) -> TestResult {
 fn pattern(case: &Case) -> TestResult {
     case.test(case.pattern, Missing::Neighbours, |pattern| {
         let ResidualPattern { share, size } = pattern;
-        let is_bent = share > MAJORITY && size > PATTERN_SIZE * largest_error(case.side);
+        let is_bent = share > EVEN && size > PATTERN_SIZE * largest_error(case.side);
         is_bent.then_some(Reason::Pattern { size })
     })
 }
@@ -170,8 +170,8 @@ mod tests {
         let pattern = |share, size| Some(ResidualPattern { share, size });
         for silent in [
             Case { plane: plane(ONE_PLANE, BY_CHANCE), ..GOOD },
-            Case { plane: plane(MAJORITY, 1.0), ..GOOD },
-            Case { pattern: pattern(MAJORITY, 3.0), ..GOOD },
+            Case { plane: plane(EVEN, 1.0), ..GOOD },
+            Case { pattern: pattern(EVEN, 3.0), ..GOOD },
             Case { pattern: pattern(0.9, PATTERN_SIZE), ..GOOD },
             Case { pattern: pattern(0.9, 2.0 * PATTERN_SIZE), side: 2.0 * USUAL_SIDE, ..GOOD },
         ] {
@@ -183,11 +183,11 @@ mod tests {
         };
         for (told, reason) in [
             one_plane(95, plane(next(ONE_PLANE), 0.0)),
-            one_plane(50, plane(next(MAJORITY), next(BY_CHANCE))),
-            one_plane(50, with(next(MAJORITY), beside(three, 0.0, next(1.0)))),
-            one_plane(50, with(next(MAJORITY), beside(ANY_EPIPOLE, 0.0, 0.0))),
+            one_plane(50, plane(next(EVEN), next(BY_CHANCE))),
+            one_plane(50, with(next(EVEN), beside(three, 0.0, next(1.0)))),
+            one_plane(50, with(next(EVEN), beside(ANY_EPIPOLE, 0.0, 0.0))),
             one_plane(40, with(next(HALF_PLANE), beside(ANY_EPIPOLE, 0.0, 0.0))),
-            (Case { pattern: pattern(next(MAJORITY), 0.4), ..GOOD }, Reason::Pattern { size: 0.4 }),
+            (Case { pattern: pattern(next(EVEN), 0.4), ..GOOD }, Reason::Pattern { size: 0.4 }),
             (
                 Case { pattern: pattern(0.9, next(PATTERN_SIZE)), ..GOOD },
                 Reason::Pattern { size: next(PATTERN_SIZE) },

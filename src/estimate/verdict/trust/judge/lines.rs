@@ -6,9 +6,7 @@
 //! probability.
 
 use super::TestResult::{self, Failed, NotAsked, Passed, Refuted};
-use crate::estimate::verdict::constants::{
-    CLEAR_MARGIN, ENOUGH_MATCHES, EVEN_LINES, FAR_TOO_FEW, SURE_LINES,
-};
+use crate::estimate::verdict::constants::{CLEAR_MARGIN, ENOUGH_MATCHES, EVEN, FAR_TOO_FEW, SURE_LINES};
 use crate::estimate::verdict::trust::case::{Case, Distinctive, GivenPoints, RefinedOn};
 use crate::estimate::verdict::trust::lines::LineEvidence;
 use crate::estimate::verdict::trust::{Missing, Reason};
@@ -31,7 +29,7 @@ fn of_the_images(lines: &LineEvidence, case: &Case) -> Vec<TestResult> {
         // Distinctive matches may follow another motion than the lines: a bent sheet, something fixed to the picture.
         return vec![TestResult::of(case.distinctive.and_then(contradiction))];
     }
-    if let Some(reason) = different_scenes(case).filter(|_| probability < EVEN_LINES) {
+    if let Some(reason) = different_scenes(case).filter(|_| probability < EVEN) {
         return vec![Refuted(reason)];
     }
     let mut reasons = Vec::new();
@@ -47,7 +45,7 @@ fn of_the_images(lines: &LineEvidence, case: &Case) -> Vec<TestResult> {
         reasons.push(Reason::ByChance { agreeing: case.unguided_on_lines, matches });
         reasons.extend(case.distinctive.and_then(contradiction));
     }
-    let doubted = if probability < EVEN_LINES { Refuted } else { Failed };
+    let doubted = if probability < EVEN { Refuted } else { Failed };
     reasons.into_iter().map(doubted).collect()
 }
 
@@ -127,9 +125,9 @@ mod tests {
     #[test]
     fn probable_lines_are_doubted_if_more_distinctive_matches_contradict_them_than_right_lines_leave() {
         let of = |all, off| reasons(&Case { distinctive: Some(Distinctive { all, off }), ..GOOD });
-        // If each of 18 is off with probability a quarter, 12 or more are in 0.02 % of the cases, and 11 in 0.12 %.
-        assert_eq!(of(18, 12), [Reason::Contradicted { contradicting: 12, matches: 18 }]);
-        assert_eq!(of(18, 11), []);
+        // If each of 18 is off with probability an eighth, 8 or more are in 0.08 % of the cases, and 7 in 0.4 %.
+        assert_eq!(of(18, 8), [Reason::Contradicted { contradicting: 8, matches: 18 }]);
+        assert_eq!(of(18, 7), []);
         assert_eq!(of(3, 3), [], "too few to tell");
     }
 
