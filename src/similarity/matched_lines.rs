@@ -140,9 +140,12 @@ mod tests {
     #[test]
     fn a_smaller_second_image_is_sampled_in_smaller_steps() {
         let [left, _] = shifted();
+        // Weights of a triangle of four samples in either direction.
+        let weights = [1.0, 3.0, 3.0, 1.0].map(|weight| weight / 8.0);
+        let at = |x: usize, y: usize| left.at(x.clamp(1, 160) - 1, y.clamp(1, 40) - 1);
         let small = GrayPlane::from_fn(Frame::new(80, 20), |x, y| {
-            let four = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[dx, dy]| left.at(2 * x + dx, 2 * y + dy));
-            four.iter().sum::<f32>() / 4.0
+            let row = |j: usize| (0..4).map(|i| weights[i] * at(2 * x + i, 2 * y + j)).sum::<f32>();
+            (0..4).map(|j| weights[j] * row(j)).sum()
         });
         let line = |x, y| AnchoredLine::at_angle(Point::new(x, y), 0.0);
         let matched = matched([&left, &small], [line(50.0, 20.0), line(24.75, 9.75)], 0.5);

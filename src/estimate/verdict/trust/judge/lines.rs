@@ -225,16 +225,17 @@ mod tests {
     }
 
     #[test]
-    fn a_geometry_that_most_distinctive_matches_contradict_is_doubtful() {
+    fn a_geometry_that_distinctive_matches_contradict_is_doubtful() {
         let reasons = |all, off| {
             let distinctive = Some(Distinctive { all, off });
             reasons(&Case { distinctive, ..SUPPORTED })
         };
-        // Of nine coins, all show heads twice in a thousand times.
-        assert_eq!(reasons(9, 9), []);
-        assert_eq!(reasons(10, 10), [Reason::Contradicted { contradicting: 10, matches: 10 }]);
-        assert_eq!(reasons(20, 17), []);
-        assert_eq!(reasons(20, 18), [Reason::Contradicted { contradicting: 18, matches: 20 }]);
+        // All of three are off twice in a thousand times, if each is with probability an eighth, and all of four twice in
+        // ten thousand.
+        assert_eq!(reasons(3, 3), []);
+        assert_eq!(reasons(4, 4), [Reason::Contradicted { contradicting: 4, matches: 4 }]);
+        assert_eq!(reasons(20, 8), []);
+        assert_eq!(reasons(20, 9), [Reason::Contradicted { contradicting: 9, matches: 20 }]);
         assert_eq!(reasons(0, 0), []);
     }
 }
