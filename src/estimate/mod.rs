@@ -68,4 +68,6 @@ pub use verdict::events::{DistinctMatch, Event, EventKind, HypothesisNote, LineP
 pub use verdict::result::{
     Apart, Assessment, Determined, Estimate, PlaneHomography, SearchCounts, SearchTrace, StageTiming,
 };
-pub use verdict::trust::{BarcodeFigures, Case, LineEvidence, Missing, Reason, Suspect, Trust, Verdict};
+pub use verdict::trust::{
+    BarcodeFigures, Case, Lack, LineEvidence, Missing, Reason, Suspect, Trust, Verdict,
+};

@@ -32,8 +32,8 @@ impl Fact {
 fn lines_right(estimate: &Estimate) -> Option<Fact> {
     let probability = estimate.assessment.probability_within_one_percent()?;
     Some(Fact::new(
-        "Right lines",
-        format!("{:.0} % likely", 100.0 * probability),
+        "Lines near matches",
+        format!("{:.0} % likely right", 100.0 * probability),
         "How likely the lines are within 1 % of the longer side near the matches. It follows from the matches that were \
          found without the lines, and from the likeliest other geometry.",
     ))

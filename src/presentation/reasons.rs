@@ -4,7 +4,9 @@
 //! sentences. Pairs of points have the names of [`PairNames`]. `docs/verdicts.md` explains every
 //! message.
 
-use crate::estimate::{ENOUGH_MATCHES, Missing, PairNames, PairNumbers, Reason, Suspect, Trust, Warning};
+use crate::estimate::{
+    ENOUGH_MATCHES, Lack, Missing, PairNames, PairNumbers, Reason, Suspect, Trust, Warning,
+};
 
 /// Returns the message of a reason, with pairs by their numbers.
 pub fn reason_in_words(reason: &Reason) -> String {
@@ -212,21 +214,37 @@ fn no_relief(along: usize, across: usize, on_warp: usize) -> String {
     }
     format!(
         "{on_warp} of {all} distinctive matches follow one smooth warp, as with a flat scene or a turned camera. \
-         The others are too few, or disagree too much, to determine the epipole: {along} confirm it, and {} it. \
-         Use views from different places, or a scene with more depth.",
-        contradicting(across).to_lowercase()
+         {} Use views from different places, or a scene with more depth.",
+        others("the epipole", along, across, on_warp)
     )
 }
 
 /// Returns the message if matches beside a turn of the camera are too few or do not confirm the baseline.
 fn only_turned(along: usize, across: usize, turned: usize) -> String {
     format!(
-        "{turned} of {} distinctive matches follow a camera that only turned. The others are too few, or disagree \
-         too much, to determine the direction of the baseline: {along} confirm it, and {} it. \
-         Use views from different places.",
+        "{turned} of {} distinctive matches follow a camera that only turned. {} Use views from different places.",
         along + across + turned,
-        contradicting(across).to_lowercase()
+        others("the direction of the baseline", along, across, turned)
     )
+}
+
+/// Returns why the matches beside a warp or a turn do not confirm something.
+fn others(what: &str, along: usize, across: usize, on_warp: usize) -> String {
+    match Lack::of(on_warp, along, across) {
+        Lack::Matches => {
+            let percent = 100.0 * along as f64 / (along + across + on_warp).max(1) as f64;
+            format!("Only {along} others confirm {what}, {percent:.1} % of all, and 5 % are needed.")
+        }
+        Lack::Agreement => format!(
+            "Of the {} others, {along} confirm {what}, and clearly more than three in four have to.",
+            along + across
+        ),
+        Lack::Significance => {
+            format!(
+                "{along} others confirm {what}, but more are off their lines, or chance explains as many."
+            )
+        }
+    }
 }
 
 fn contradicting(matches: usize) -> String {
@@ -402,6 +420,17 @@ mod tests {
                 assert!(sentence.starts_with(|c: char| c.is_uppercase() || c.is_ascii_digit()), "{sentence}");
             }
         }
+    }
+
+    #[test]
+    fn matches_beside_a_warp_lack_number_agreement_or_significance() {
+        let words = |along, across, on_warp| reason_in_words(&Reason::NoRelief { along, across, on_warp });
+        assert!(
+            words(45, 1, 900)
+                .contains("Only 45 others confirm the epipole, 4.8 % of all, and 5 % are needed.")
+        );
+        assert!(words(36, 16, 60).contains("Of the 52 others, 36 confirm the epipole"));
+        assert!(words(45, 1, 400).contains("45 others confirm the epipole, but more are off their lines"));
     }
 
     #[test]

@@ -194,6 +194,32 @@ fn the_palette_finds_and_runs_commands_by_key_and_by_mouse() {
 }
 
 #[test]
+fn letters_of_the_frame_in_which_the_palette_opens_are_typed_into_it() {
+    let mut window = sample();
+    let theme = window.ctx.theme();
+    let key = |key, modifiers| egui::Event::Key {
+        key,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers,
+    };
+    // A slow frame has the keys of a second.
+    window.input_mut().events.extend([
+        key(Key::K, Modifiers::COMMAND),
+        key(Key::T, Modifiers::NONE),
+        egui::Event::Text("theme".into()),
+        key(Key::Enter, Modifiers::NONE),
+    ]);
+    window.step();
+    settle(&mut window);
+    assert_eq!(window.ctx.theme(), theme, "no letter acts as a key");
+    window.get_by_label("Search commands");
+    press(&mut window, Key::Enter);
+    assert_ne!(window.ctx.theme(), theme);
+}
+
+#[test]
 fn enter_runs_no_other_command_in_place_of_an_unavailable_one() {
     let files = Files::new();
     let mut window = open([files.image("a.png", 3, 3), files.image("b.png", 658, 486)]);

@@ -26,6 +26,14 @@ fn a_missing_file_is_a_sentence_that_can_be_dismissed() {
     let files = Files::new();
     let mut window = open([files.image("a.png", 64, 48), files.0.path().join("missing.png")]);
     assert!(window.state().messages().any(|text| text.contains("there is no such file")));
+    // Keys of other stages leave the start panel in view.
+    let before = window.state().messages().count();
+    for key in [Key::N, Key::I, Key::Comma, Key::G, Key::Space] {
+        press(&mut window, key);
+        let model = window.state().model();
+        assert!(model.open.replay.moment().is_none() && model.tool == Default::default(), "{key:?}");
+    }
+    assert_eq!(window.state().messages().count(), before, "no key speaks of images");
     window.get_by_label_contains("Drop two images of the same scene");
     let [pane, all] = [pane(&window, Side::Left).height(), window.ctx.content_rect().height()];
     assert!(pane > 0.5 * all, "room to drop images: {pane} of {all}");

@@ -45,7 +45,7 @@ fn a_geometry_is_found_without_a_click_and_its_matches_become_pairs() {
     window.get_by_label_contains("the images alone, without clicks");
     assert!(window.query_by_label("Find without clicks").is_none(), "found already");
     tap(&mut window, "Step Lines");
-    window.get_by_label_contains("As a test, lines through two matches are compared");
+    window.get_by_label_contains("As a test of the result, lines through two matches are compared");
     tap(&mut window, "Step Epipoles");
     window.get_by_label_contains("Small samples of the matches give hypotheses.");
     tap(&mut window, "Result");

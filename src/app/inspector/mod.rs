@@ -21,7 +21,7 @@ use super::model::messages::MessageKind;
 use super::model::recents::Recents;
 use super::model::{Command, Document, Model};
 use super::tasks::{Picked, Services, Tasks, Wanted};
-use super::view::{KeyboardState, View, pressed};
+use super::view::{KeyboardState, View, makes_sense, pressed};
 use crate::estimate::Estimate;
 use crate::geometry::PointPair;
 use crate::io::sources;
@@ -116,7 +116,10 @@ impl Inspector {
             crosshair: self.model.open.crosshair.is_some(),
         };
         for command in pressed(&ctx, keyboard) {
-            self.apply(&ctx, command);
+            // Without pictures, the start panel stays as it is.
+            if self.model.document.pictures.is_some() || makes_sense(&command, &self.model) {
+                self.apply(&ctx, command);
+            }
         }
         self.take_dropped(&ctx);
         self.model.open.follow_imported(&self.model.document);

@@ -141,10 +141,13 @@ impl Model {
         {
             return self.apply_to_player(PlayerCommand::Step(if forward { 1 } else { -1 }));
         }
+        let is_setting = matches!(command, ReplayCommand::NextSpeed | ReplayCommand::ToggleStill);
+        if self.document.pictures.is_none() && !is_setting {
+            return;
+        }
         let course = self.course();
         let live = self.live();
         let still = self.look.still_steps;
-        let is_setting = matches!(command, ReplayCommand::NextSpeed | ReplayCommand::ToggleStill);
         if !is_setting {
             self.open.focus.hold(None);
             self.open.focus.forget_hypothesis();

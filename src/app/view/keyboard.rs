@@ -3,6 +3,8 @@
 use egui::{Key, Modifiers};
 
 use super::actions::{ACTIONS, Action};
+use super::panels::CommandPalette;
+use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::crosshair::CrosshairCommand;
 use crate::app::model::point_table::PointsCommand;
@@ -23,9 +25,18 @@ pub struct KeyboardState {
     pub crosshair: bool,
 }
 
-/// Returns the commands of the keys pressed since the last frame.
+/// Returns whether a command of a key can be run now.
+pub fn makes_sense(command: &Command, model: &Model) -> bool {
+    ACTIONS.iter().find(|action| action.command == *command).is_none_or(|action| (action.makes_sense)(model))
+}
+
+/// Returns the commands of the keys pressed since the last frame. What follows the key that opens the list of commands
+/// is typed into it.
 pub fn pressed(ctx: &egui::Context, keyboard: KeyboardState) -> Vec<Command> {
     let typing = keyboard.dialog_open || ctx.text_edit_focused();
+    if !typing {
+        CommandPalette::keep_typed(ctx, Command::TogglePalette.keys());
+    }
     // An open menu handles Escape itself.
     let menu_open = egui::Popup::is_any_open(ctx);
     let is_focused = ctx.memory(|memory| memory.focused().is_some());

@@ -14,7 +14,7 @@ pub mod theme;
 
 pub use capture::{Destination, WantedView, excerpt, screen_as_png};
 pub use figure::figure;
-pub use keyboard::{KeyboardState, pressed};
+pub use keyboard::{KeyboardState, makes_sense, pressed};
 pub use layout::View;
 pub use panels::{FocalDialog, OpenDialog, ReadingDialog, RelocateDialog, SaveDialog};
 pub use panes::ImagePane;

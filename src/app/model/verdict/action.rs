@@ -138,7 +138,6 @@ impl Model {
         let is_other =
             self.shown().is_some_and(|shown| shown.hypothesis.is_some() || shown.contestant.is_some());
         match self.tone() {
-            _ if self.shown().is_none() => LineLook::Solid,
             _ if is_other || self.is_preliminary() => LineLook::Other,
             // Only a checked result is green, and what was hidden stays so.
             Tone::Busy => match self.look_of(self.verdict_before()) {
@@ -148,7 +147,9 @@ impl Model {
             Tone::Caution => LineLook::Dashed,
             Tone::Bad => self.look_of(Some(Verdict::Unreliable)),
             Tone::Apart => LineLook::Hidden,
-            _ => LineLook::Solid,
+            Tone::Good => LineLook::Solid,
+            // The search has found nothing yet.
+            Tone::Idle => LineLook::Other,
         }
     }
 
@@ -157,7 +158,8 @@ impl Model {
             Some(Verdict::Doubtful) => LineLook::Dashed,
             Some(Verdict::Unreliable) if self.open.lines_anyway => LineLook::Dotted,
             Some(Verdict::Unreliable | Verdict::DifferentScenes) => LineLook::Hidden,
-            Some(Verdict::Reliable) | None => LineLook::Solid,
+            Some(Verdict::Reliable) => LineLook::Solid,
+            None => LineLook::Other,
         }
     }
 

@@ -164,3 +164,8 @@ fn independent_lines_are_counted_like_those_of_the_verdict() {
     let lines = facts.iter().find(|fact| fact.name == "Distinct lines").unwrap();
     assert_eq!(lines.value, "4, in 200 frames");
 }
+
+#[test]
+fn lines_without_a_verdict_are_not_those_of_a_checked_result() {
+    assert_eq!(crate::app::model::Model::default().line_look(), LineLook::Other);
+}

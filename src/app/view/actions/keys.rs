@@ -185,7 +185,8 @@ pub fn with_keys() -> Vec<Action> {
             "Pin the epipolar lines through each place you click. Escape returns to placing points.",
         )
         .key(NONE, Key::I)
-        .listed(|_| "Pin tool: pin line pairs"),
+        .listed(|_| "Pin tool: pin line pairs")
+        .when(|model| model.document.pictures.is_some()),
         action(
             Command::ToggleTool(Tool::Measure),
             "Measure tool",

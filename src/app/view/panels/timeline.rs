@@ -6,7 +6,7 @@ use egui::{
     UiBuilder, WidgetInfo, pos2, vec2,
 };
 
-use super::{busy, finish_button, player};
+use super::{busy, command_button, finish_button, player};
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::replay::ReplayCommand;
 use crate::app::model::replay::course::{Course, StepState, TimedStep};
@@ -72,6 +72,10 @@ pub fn show(ui: &mut Ui, area: Rect, model: &Model, commands: &mut Vec<Command>)
     inside(ui, result.shrink2(vec2(2.0, 4.0)), "result").centered_and_justified(|ui| {
         let runs = model.open.computation.is_running();
         let shows_moment = model.open.replay.moment().is_some() && !model.is_live();
+        if runs && !shows_moment {
+            command_button(ui, Command::Stop, true, commands);
+            return;
+        }
         let button = ui.add_enabled(shows_moment, Button::new(if runs { "Live" } else { "Result" }));
         finish_button(ui, button, ReplayCommand::Finish.into(), commands);
     });

@@ -173,6 +173,30 @@ fn leaves_the_epipole_open(reason: &Reason) -> bool {
     )
 }
 
+/// What matches beside a warp, or beside a turn of the camera, lack to show the epipole.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lack {
+    /// Too few of all matches are beside it, along their lines.
+    Matches,
+    /// Too many of those beside it are across their lines.
+    Agreement,
+    /// Chance may explain those along their lines.
+    Significance,
+}
+
+impl Lack {
+    /// Returns what is lacking where a test of the parallax was failed, by the matches on the warp, and along and across
+    /// their lines beside it.
+    pub fn of(on_warp: usize, along: usize, across: usize) -> Self {
+        let seen = Witnesses { on_warp, along, across, off: across };
+        match (seen.are_enough(), seen.are_along()) {
+            (false, _) => Self::Matches,
+            (true, false) => Self::Agreement,
+            (true, true) => Self::Significance,
+        }
+    }
+}
+
 impl Trust {
     /// Returns whether the only doubts are about clicked pairs.
     pub fn doubts_clicks_alone(&self) -> bool {

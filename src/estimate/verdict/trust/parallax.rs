@@ -85,10 +85,17 @@ pub(in crate::estimate) struct Witnesses {
 impl Witnesses {
     /// Returns whether parallax that no smooth warp, or no turn of known cameras, explains shows the epipole.
     pub fn show_the_epipole(self) -> bool {
-        self.is_no_chance()
-            && 1.0 - self.share_along() <= ONE_PLANE
-            && at_least(self.along, self.along + self.across) >= MOSTLY_ALONG
-            && self.are_mostly_along()
+        self.is_no_chance() && self.are_enough() && self.are_along() && self.are_mostly_along()
+    }
+
+    /// Returns whether enough of all matches are beside the warp along their lines.
+    pub(super) fn are_enough(self) -> bool {
+        1.0 - self.share_along() <= ONE_PLANE
+    }
+
+    /// Returns whether of the matches along and across their lines, clearly most are along.
+    pub(super) fn are_along(self) -> bool {
+        at_least(self.along, self.along + self.across) >= MOSTLY_ALONG
     }
 
     /// Returns whether more matches lie along their lines than clearly off them.
