@@ -189,7 +189,7 @@ impl Inspector {
                 self.model.messages.tell(NO_FILE_DIALOG);
                 // The path is typed there.
                 if matches!(unseen, Ok(Picked::Unseen(PickPurpose::Import))) && !self.view.dialogs.open.open {
-                    self.view.dialogs.open.show_empty();
+                    self.view.dialogs.open.show_import();
                 }
             }
             Some((_, Ok(Picked::Nothing))) | None => {}

@@ -301,7 +301,7 @@ fn epipoles(moment: &mut Moment, record: &Record, seconds: f64) {
             moment.tell(name, short_epipole_text(&side.epipole(&own.fundamental)));
         }
     }
-    moment.tell("hypotheses shown", format!("{dropped} of {}", record.examined.max(count)));
+    moment.tell("epipoles so far", format!("{dropped} of {}", record.examined.max(count)));
 }
 
 fn round_trip(moment: &mut Moment, record: &Record, seconds: f64) {

@@ -15,6 +15,9 @@ use crate::io::is_importable;
 /// Greatest height of the list of unsaved work, screen points.
 const UNSAVED: f32 = 96.0;
 
+/// Number of the field of a file to import, from the top.
+const IMPORT: usize = 3;
+
 #[derive(Debug, Clone, Default)]
 pub struct OpenDialog {
     pub open: bool,
@@ -32,6 +35,12 @@ impl OpenDialog {
     /// Opens the dialog with empty fields.
     pub fn show_empty(&mut self) {
         *self = Self { open: true, just_opened: true, ..Self::default() };
+    }
+
+    /// Opens the dialog with empty fields, for a file to import.
+    pub fn show_import(&mut self) {
+        self.show_empty();
+        self.last = IMPORT;
     }
 
     /// Opens the dialog with empty fields, unless it is open.
@@ -167,7 +176,7 @@ impl OpenDialog {
             let browse = "Browse for a file to import";
             let row = row_of("Import", "path of the file", browse, PickPurpose::Import);
             let (field, place) = row.show_field(ui, &mut self.import);
-            self.keep_focus(3, &field);
+            self.keep_focus(IMPORT, &field);
             elsewhere |= row.show_browse(ui, place, commands).has_focus();
             ui.add_space(6.0);
             elsewhere |= recents(ui, model, commands);

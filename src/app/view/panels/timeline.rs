@@ -249,7 +249,14 @@ fn one_step(
         _ => visuals.weak_text_color(),
     };
     let middle = f32::midpoint(place.min.y, place.max.y - BAR - 5.0);
-    pictogram(ui.painter(), timed.step, pos2(place.min.x + 13.0, middle), color);
+    let state = progress_of(timed.step, &model.open.computation);
+    let sign = pos2(place.min.x + 13.0, middle);
+    if state == StepProgress::Running {
+        let mark = Rect::from_center_size(sign, vec2(14.0, 14.0));
+        ui.scope_builder(UiBuilder::new().max_rect(mark), busy::show);
+    } else {
+        pictogram(ui.painter(), timed.step, sign, color);
+    }
     let painter = ui.painter_at(place);
     let written = painter.layout_no_wrap(name.to_owned(), FontId::proportional(13.0), color);
     let has_room = place.width() >= SIGN + written.size().x;
@@ -257,20 +264,13 @@ fn one_step(
     if has_room {
         painter.galley(at, written, color);
     }
-    let state = progress_of(timed.step, &model.open.computation);
-    match state {
-        StepProgress::Running => {
-            let mark = Rect::from_center_size(pos2(place.max.x - 12.0, middle), vec2(14.0, 14.0));
-            ui.scope_builder(UiBuilder::new().max_rect(mark), busy::show);
-        }
-        StepProgress::Done(Some(seconds))
-            if place.width() >= SIGN + size.x + TOOK && timed.state == StepState::Ran =>
-        {
-            let at = pos2(place.max.x - 6.0, middle);
-            let weak = visuals.weak_text_color();
-            painter.text(at, Align2::RIGHT_CENTER, duration(seconds), FontId::proportional(11.0), weak);
-        }
-        _ => {}
+    if let StepProgress::Done(Some(seconds)) = state
+        && place.width() >= SIGN + size.x + TOOK
+        && timed.state == StepState::Ran
+    {
+        let at = pos2(place.max.x - 6.0, middle);
+        let weak = ui.visuals().weak_text_color();
+        painter.text(at, Align2::RIGHT_CENTER, duration(seconds), FontId::proportional(11.0), weak);
     }
     let hint = format!("{name}. {} {}", sentence(timed.step, plan), timed.state.in_words());
     if response.on_hover_text(hint.trim_end()).clicked() {

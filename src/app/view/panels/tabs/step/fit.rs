@@ -28,7 +28,7 @@ pub fn show(ui: &mut Ui, model: &Model) {
         let text = if model.document.search_plan() == SearchPlan::Barcodes {
             "Motion barcodes give no matches. The verdict tells how well the barcodes agree."
         } else {
-            "The distances of the matches from their lines appear here. There are no matches yet."
+            "The distances of the matches from their lines appear here with the result."
         };
         empty(ui, text);
         return;

@@ -36,13 +36,13 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         let gap = 10f64.powi(power);
         painter.vline(x(gap), plot.y_range(), Stroke::new(1.0, edge.gamma_multiply(0.6)));
         let text = if gap < 1.0 { format!("{gap:.1} px") } else { format!("{gap:.0} px") };
-        painter.text(
-            pos2(x(gap), plot.max.y + 3.0),
-            Align2::CENTER_TOP,
-            text,
-            FontId::proportional(11.0),
-            weak,
-        );
+        // The labels of both ends stay inside.
+        let (at, align) = match power {
+            _ if power == least as i32 => (area.min.x + 2.0, Align2::LEFT_TOP),
+            _ if power == most as i32 => (area.max.x - 2.0, Align2::RIGHT_TOP),
+            _ => (x(gap), Align2::CENTER_TOP),
+        };
+        painter.text(pos2(at, plot.max.y + 3.0), align, text, FontId::proportional(11.0), weak);
     }
     let mut nearest: Option<(f32, Target)> = None;
     for (k, (gap, number)) in record.gaps.iter().enumerate() {
