@@ -2,7 +2,7 @@
 
 use epiline::estimate::Parameters;
 use epiline::geometry::{AnchoredLine, Point};
-use epiline::similarity::{WarpedProfile, inspect_lines, inspection_scale};
+use epiline::similarity::{MatchedLines, SimilarityParameters};
 use epiline::study::Study;
 use epiline::suggest::{ClickedImage, Known, SuggestParameters};
 use numpy::{PyArray1, PyReadonlyArray2};
@@ -75,53 +75,60 @@ pub fn suggest(
 /// Stereo matching along two lines.
 #[pyclass(frozen, module = "epiline")]
 pub struct LineMatch {
-    found: WarpedProfile,
-    /// Distance of two samples, px.
-    #[pyo3(get)]
-    step: f64,
+    found: MatchedLines,
 }
 
 #[pymethods]
 impl LineMatch {
+    /// Distance of two samples, px.
+    #[getter]
+    fn step(&self) -> f64 {
+        self.found.step
+    }
+
     /// Total cost C* of the best matching (paper, section 3), squared grey levels.
     #[getter]
     fn cost(&self) -> u64 {
-        self.found.matching.cost
+        self.found.warped.matching.cost
     }
 
     /// Disparity of each sample of profile 1: sample i matches sample i + d of profile 2.
     #[getter]
     fn disparities<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i32>> {
-        PyArray1::from_slice(py, &self.found.matching.disparities)
+        PyArray1::from_slice(py, &self.found.warped.matching.disparities)
     }
 
     /// Intensities along line 1.
     #[getter]
     fn profile1<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
-        PyArray1::from_slice(py, &self.found.profile1.values)
+        PyArray1::from_slice(py, &self.found.warped.profile1.values)
     }
 
     /// Intensities along line 2.
     #[getter]
     fn profile2<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
-        PyArray1::from_slice(py, &self.found.profile2.values)
+        PyArray1::from_slice(py, &self.found.warped.profile2.values)
     }
 
     /// Index of the first sample of each profile; the anchors have index 0.
     #[getter]
     fn first(&self) -> (i32, i32) {
-        (self.found.profile1.first, self.found.profile2.first)
+        (self.found.warped.profile1.first, self.found.warped.profile2.first)
     }
 
     /// Profile 2 warped onto the samples of profile 1; NaN where the match falls outside image 2.
     #[getter]
     fn warped2<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
-        let values = self.found.warped2.iter().map(|value| value.map_or(f32::NAN, f32::from));
+        let values = self.found.warped.warped2.iter().map(|value| value.map_or(f32::NAN, f32::from));
         PyArray1::from_iter(py, values)
     }
 
     fn __repr__(&self) -> String {
-        format!("<epiline.LineMatch: cost {}, {} samples>", self.cost(), self.found.profile1.values.len())
+        format!(
+            "<epiline.LineMatch: cost {}, {} samples>",
+            self.cost(),
+            self.found.warped.profile1.values.len()
+        )
     }
 }
 
@@ -143,16 +150,15 @@ pub fn line_similarity(
         return Err(input(py, "a line is an anchor x y and a direction dx dy that is not zero"));
     };
     let parameters = Parameters::default();
-    let frame = pictures[0].frame();
     for (k, line) in [&line1, &line2].into_iter().enumerate() {
         if line.index_range(pictures[k].frame(), 1.0).is_none() {
             return Err(input(py, format!("line {} does not cross its image", k + 1)));
         }
     }
-    let (step, range) = inspection_scale(frame, parameters.similarity.disparity_reach);
     let planes = [&pictures[0].gray, &pictures[1].gray];
+    let SimilarityParameters { disparity_reach, stereo, .. } = parameters.similarity;
     let found = watched(py, None, None, |_| {
-        inspect_lines(planes, [&line1, &line2], [step; 2], range, &parameters.similarity.stereo)
+        MatchedLines::new(planes, [line1, line2], 1.0, disparity_reach, &stereo)
     })?;
-    Ok(LineMatch { found, step })
+    Ok(LineMatch { found })
 }

@@ -8,11 +8,9 @@
 
 mod barcode;
 mod kernel;
-#[cfg(feature = "inspector")]
 mod matched_lines;
 mod measure;
 mod parameters;
-#[cfg(feature = "inspector")]
 mod profile;
 mod source;
 mod stereo;
@@ -20,7 +18,6 @@ mod stereo;
 pub use barcode::{BarcodeSimilarity, BarcodeSource};
 #[doc(hidden)]
 pub use kernel::{Kernel, LANES, LaneBlock};
-#[cfg(feature = "inspector")]
 #[doc(hidden)]
 pub use matched_lines::MatchedLines;
 pub use measure::{CostMatrix, LineSimilarity, StereoSimilarity};

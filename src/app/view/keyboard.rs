@@ -1,9 +1,8 @@
 //! Commands given by keyboard shortcuts.
 
-use egui::{Key, Modifiers};
+use egui::{Event, Id, Key, KeyboardShortcut, Modifiers};
 
 use super::actions::{ACTIONS, Action};
-use super::panels::CommandPalette;
 use crate::app::model::Model;
 use crate::app::model::command::Command;
 use crate::app::model::crosshair::CrosshairCommand;
@@ -35,7 +34,7 @@ pub fn makes_sense(command: &Command, model: &Model) -> bool {
 pub fn pressed(ctx: &egui::Context, keyboard: KeyboardState) -> Vec<Command> {
     let typing = keyboard.dialog_open || ctx.text_edit_focused();
     if !typing {
-        CommandPalette::keep_typed(ctx, Command::TogglePalette.keys());
+        keep_typed(ctx, Command::TogglePalette.keys());
     }
     // An open menu handles Escape itself.
     let menu_open = egui::Popup::is_any_open(ctx);
@@ -97,6 +96,38 @@ pub fn pressed(ctx: &egui::Context, keyboard: KeyboardState) -> Vec<Command> {
     });
     commands.extend(by_space);
     commands
+}
+
+/// Keeps the letters of this frame that follow one of the keys that open the list of commands, and takes them and the keys
+/// after them from the events. On a slow display, a frame may have both.
+fn keep_typed(ctx: &egui::Context, keys: &[KeyboardShortcut]) {
+    let typed: String = ctx.input_mut(|input| {
+        let opens = |event: &Event| match event {
+            Event::Key { key, pressed: true, modifiers, .. } => {
+                keys.iter().any(|own| own.logical_key == *key && modifiers.matches_logically(own.modifiers))
+            }
+            _ => false,
+        };
+        let Some(at) = input.events.iter().position(opens) else { return String::new() };
+        let is_typing = |event: &Event| matches!(event, Event::Key { pressed: true, .. } | Event::Text(_));
+        let later = input.events.split_off(at + 1);
+        let (typing, others): (Vec<Event>, Vec<Event>) = later.into_iter().partition(is_typing);
+        input.events.extend(others);
+        let letters = |event| if let Event::Text(text) = event { Some(text) } else { None };
+        typing.into_iter().filter_map(letters).collect()
+    });
+    if !typed.is_empty() {
+        ctx.data_mut(|data| data.insert_temp(typed_id(), typed));
+    }
+}
+
+/// Returns the letters that were typed in the frame in which the list of commands opened.
+pub fn take_typed(ctx: &egui::Context) -> String {
+    ctx.data_mut(|data| data.remove_temp(typed_id())).unwrap_or_default()
+}
+
+fn typed_id() -> Id {
+    Id::unique("letters for the list of commands")
 }
 
 /// Returns the modifiers of the space bar if it was released now, and nothing was dragged while it was down.

@@ -120,6 +120,8 @@ impl Model {
     pub fn doubt(&self) -> Option<(&'static str, LineLook)> {
         match self.line_look() {
             LineLook::Solid => None,
+            // Only a running search draws lines without a geometry.
+            LineLook::Other if self.shown().is_none() && !self.is_live() => None,
             look @ LineLook::Other if self.result().is_some() && self.shows_another() => {
                 Some(("Not the result", look))
             }

@@ -1,14 +1,12 @@
 //! The list of all commands, searchable by name.
 
-use egui::{
-    Align2, Button, Event, Key, KeyboardShortcut, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window, vec2,
-};
+use egui::{Align2, Button, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window, vec2};
 
 use super::finish_button;
 use crate::app::model::replay::ReplayCommand;
 use crate::app::model::{Command, Model, OverlayId};
 use crate::app::view::actions::ACTIONS;
-use crate::app::view::keyboard::key_text;
+use crate::app::view::keyboard::{key_text, take_typed};
 
 /// The typed text and the marked entry.
 #[derive(Debug, Clone, Default)]
@@ -32,40 +30,12 @@ impl CommandPalette {
         *self = Self { open: !self.open, just_opened: true, ..Self::default() };
     }
 
-    /// Keeps the letters of this frame that follow one of the keys that open the list, and takes them and the keys after
-    /// them from the events. On a slow display, a frame may have both.
-    pub fn keep_typed(ctx: &egui::Context, keys: &[KeyboardShortcut]) {
-        let typed: String = ctx.input_mut(|input| {
-            let opens = |event: &Event| match event {
-                Event::Key { key, pressed: true, modifiers, .. } => keys
-                    .iter()
-                    .any(|own| own.logical_key == *key && modifiers.matches_logically(own.modifiers)),
-                _ => false,
-            };
-            let Some(at) = input.events.iter().position(opens) else { return String::new() };
-            let is_typing =
-                |event: &Event| matches!(event, Event::Key { pressed: true, .. } | Event::Text(_));
-            let later = input.events.split_off(at + 1);
-            let (typing, others): (Vec<Event>, Vec<Event>) = later.into_iter().partition(is_typing);
-            input.events.extend(others);
-            let letters = |event| if let Event::Text(text) = event { Some(text) } else { None };
-            typing.into_iter().filter_map(letters).collect()
-        });
-        if !typed.is_empty() {
-            ctx.data_mut(|data| data.insert_temp(Self::typed_id(), typed));
-        }
-    }
-
-    fn typed_id() -> egui::Id {
-        egui::Id::unique("letters for the list of commands")
-    }
-
     pub fn show(&mut self, ctx: &egui::Context, model: &Model, commands: &mut Vec<Command>) {
         if !self.open {
             return;
         }
         if self.just_opened {
-            self.text = ctx.data_mut(|data| data.remove_temp(Self::typed_id())).unwrap_or_default();
+            self.text = take_typed(ctx);
         }
         let keys = |key| ctx.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, key));
         let (up, down, run) = (keys(Key::ArrowUp), keys(Key::ArrowDown), keys(Key::Enter) > 0);

@@ -72,7 +72,8 @@ pub fn show(ui: &mut Ui, area: Rect, model: &Model, commands: &mut Vec<Command>)
     inside(ui, result.shrink2(vec2(2.0, 4.0)), "result").centered_and_justified(|ui| {
         let runs = model.open.computation.is_running();
         let shows_moment = model.open.replay.moment().is_some() && !model.is_live();
-        if runs && !shows_moment {
+        // Elsewhere, the card has this button.
+        if runs && model.is_live() {
             command_button(ui, Command::Stop, true, commands);
             return;
         }
