@@ -235,9 +235,8 @@ def _points(
         array = _inputs.numbers(value, name)
         return np.full(len(rows), float(array)) if array.ndim == 0 else array.ravel()
 
-    frames = None if sizes is None else [[int(size[0]), int(size[1])] for size in sizes]
     return _epiline.estimate_points(
-        rows, each(sigma, "sigma"), each(confidences, "confidences"), frames, cameras, seed, remarks
+        rows, each(sigma, "sigma"), each(confidences, "confidences"), _inputs.sizes(sizes), cameras, seed, remarks
     )
 
 
@@ -376,8 +375,8 @@ def rectify(
     """
     return _epiline.rectify(
         _inputs.matrix(F, (3, 3), "F"),
-        [int(size1[0]), int(size1[1])],
-        [int(size2[0]), int(size2[1])],
+        _inputs.size(size1, "size1"),
+        _inputs.size(size2, "size2"),
         None if matches is None else _inputs.rows(matches, "matches"),
         _inputs.cameras(cameras),
         method,
@@ -432,7 +431,7 @@ def suggest(
     return _epiline.suggest(
         _inputs.image(image1),
         _inputs.image(image2),
-        [float(at[0]), float(at[1])],
+        _inputs.vector(at, 2, "at"),
         None if F is None else _inputs.matrix(F, (3, 3), "F"),
         image,
         threads,
@@ -461,6 +460,6 @@ def line_similarity(
     return _epiline.line_similarity(
         _inputs.image(image1),
         _inputs.image(image2),
-        [float(v) for v in line1],
-        [float(v) for v in line2],
+        _inputs.vector(line1, 4, "line1"),
+        _inputs.vector(line2, 4, "line2"),
     )

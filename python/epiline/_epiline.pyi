@@ -77,6 +77,7 @@ class Estimate:
     def summary(self) -> str: ...
     def plot(self, ax: Any = None) -> Any: ...
     def show(self) -> None: ...
+    def _paths(self) -> list[str | None]: ...
     def _pictures(self) -> list[tuple[int, int, bytes]] | None: ...
     def _repr_html_(self) -> str: ...
 
@@ -180,7 +181,7 @@ def estimate(
     image1: _Image,
     image2: _Image,
     pairs: _Float | None,
-    matches: dict[str, _Float] | None,
+    matches: dict[str, _Float | None] | None,
     cameras: Sequence[_Camera] | None,
     preset: str,
     seed: int,
@@ -202,7 +203,7 @@ def judge(
     image2: _Image,
     fundamental: _Float | None,
     cameras: Sequence[_Float] | None,
-    matches: dict[str, _Float] | None,
+    matches: dict[str, _Float | None] | None,
     covariance: _Float | None,
     rectified: bool,
     limit: float | None,

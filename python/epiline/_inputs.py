@@ -13,12 +13,19 @@ from numpy.typing import NDArray
 from ._errors import InputError
 
 
+def on_host(value: Any) -> Any:
+    """Return tensors, and lists of tensors, as arrays in the memory of the processor."""
+    if hasattr(value, "detach"):
+        return value.detach().cpu().numpy()
+    if isinstance(value, (tuple, list)) and value and hasattr(value[0], "detach"):
+        return [on_host(each) for each in value]
+    return value
+
+
 def numbers(value: Any, name: str) -> NDArray[np.float64]:
     """Return an array of float64 of anything that NumPy or a tensor library holds."""
-    if hasattr(value, "detach"):
-        value = value.detach().cpu().numpy()
     try:
-        return np.asarray(value, dtype=np.float64)
+        return np.asarray(on_host(value), dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InputError(f"{name} is no array of numbers: {error}") from None
 
@@ -68,29 +75,62 @@ def rows(value: Any, name: str, origin: str | None = None) -> NDArray[np.float64
     return array - shift(origin)
 
 
-def named_arrays(value: Any, origin: str | None = None) -> dict[str, NDArray[np.float64]]:
-    """Return matches as a dictionary of arrays: of a matcher as they are, or of rows."""
+def named_arrays(value: Any, origin: str | None = None) -> dict[str, NDArray[np.float64] | None]:
+    """Return matches as a dictionary of arrays: of a matcher as they are, or of rows.
+
+    What is no array is `None`. It keeps its name: beside `matches`, keypoints are not matched row by row.
+    """
+    found: dict[str, NDArray[np.float64] | None] = {}
     if isinstance(value, Mapping):
-        found = {}
-        for name, content in value.items():
-            if isinstance(content, (str, bytes)) or content is None:
-                continue
-            try:
-                found[str(name)] = np.ascontiguousarray(numbers(content, name))
-            except InputError:
-                continue
         if shift(origin):
             raise InputError("matches of a dictionary are in the convention of their matcher, so origin must be None")
+        for name, content in value.items():
+            if content is None and ("score" in str(name) or "conf" in str(name)):
+                continue
+            try:
+                found[str(name)] = None if content is None else np.ascontiguousarray(numbers(content, name))
+            except InputError:
+                found[str(name)] = None
         return found
     confidences = None
-    if isinstance(value, (tuple, list)) and len(value) == 3:
+    if isinstance(value, (tuple, list)) and len(value) == 3 and np.ndim(value[0]) >= 2:
         *value, confidences = value
-    found = {"matches": rows(value, "matches", origin)}
-    if confidences is not None:
-        found["matching_scores"] = numbers(confidences, "confidences").ravel()
-    if not len(found["matches"]):
+    both = rows(value, "matches", origin)
+    if not len(both):
         raise InputError("there are no matches")
+    found["matches"] = both
+    if confidences is not None:
+        scores = numbers(confidences, "confidences").ravel()
+        if len(scores) != len(both):
+            raise InputError(f"confidences has {len(scores)} numbers for {len(both)} matches")
+        found["matching_scores"] = scores
     return found
+
+
+def vector(value: Any, length: int, name: str) -> list[float]:
+    """Return this many numbers."""
+    array = numbers(value, name)
+    if array.shape != (length,):
+        raise InputError(f"{name} has the shape {array.shape}, and {length} numbers are needed")
+    found: list[float] = array.tolist()
+    return found
+
+
+def size(value: Any, name: str) -> list[int]:
+    """Return height and width of the shape of an image."""
+    array = numbers(value, name)
+    if array.ndim != 1 or len(array) not in (2, 3) or not (array[:2] >= 1).all() or (array[:2] > 1e6).any():
+        raise InputError(f"{name} is the shape (height, width) of an image, px, not {value!r}")
+    return [int(array[0]), int(array[1])]
+
+
+def sizes(value: Any) -> list[list[int]] | None:
+    """Return the sizes of both images. `None` without any."""
+    if value is None:
+        return None
+    if len(value) != 2:
+        raise InputError("sizes has the shape of each image")
+    return [size(value[0], "sizes[0]"), size(value[1], "sizes[1]")]
 
 
 def camera(value: Any, number: int) -> tuple[NDArray[np.float64], Sequence[float]]:
@@ -115,8 +155,7 @@ def image(value: Any) -> Any:
     """Return a path, or an array in native byte order."""
     if isinstance(value, (str, os.PathLike)):
         return value
-    if hasattr(value, "detach"):
-        value = value.detach().cpu().numpy()
+    value = on_host(value)
     if isinstance(value, np.ndarray) and not value.dtype.isnative:
         value = value.astype(value.dtype.newbyteorder("="))
     return value
@@ -124,4 +163,14 @@ def image(value: Any) -> Any:
 
 def changes(parameters: Mapping[str, Any] | None) -> list[str]:
     """Return changed parameters as `name=value`, with values in JSON."""
-    return [f"{name}={json.dumps(value)}" for name, value in (parameters or {}).items()]
+    changed = []
+    for name, value in (parameters or {}).items():
+        if name in ("seed", "preset"):
+            raise InputError(f"{name} is an argument of its own")
+        if name == "method":
+            raise InputError("the method follows from the number of pairs")
+        try:
+            changed.append(f"{name}={json.dumps(value.item() if isinstance(value, np.generic) else value)}")
+        except TypeError:
+            raise InputError(f"the parameter {name} is no number, text or truth value: {value!r}") from None
+    return changed

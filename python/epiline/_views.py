@@ -19,6 +19,14 @@ from ._errors import InputError
 
 # Number of lines drawn, evenly spaced down the middle of image 1.
 LINES = 9
+# Opens the window, and removes its files afterwards.
+WINDOW = """
+import shutil, sys
+from epiline._epiline import run
+status = run(["epiline", *sys.argv[2:]])
+shutil.rmtree(sys.argv[1], ignore_errors=True)
+sys.exit(status)
+"""
 COLOURS = {"reliable": "#1FC798", "doubtful": "#F0A320", "unreliable": "#F0655B", "different scenes": "#B871F2"}
 
 
@@ -103,18 +111,19 @@ def html(found: _epiline.Estimate) -> str:
 
 
 def show(found: _epiline.Estimate) -> None:
-    """Open the window on the images of a result, in a process of its own."""
+    """Open the window on the images and clicks of a result, in a process of its own."""
     pictures = _pictures(found)
     if found.is_undistorted:
         raise InputError("the window opens images as they are, and this result belongs to images without distortion")
     folder = tempfile.mkdtemp(prefix="epiline-")
     paths = []
-    for name, picture in zip(("left", "right"), pictures):
-        path = os.path.join(folder, f"{name}.ppm")
-        height, width = picture.shape[:2]
-        with open(path, "wb") as file:
-            file.write(f"P6 {width} {height} 255\n".encode() + picture.tobytes())
-        paths.append(path)
+    for name, picture, path in zip(("left", "right"), pictures, found._paths()):
+        if path is None:
+            path = os.path.join(folder, f"{name}.ppm")
+            height, width = picture.shape[:2]
+            with open(path, "wb") as file:
+                file.write(f"P6 {width} {height} 255\n".encode() + picture.tobytes())
+        paths.append(os.fspath(path))
     pairs = json.loads(found.to_json())["pairs"]
     clicks = [f"--pair={','.join(map(repr, pair))}" for pair in pairs]
-    subprocess.Popen([sys.executable, "-m", "epiline", *paths, *clicks], start_new_session=True)
+    subprocess.Popen([sys.executable, "-c", WINDOW, folder, *paths, *clicks], start_new_session=True)

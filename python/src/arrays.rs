@@ -16,6 +16,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::errors::input;
+use crate::search::on_threads;
 
 /// Rows of four coordinates `x1 y1 x2 y2`, px.
 pub type Rows<'py> = PyReadonlyArray2<'py, f64>;
@@ -36,13 +37,14 @@ pub fn pairs_of(py: Python<'_>, rows: &Rows) -> PyResult<Vec<PointPair>> {
 pub fn matches_of(py: Python<'_>, arrays: &Bound<'_, PyDict>) -> PyResult<(Vec<Match>, Vec<String>)> {
     let mut named = Vec::new();
     for (name, array) in arrays {
-        let array: Bound<PyArrayDyn<f64>> = array.extract()?;
-        let read = array.readonly();
-        named.push((
-            name.extract::<String>()?,
-            array.shape().to_vec(),
-            read.as_array().iter().copied().collect(),
-        ));
+        let name = name.extract::<String>()?;
+        named.push(match array.cast::<PyArrayDyn<f64>>() {
+            Ok(array) => {
+                (name, array.shape().to_vec(), array.readonly().as_array().iter().copied().collect())
+            }
+            // One number too few: the array counts as damaged, but its name is known.
+            Err(_) => (name, vec![1], Vec::new()),
+        });
     }
     let found =
         MatchFile::of_arrays(named).map_err(|problem| input(py, format!("the matches: {problem}")))?;
@@ -88,14 +90,15 @@ pub fn picture_of(image: &Bound<'_, PyAny>, number: usize) -> PyResult<Picture> 
     let py = image.py();
     let failed = |error: epiline::image::LoadError| input(py, error.to_string());
     if let Ok(path) = image.extract::<PathBuf>() {
-        return py.detach(|| Picture::open(&path)).map_err(failed);
+        return py.detach(|| on_threads(|| Picture::open(&path))).map_err(failed);
     }
     let Ok(array) = image.cast::<PyUntypedArray>() else {
         let kind = image.get_type().name()?.to_string();
         return Err(input(py, format!("image {number} is a path or a NumPy array, not {kind}")));
     };
     let pixels = pixels_of(array, number)?;
-    py.detach(|| Picture::from_pixels(format!("image {number}"), None, pixels)).map_err(failed)
+    let made = || Picture::from_pixels(format!("image {number}"), None, pixels);
+    py.detach(|| on_threads(made)).map_err(failed)
 }
 
 fn pixels_of(array: &Bound<'_, PyUntypedArray>, number: usize) -> PyResult<DynamicImage> {

@@ -1,5 +1,6 @@
 //! Results of searches and of fits to points.
 
+use std::path::PathBuf;
 use std::sync::Mutex;
 
 use epiline::camera::{PicturesOf, PoseFit, ViewPair};
@@ -242,6 +243,14 @@ impl Estimate {
         self.remarks.clone()
     }
 
+    /// Returns the files of the pictures; `None` for a picture of an array.
+    fn _paths(&self) -> Vec<Option<PathBuf>> {
+        match &self.source {
+            Source::Pictures { study, .. } => study.pictures().map(|picture| picture.path.clone()).into(),
+            Source::Points { .. } => Vec::new(),
+        }
+    }
+
     /// Returns the pictures of the result as bytes of height × width × RGB, for drawings.
     fn _pictures<'py>(&self, py: Python<'py>) -> Option<Vec<(usize, usize, Bound<'py, PyBytes>)>> {
         let Source::Pictures { study, .. } = &self.source else { return None };
@@ -287,7 +296,8 @@ impl Estimate {
         slf.py().import("epiline._views")?.getattr("plot")?.call1((slf, ax))
     }
 
-    /// Open the window on the images and clicks of the result, in a process of its own.
+    /// Open the window on the images and clicks of the result, in a process of its own. The window searches again, without
+    /// given matches and cameras.
     fn show(slf: &Bound<'_, Self>) -> PyResult<()> {
         slf.py().import("epiline._views")?.getattr("show")?.call1((slf,)).map(|_| ())
     }

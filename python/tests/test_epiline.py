@@ -65,6 +65,9 @@ def scene(count=80, noise=0.3):
     return *both, inverse.T @ cross @ R @ inverse, K, R, t / np.linalg.norm(t)
 
 
+ROWS_OF_POINTS = RNG.uniform(20, 200, (30, 2))
+
+
 class Pictures(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -110,6 +113,26 @@ class Pictures(unittest.TestCase):
             self.assertEqual(len(json.loads(found.to_json())["given_matches"]), 40)
         self.assertTrue(any("keypoints0" in remark for remark in found.remarks))
 
+    def test_three_rows_are_three_matches(self):
+        rows = [[100, 20, 109, 20], [60, 130, 90, 130], [200, 60, 222, 60]]
+        found = epiline.estimate(LEFT, RIGHT, matches=rows)
+        self.assertEqual(json.loads(found.to_json())["given_matches"], rows)
+
+    @unittest.skipUnless(hasattr(os, "fork"), "there is no fork")
+    def test_a_fork_searches_with_threads_of_its_own(self):
+        child = os.fork()
+        if child == 0:
+            os._exit(0 if (epiline.estimate(LEFT, RIGHT).F == self.found.F).all() else 1)
+        for _ in range(600):
+            done, status = os.waitpid(child, os.WNOHANG)
+            if done:
+                break
+            time.sleep(0.2)
+        else:
+            os.kill(child, signal.SIGKILL)
+            self.fail("the fork does not end")
+        self.assertEqual(status, 0)
+
     def test_kinds_of_pixels(self):
         for convert in (
             lambda p: p.astype(np.uint16) * 200,
@@ -146,6 +169,15 @@ class Pictures(unittest.TestCase):
             ({"cameras": [np.zeros((3, 3)), np.eye(3)]}, "camera 1 is impossible"),
             ({"cameras": [(np.eye(3), [0.1]), np.eye(3)]}, "1 distortion coefficients"),
             ({"threads": 0}, "at least 1"),
+            ({"threads": 100_000}, "at most 256"),
+            ({"parameters": {"seed": 3}}, "an argument of its own"),
+            ({"parameters": {"patches": object()}}, "no number"),
+            ({"matches": (np.ones((9, 2)), np.ones((9, 2)), [0.5])}, "1 numbers for 9 matches"),
+            # Indices that cannot be read must not turn keypoints into matches.
+            (
+                {"matches": {"keypoints0": ROWS_OF_POINTS, "keypoints1": ROWS_OF_POINTS, "matches": [[1], [2, 3]]}},
+                "matches stands beside it",
+            ),
             ({"origin": "matlab"}, "colmap"),
         ):
             pairs = arguments.pop("pairs", [[100, 20, 109, 20], [60, 130, 90, 130]])
@@ -217,6 +249,8 @@ class Pictures(unittest.TestCase):
         self.assertEqual(line.warped2.shape, line.profile1.shape)
         other = epiline.line_similarity(LEFT, RIGHT, (150, 100, 1, 0), (165, 30, 1, 0))
         self.assertLess(line.cost, other.cost)
+        with self.assertRaisesRegex(epiline.InputError, "2 numbers are needed"):
+            epiline.suggest(LEFT, RIGHT, (1, 2, 3))
         for arguments, told in (
             (((0, 0, 0, 0), (1, 1, 1, 0)), "not zero"),
             (((0, -50, 1, 0), (1, 1, 1, 0)), "line 1 does not cross"),
@@ -321,6 +355,8 @@ class Geometry(unittest.TestCase):
             np.testing.assert_allclose(y[0][:, 1] / y[0][:, 2], y[1][:, 1] / y[1][:, 2], atol=1e-6)
         stereo = epiline.rectify(F, (480, 640), (480, 640), matches=pairs, cameras=[K, K])
         self.assertEqual(stereo.Q.shape, (4, 4))
+        with self.assertRaisesRegex(epiline.InputError, "height, width"):
+            epiline.rectify(F, (480, 0), (480, 640))
         for arguments, told in (({"method": "best"}, "auto, planar, polar"), ({"cameras": [K, K]}, "without matches")):
             with self.assertRaisesRegex(epiline.InputError, told):
                 epiline.rectify(F, (480, 640), (480, 640), **arguments)
