@@ -98,8 +98,8 @@ pub fn pressed(ctx: &egui::Context, keyboard: KeyboardState) -> Vec<Command> {
     commands
 }
 
-/// Keeps the letters of this frame that follow one of the keys that open the list of commands, and takes them and the keys
-/// after them from the events. On a slow display, a frame may have both.
+/// Keeps the letters that follow one of the keys that open the list of commands, and takes them and later keys from the
+/// events. On a slow display, one frame may have all of them.
 fn keep_typed(ctx: &egui::Context, keys: &[KeyboardShortcut]) {
     let typed: String = ctx.input_mut(|input| {
         let opens = |event: &Event| match event {

@@ -173,7 +173,7 @@ fn leaves_the_epipole_open(reason: &Reason) -> bool {
     )
 }
 
-/// What matches beside a warp, or beside a turn of the camera, lack to show the epipole.
+/// Reason why matches beside a warp, or beside a turn of the camera, do not show the epipole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lack {
     /// Too few of all matches are beside it, along their lines.
@@ -185,7 +185,7 @@ pub enum Lack {
 }
 
 impl Lack {
-    /// Returns what is lacking where a test of the parallax was failed, by the matches on the warp, and along and across
+    /// Returns the reason for a failed test of the parallax, by the numbers of matches on the warp, and along and across
     /// their lines beside it.
     pub fn of(on_warp: usize, along: usize, across: usize) -> Self {
         let seen = Witnesses { on_warp, along, across, off: across };
