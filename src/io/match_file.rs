@@ -6,9 +6,9 @@
 use std::path::Path;
 
 use super::geometry_file::read_pairs;
-use super::match_arrays::{FoundMatches, NamedArray, matches_of};
 use super::npy::Array;
 use super::read::ReadError;
+use super::values::{FoundMatches, NamedArray, matches_of};
 use crate::estimate::Match;
 
 /// Matches of a file, in the pictures as they are.

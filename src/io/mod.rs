@@ -19,12 +19,9 @@ mod identity;
 mod import_source;
 #[cfg(feature = "inspector")]
 mod importing;
-mod match_arrays;
 mod match_file;
 mod npy;
-mod npz;
 mod number;
-mod opencv_xml;
 mod output;
 mod pair_folder;
 mod part_file;
@@ -48,6 +45,7 @@ mod stereo_pair;
 mod tables;
 mod truth_folder;
 mod undistorted;
+mod values;
 mod vgg;
 
 pub use calibration::{CalibratedCamera, Calibration, CameraPose, CameraReading};

@@ -24,6 +24,7 @@ mod noise;
 mod ray;
 mod render;
 mod scene;
+mod shading;
 mod shape;
 #[cfg(test)]
 mod tests;

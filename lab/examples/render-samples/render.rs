@@ -5,9 +5,9 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use rayon::prelude::*;
 
-use super::light::{Directions, radiance};
 use super::ray::Eye;
 use super::scene::Scene;
+use super::shading::{Directions, radiance};
 use super::texture::Rgb;
 use epiline::geometry::{Camera, Frame, Point};
 

@@ -5,10 +5,9 @@ use std::io::{Cursor, Read};
 use serde_json::{Map, Value};
 use zip::ZipArchive;
 
-use super::super::geometry_file::yaml_value;
 use super::super::npy::Array;
 use super::super::number::{cells, finite_numbers, rows};
-use super::super::opencv_xml::{is_xml, xml_value};
+use super::super::values::{is_xml, xml_value, yaml_value};
 use super::fields::fields;
 use super::names::Role;
 use super::{CalibratedCamera, NoCalibration, cameras, kalibr, tables, zed};

@@ -6,10 +6,10 @@
 
 use nalgebra::{Matrix3, SMatrix};
 
-use super::quantity::Quantity;
 use super::{Format, GeometryFile, ImageNote, PairLabel, TrustNote};
 use crate::camera::PicturesOf;
 use crate::geometry::{FundamentalMatrix, Point, PointPair, symmetric_epipolar_distance};
+use crate::io::values::Quantity;
 use crate::presentation::pictures_in_words;
 
 /// Returns the shift from the pixels of this program to the pixels of a format.

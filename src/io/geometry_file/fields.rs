@@ -8,15 +8,14 @@ use serde_json::Value;
 use super::Problem;
 use super::content::{BareNumbers, CalibratedNote, GeometryFile, ImageNote};
 use super::printed::{PrintedMatrix, ROW_BY_ROW};
-use super::quantity::{Quantity, there_twice};
 use super::views::PicturesRead;
 use crate::estimate::Match;
 use crate::foreign::excerpt;
 use crate::geometry::{Camera, FundamentalMatrix, PointPair, looks_essential};
-use crate::io::match_arrays::{FoundMatches, check_pixels, names_points, names_scores};
 use crate::io::npy::Array;
 use crate::io::number::finite_number;
 use crate::io::point_pairs::{check_more_columns, first_four};
+use crate::io::values::{FoundMatches, Quantity, check_pixels, names_points, names_scores, there_twice};
 
 /// Rectangular table of finite numbers.
 #[derive(Debug, Clone, PartialEq)]

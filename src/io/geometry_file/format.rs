@@ -4,9 +4,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::quantity::Quantity;
-use crate::io::opencv_xml::is_xml;
 use crate::io::point_pairs::is_of_pictures;
+use crate::io::values::{Quantity, is_xml};
 
 named! {
     fn name;

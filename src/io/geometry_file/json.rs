@@ -10,11 +10,11 @@ use serde_json::{Map, Value, json};
 use super::content::CalibratedNote;
 use super::coordinates::{NamedTable, WrittenGeometry};
 use super::fields::{Fields, table};
-use super::quantity::{Quantity, insert};
 use super::{ImageNote, Problem};
 use crate::camera::{PicturesOf, RelativePose};
 use crate::estimate::Verdict;
 use crate::geometry::{Frame, PointPair};
+use crate::io::values::{Quantity, insert};
 
 #[derive(Serialize)]
 struct File<'a> {

@@ -8,8 +8,8 @@
 use std::fmt::Write;
 
 use super::coordinates::{WrittenGeometry, numbers, one_line};
-use super::quantity::Quantity;
 use super::views;
+use crate::io::values::Quantity;
 
 fn quoted(text: &str) -> String {
     format!("'{}'", one_line(text).replace('\'', "''"))

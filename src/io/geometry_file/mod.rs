@@ -25,20 +25,17 @@ mod json;
 mod labels;
 mod mapping;
 mod matlab;
-mod matrix_name;
 mod notation;
 mod notes;
 mod of_calibration;
 mod opencv_yaml;
 mod printed;
-mod quantity;
 #[cfg(test)]
 mod tests;
 mod text;
 mod views;
 #[cfg(test)]
 mod views_tests;
-mod yaml;
 
 use std::path::Path;
 
@@ -51,13 +48,11 @@ use self::coordinates::WrittenGeometry;
 use self::fields::Fields;
 use self::notes::GeometryNote;
 use self::printed::NoMatrix;
-use self::yaml::NOT_YAML;
 use super::npy::{Array, is_npy};
-use super::npz::archive;
 use super::number::{cells, rows};
-use super::opencv_xml::{is_xml, xml_value};
 use super::output::{OutputFile, WriteError};
 use super::read::{Problem, ReadError, read_bytes, text_of};
+use super::values::{NOT_YAML, archive, is_xml, xml_value};
 use super::vgg::read_camera;
 use crate::camera::PicturesOf;
 use crate::geometry::{FundamentalMatrix, PointPair};
@@ -68,10 +63,7 @@ pub(super) use self::coordinates::shift;
 pub(super) use self::coordinates::{moved_fundamental, moved_pair};
 pub use self::format::Format;
 pub use self::labels::{PairLabel, PairOrigin, TrustNote};
-pub(super) use self::matrix_name::{name_parts, names_matrix};
 pub use self::notation::Notation;
-pub(super) use self::quantity::insert;
-pub(super) use self::yaml::{DEEPEST, plain_scalar, yaml_value};
 
 /// Largest structured text that is read, bytes. Parsing takes about 15 times its length in memory.
 const MOST_STRUCTURED: usize = 16 << 20;

@@ -6,10 +6,10 @@ use serde_json::{Map, Value, json};
 
 use super::coordinates::{moved_fundamental, numbers, one_line};
 use super::mapping::{Language, mapping};
-use super::quantity::Quantity;
 use super::{Format, TrustNote};
 use crate::camera::PicturesOf;
 use crate::geometry::{FundamentalMatrix, PointPair};
+use crate::io::values::Quantity;
 use crate::presentation::pictures_in_words;
 
 named! {

@@ -6,8 +6,8 @@ use std::fmt::Write;
 
 use super::coordinates::{NamedTable, WrittenGeometry, numbers, one_line};
 use super::fields::Fields;
-use super::yaml::yaml_value;
 use super::{Format, ImageNote, Problem, views};
+use crate::io::values::yaml_value;
 
 pub(super) fn write(written: &WrittenGeometry) -> String {
     debug_assert_eq!(written.format, Format::OpencvYaml);

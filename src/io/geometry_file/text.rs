@@ -17,11 +17,11 @@ use std::fmt::Write;
 use super::coordinates::{WrittenGeometry, numbers, one_line};
 use super::fields::{Fields, NumberTable};
 use super::labels::runs;
-use super::quantity::Quantity;
 use super::{BareNumbers, ImageNote, Problem, views};
 use crate::geometry::{Frame, PointPair};
 use crate::io::number::{cells, finite_numbers, rows};
 use crate::io::point_pairs::parse_point_pairs;
+use crate::io::values::Quantity;
 
 pub(super) fn write(written: &WrittenGeometry) -> String {
     let mut text = String::new();

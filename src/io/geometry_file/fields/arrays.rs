@@ -5,11 +5,9 @@ use serde_json::{Map, Value};
 use super::{Fields, NumberTable, opencv_matrix, table};
 use crate::camera::PicturesOf;
 use crate::foreign::excerpt;
-use crate::io::geometry_file::matrix_name::MatrixName;
-use crate::io::geometry_file::quantity::Quantity;
-use crate::io::match_arrays::{NamedArray, concerns_matches, matches_of, shape_in_words};
 use crate::io::npy::Array;
 use crate::io::read::Problem;
+use crate::io::values::{MatrixName, NamedArray, Quantity, concerns_matches, matches_of, shape_in_words};
 
 /// Maximum number of names in a message.
 const MOST_NAMES: usize = 8;

@@ -1,7 +1,7 @@
 //! Groups of numbers between words, with the words that name them.
 
 use super::tokens::{Placed, Token, tokens};
-use crate::io::geometry_file::matrix_name::MatrixName;
+use crate::io::values::MatrixName;
 
 /// Number of a group, with its place.
 #[derive(Debug, Clone, PartialEq)]

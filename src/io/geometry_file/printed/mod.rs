@@ -15,8 +15,8 @@ mod tokens;
 
 use self::groups::{Group, Label, MATRIX, groups};
 use self::layout::{Nine, nine};
-use super::matrix_name::MatrixName;
 use crate::foreign::excerpt;
+use crate::io::values::MatrixName;
 
 /// Nine numbers of `F`, row by row, and notes on how they were read.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,9 +8,10 @@ use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::{BytesRef, Event};
 use serde_json::{Map, Value};
 
-use super::geometry_file::{DEEPEST, insert, plain_scalar};
-use super::read::Problem;
+use super::quantity::insert;
+use super::yaml::{DEEPEST, plain_scalar};
 use crate::foreign::excerpt;
+use crate::io::read::Problem;
 
 /// Element that is not closed yet.
 struct Open {
@@ -21,13 +22,13 @@ struct Open {
 }
 
 /// Returns whether a text is XML.
-pub(super) fn is_xml(text: &str) -> bool {
+pub(in crate::io) fn is_xml(text: &str) -> bool {
     let inside = text.trim_start().strip_prefix('<');
     inside.is_some_and(|inside| inside.starts_with(|c: char| c.is_ascii_alphabetic() || "?!".contains(c)))
 }
 
 /// Parses a document.
-pub(super) fn xml_value(text: &str) -> Result<Value, Problem> {
+pub(in crate::io) fn xml_value(text: &str) -> Result<Value, Problem> {
     let mut reader = Reader::from_str(text);
     reader.config_mut().expand_empty_elements = true;
     let mut open: Vec<Open> = Vec::new();

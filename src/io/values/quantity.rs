@@ -4,7 +4,7 @@ use serde_json::{Map, Value};
 
 /// Named table of numbers in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Quantity {
+pub(in crate::io) enum Quantity {
     Fundamental,
     Epipole1,
     Epipole2,
@@ -57,27 +57,27 @@ const QUANTITIES: [(Quantity, &[&str], &str); 11] = [
 
 impl Quantity {
     /// Returns the symbol, for example `F`.
-    pub(super) fn symbol(self) -> &'static str {
+    pub(in crate::io) fn symbol(self) -> &'static str {
         QUANTITIES[self as usize].1[0]
     }
 
     /// Returns the JSON name, for example `fundamental`.
-    pub(super) fn word(self) -> &'static str {
+    pub(in crate::io) fn word(self) -> &'static str {
         let names = QUANTITIES[self as usize].1;
         names.get(1).unwrap_or(&names[0])
     }
 
     /// Returns whether it is points or point pairs.
-    pub(super) fn is_points(self) -> bool {
+    pub(in crate::io) fn is_points(self) -> bool {
         matches!(self, Self::Points1 | Self::Points2 | Self::Pairs)
     }
 
-    pub(super) fn named(name: &str) -> Option<Self> {
+    pub(in crate::io) fn named(name: &str) -> Option<Self> {
         QUANTITIES.iter().find(|(_, names, _)| names.contains(&name)).map(|(quantity, ..)| *quantity)
     }
 
     /// Returns the description for a comment in the file.
-    pub(super) fn meaning(self) -> &'static str {
+    pub(in crate::io) fn meaning(self) -> &'static str {
         QUANTITIES[self as usize].2
     }
 }
@@ -95,7 +95,7 @@ pub(in crate::io) fn insert(
     Ok(())
 }
 
-pub(super) fn there_twice(name: &str) -> String {
+pub(in crate::io) fn there_twice(name: &str) -> String {
     format!("{name} occurs twice with different values. Remove one of them")
 }
 

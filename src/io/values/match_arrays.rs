@@ -1,159 +1,29 @@
-//! Matches in arrays that have the names of matchers: in NumPy archives, and in JSON and YAML.
-//!
-//! A name such as `mkpts0_f` consists of words: a kind of points (`kpts`, `keypoints`, `points`, `pts`), before it
-//! perhaps `m`, `matched` or `inlier`, an image (0 and 1, 1 and 2, `left` and `right`), and `orig` or `f`. Of several
-//! pairs of arrays, the first in the order of [`Kind`] is read; the note says which.
+//! Matches in arrays that have the names of matchers: in NumPy archives, and in JSON and YAML. Of several pairs of
+//! arrays, the first in the order of [`Kind`] is read; the note says which.
 
-use super::geometry_file::name_parts;
-use super::npy::Array;
-use super::point_pairs::{check_more_columns, first_four};
+use super::match_names::{Kind, PointsName, concerns_matches, names_matches, names_scores};
+use super::matrix_name::name_parts;
 use crate::estimate::Match;
 use crate::geometry::{Point, PointPair};
+use crate::io::npy::Array;
+use crate::io::point_pairs::{check_more_columns, first_four};
 
 /// Smallest prior of a match: a score of zero does not exclude it.
 const LEAST_PRIOR: f64 = 0.01;
 
 /// Name and content of an array, or the reason why it cannot be read.
-pub(super) type NamedArray = (String, Result<Array, String>);
+pub(in crate::io) type NamedArray = (String, Result<Array, String>);
 
 /// Matches of a file.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct FoundMatches {
+pub(in crate::io) struct FoundMatches {
     pub matches: Vec<Match>,
     /// Clauses about what was read and what was left out.
     pub notes: Vec<String>,
 }
 
-/// What the name of an array of points says about them, best first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Kind {
-    /// Matched points in the pictures as they are.
-    MatchedOriginal,
-    Matched,
-    /// Matches that a robust fit of the matcher kept.
-    InlierOriginal,
-    Inlier,
-    KeypointsOriginal,
-    Keypoints,
-    /// All keypoints: matches only with indices.
-    All,
-    /// Places on a coarse grid.
-    Coarse,
-    /// Coordinates from −1 to 1, or in a resized picture.
-    Scaled,
-}
-
-/// Points of one image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct PointsName {
-    kind: Kind,
-    /// Side as written: 0 and 1, or 1 and 2.
-    side: usize,
-}
-
-/// Words for points. `m` before them means matched.
-const POINTS: [&str; 10] =
-    ["kpts", "kpt", "kps", "kp", "keypoints", "keypoint", "points", "point", "pts", "pt"];
-
-impl PointsName {
-    fn of(name: &str) -> Option<Self> {
-        let (mut is_points, mut side, mut kind, mut is_original) = (false, None, None, false);
-        for part in name_parts(name) {
-            let lower = part.to_lowercase();
-            let word = lower.trim_end_matches(|c: char| c.is_ascii_digit());
-            let digits = &lower[word.len()..];
-            match digits {
-                "" => {}
-                "0" | "1" | "2" if side.is_none() => side = digits.parse().ok(),
-                _ => return None,
-            }
-            match word {
-                "m" | "matched" | "match" | "matches" | "matching" => kind = Some(Kind::Matched),
-                "inlier" | "inliers" | "ransac" | "verified" => kind = Some(Kind::Inlier),
-                "all" | "raw" | "detected" => kind = Some(Kind::All),
-                "c" | "coarse" => kind = Some(Kind::Coarse),
-                "norm" | "normalized" | "normalised" | "resized" | "scaled" => kind = Some(Kind::Scaled),
-                "" | "f" | "fine" | "final" | "xy" => {}
-                "orig" | "original" => is_original = true,
-                "left" | "l" | "a" | "src" if side.is_none() => side = Some(0),
-                "right" | "r" | "b" | "dst" | "tgt" if side.is_none() => side = Some(1),
-                _ if POINTS.contains(&word) => is_points = true,
-                _ if word.strip_prefix('m').is_some_and(|word| POINTS.contains(&word)) => {
-                    is_points = true;
-                    kind = kind.or(Some(Kind::Matched));
-                }
-                _ => return None,
-            }
-        }
-        let kind = match (kind.unwrap_or(Kind::Keypoints), is_original) {
-            (Kind::Matched, true) => Kind::MatchedOriginal,
-            (Kind::Inlier, true) => Kind::InlierOriginal,
-            (Kind::Keypoints, true) => Kind::KeypointsOriginal,
-            (kind, _) => kind,
-        };
-        Some(Self { kind, side: side? }).filter(|_| is_points)
-    }
-}
-
-/// Returns whether a name is that of matches in one array: indices, or rows of coordinates.
-fn names_matches(name: &str) -> bool {
-    let lower = name.to_lowercase();
-    matches!(
-        &*lower,
-        "matches"
-            | "matches0"
-            | "match"
-            | "indices0"
-            | "match_indices"
-            | "matches_idx"
-            | "matched_indices"
-            | "idxs"
-            | "pairs"
-            | "correspondences"
-            | "corres"
-            | "corrs"
-            | "point_pairs"
-    )
-}
-
-/// Returns whether a name is that of the scores of matches. Scores of keypoints are none.
-pub(super) fn names_scores(name: &str) -> bool {
-    let lower = name.to_lowercase();
-    matches!(
-        &*lower,
-        "matching_scores"
-            | "matching_scores0"
-            | "match_confidence"
-            | "match_scores"
-            | "match_score"
-            | "mscores"
-            | "mconf"
-            | "scores"
-            | "score"
-            | "confidence"
-            | "confidences"
-            | "conf"
-            | "certainty"
-            | "certainties"
-            | "probabilities"
-    )
-}
-
-/// Returns whether a name is that of the points of one image.
-pub(super) fn names_points(name: &str) -> bool {
-    PointsName::of(name).is_some()
-}
-
-/// Returns whether the name of an array concerns matches.
-pub(super) fn concerns_matches(name: &str) -> bool {
-    PointsName::of(name).is_some()
-        || names_matches(name)
-        || names_scores(name)
-        || matches!(name, "covariances" | "covariance" | "batch_indexes" | "batch_indices")
-}
-
 /// Returns the matches of named arrays; `None` without any.
-pub(super) fn matches_of(arrays: &[NamedArray]) -> Result<Option<FoundMatches>, String> {
+pub(in crate::io) fn matches_of(arrays: &[NamedArray]) -> Result<Option<FoundMatches>, String> {
     let mut notes = Vec::new();
     let read = |name: &str| {
         arrays.iter().find(|(other, _)| other == name).map(|(_, array)| named(name, array)).transpose()
@@ -362,7 +232,7 @@ fn points(name: &str, array: Option<&Array>, notes: &mut Vec<String>) -> Result<
     Ok(array.rows(columns).map(|row| Point::new(row[0], row[1])).collect())
 }
 
-pub(super) fn shape_in_words(shape: &[usize]) -> String {
+pub(in crate::io) fn shape_in_words(shape: &[usize]) -> String {
     shape.iter().map(ToString::to_string).collect::<Vec<_>>().join("×")
 }
 
@@ -387,7 +257,11 @@ fn in_one_array(arrays: &[NamedArray], notes: &mut Vec<String>) -> Result<Option
 }
 
 /// Returns the pairs of an array: rows of x1 y1 x2 y2 and perhaps more, or N×2×2.
-pub(super) fn pairs_in(name: &str, array: &Array, notes: &mut Vec<String>) -> Result<Vec<PointPair>, String> {
+pub(in crate::io) fn pairs_in(
+    name: &str,
+    array: &Array,
+    notes: &mut Vec<String>,
+) -> Result<Vec<PointPair>, String> {
     let columns = match array.batchless() {
         [_, 2, 2] => 4,
         [_, columns] if *columns >= 4 => *columns,
@@ -411,7 +285,7 @@ pub(super) fn pairs_in(name: &str, array: &Array, notes: &mut Vec<String>) -> Re
 }
 
 /// Refuses coordinates that are not in pixels: all of them within one pixel of the corner.
-pub(super) fn check_pixels(pairs: &[PointPair]) -> Result<(), String> {
+pub(in crate::io) fn check_pixels(pairs: &[PointPair]) -> Result<(), String> {
     let is_small = |pair: &PointPair| pair.numbers().iter().all(|number| number.abs() <= 1.0);
     if pairs.len() > 1 && pairs.iter().all(is_small) {
         return Err(

@@ -4,11 +4,12 @@ use std::io::{Cursor, Read};
 
 use zip::ZipArchive;
 
-use super::geometry_file::names_matrix;
-use super::match_arrays::{NamedArray, concerns_matches};
-use super::npy::{Array, is_text};
+use super::match_arrays::NamedArray;
+use super::match_names::concerns_matches;
+use super::matrix_name::names_matrix;
 use crate::camera::PicturesOf;
 use crate::foreign::excerpt;
+use crate::io::npy::{Array, is_text};
 
 /// Largest array of an archive that is read, bytes, and the largest sum of all.
 const MOST_BYTES: u64 = 256 << 20;
@@ -16,7 +17,7 @@ const MOST_BYTES: u64 = 256 << 20;
 const MOST_UNNAMED: u64 = 16 << 20;
 
 /// Reads the arrays of an archive whose names have a meaning, and small others.
-pub(super) fn archive(bytes: Vec<u8>) -> Result<Vec<NamedArray>, String> {
+pub(in crate::io) fn archive(bytes: Vec<u8>) -> Result<Vec<NamedArray>, String> {
     let damaged = |e: zip::result::ZipError| format!("the archive is damaged: {e}");
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(damaged)?;
     let (mut arrays, mut total) = (Vec::new(), 0);

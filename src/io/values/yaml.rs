@@ -6,13 +6,13 @@
 use saphyr_parser::{Event, Parser, ScalarStyle};
 use serde_json::{Map, Value};
 
-use super::Problem;
 use super::quantity::insert;
+use crate::io::read::Problem;
 
 /// Maximum depth of nested lists. Matrices need three.
 pub(in crate::io) const DEEPEST: usize = 32;
 
-pub(super) const NOT_YAML: &str = "this is not valid YAML";
+pub(in crate::io) const NOT_YAML: &str = "this is not valid YAML";
 
 /// List or mapping that is not closed yet.
 enum Open {
