@@ -31,8 +31,7 @@ pub fn named_reason_in_words(reason: &Reason, names: &dyn PairNames) -> String {
                 .into()
         }
         Reason::ClicksAlone => {
-            "The point pairs agree with each other, but contradict the matches found in the images. \
-             This geometry rests on the point pairs alone. \
+            "This geometry rests on the point pairs alone. The matches found in the images do not agree with it. \
              Check that each pair shows the same scene point, and that left and right are not exchanged."
                 .into()
         }

@@ -1,4 +1,4 @@
-//! Geometry of the clicks alone, if they agree with each other and contradict the images.
+//! Geometry of the clicks alone, if they agree with each other and contradict the images, or if the images show nothing.
 
 use crate::geometry::{
     FundamentalMatrix, Observation, PointPair, eight_point, fit_fundamental, median, sampson_distance,
@@ -13,10 +13,12 @@ const CLICKS_ALONE: usize = 8;
 /// clicks more influence.
 const CONTRADICTED: f64 = 3.0;
 
-/// Returns the geometry of the clicks alone, if they agree with each other and contradict `found`.
+/// Returns the geometry of the clicks alone, if they agree with each other and contradict `found`, or if chance
+/// explains the matches of `found`: then they would only disturb the clicks.
 pub(super) fn of_clicks_alone(
     clicks: &[PointPair],
     found: &FundamentalMatrix,
+    is_chance: bool,
     click_sigma: f64,
 ) -> Option<FundamentalMatrix> {
     if clicks.len() < CLICKS_ALONE {
@@ -25,6 +27,9 @@ pub(super) fn of_clicks_alone(
     let observations: Vec<Observation> =
         clicks.iter().map(|pair| Observation { pair: *pair, sigma: click_sigma }).collect();
     let fitted = fit_fundamental(&eight_point(clicks).ok()?, &observations, ROBUST_CLICKS)?.fundamental;
+    if is_chance {
+        return Some(fitted);
+    }
     let off_found = clicks.iter().map(|pair| sampson_distance(found, pair));
     // A fit to eight clicks passes through all of them, right or wrong. A click that is left out
     // tests the fit.
@@ -62,7 +67,8 @@ mod tests {
         let (truth, wrong) = (scene.fundamental(), scene.disturbed(30.0));
         let mut clicks = scene.pairs(12);
         let error = |f: &FundamentalMatrix| scene.error(f);
-        let alone = |clicks: &[PointPair], found: &FundamentalMatrix| of_clicks_alone(clicks, found, 1.0);
+        let alone =
+            |clicks: &[PointPair], found: &FundamentalMatrix| of_clicks_alone(clicks, found, false, 1.0);
         assert!(error(&alone(&clicks, &wrong).unwrap()) < 1e-3);
         assert!(alone(&clicks, &truth).is_none(), "nothing contradicts them");
         assert!(alone(&clicks, &scene.disturbed(0.5)).is_none(), "within what clicks are off");
@@ -86,7 +92,7 @@ mod tests {
         // A fit to eight clicks passes through all of them, right or wrong.
         assert!(median(off(&eight_point(&clicks).unwrap())) < 1.5);
         assert!(median(off(&scene.fundamental())) > CONTRADICTED);
-        assert!(of_clicks_alone(&clicks, &scene.fundamental(), 1.0).is_none());
+        assert!(of_clicks_alone(&clicks, &scene.fundamental(), false, 1.0).is_none());
     }
 
     #[test]

@@ -21,7 +21,7 @@ use super::record::SearchRecord;
 use super::stand_ins::{drawn_stand_ins, putative_matches, with_stand_ins};
 use crate::estimate::evidence::patches::PatchLevels;
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
-use crate::estimate::verdict::assessment::RestsOn;
+use crate::estimate::verdict::assessment::{RestsOn, unguided_agreement};
 use crate::estimate::verdict::selection::{ClickedPairs, select};
 use crate::estimate::{Clicks, Estimate, EstimateError, Proposed, ProposedBy, SearchPlan};
 use crate::features::FeatureViews;
@@ -204,11 +204,15 @@ impl Passes<'_> {
     }
 }
 
-/// Returns the geometry of the clicks if they agree with each other and contradict the result. It is judged under the
-/// view of the result, with the same rivals.
+/// Returns the geometry of the clicks if they agree with each other and contradict the result, or if the result is one
+/// of chance. It is judged under the view of the result, with the same rivals.
 fn overruled_by_clicks(best: Judged, input: SearchInput, record: &mut SearchRecord) -> Judged {
     let (observed, click_sigma) = (input.clicks.observed(), input.parameters.click_sigma);
-    let Some(f) = of_clicks_alone(&observed, &best.fundamental, click_sigma) else { return best };
+    // Given matches are no matches of the images, and may be right where these show nothing.
+    let is_chance = !best.assessment.of_given
+        && unguided_agreement(&best.patches, &best.fundamental, input.prepared.frames()).log_false_alarms
+            >= 0.0;
+    let Some(f) = of_clicks_alone(&observed, &best.fundamental, is_chance, click_sigma) else { return best };
     let viewed = ViewedPair::new(SearchInput { clicks: &best.clicks, ..input }, best.patches);
     let support = viewed.patches.measure(&f);
     let proposed = Proposed::by(ProposedBy::Clicks, f);
@@ -322,6 +326,27 @@ mod tests {
         assert!(found.assessment.of_given);
         let error = scene.error(found.fundamental());
         assert!(error < 0.01, "{error} px");
+    }
+
+    #[test]
+    fn eight_clicks_decide_where_the_images_show_nothing() {
+        let scene = ExactScene::aside();
+        let noise = |seed: u64| {
+            let rng = RefCell::new(stream(seed, Purpose::PutativePairs, 0));
+            GrayPlane::from_fn(FRAME, |_, _| 255.0 * rng.borrow_mut().random::<f32>())
+        };
+        let prepared = PreparedPair::new(&noise(1), &noise(2));
+        let clicks = scene.pairs(8);
+        let run = |count: usize| {
+            estimate_prepared(&prepared, &clicks[..count], &Parameters::default(), &Monitor::silent())
+                .unwrap()
+        };
+        let (eight, seven) = (run(8), run(7));
+        let [with, without] = [&eight, &seven].map(|found| scene.error(found.fundamental()));
+        assert!(with < 1e-3 && without > 0.5, "{with} px, {without} px with seven");
+        let trust = eight.assessment.trust.as_ref().unwrap();
+        assert_eq!(trust.verdict, Verdict::Unreliable);
+        assert!(trust.reasons.contains(&Reason::ClicksAlone), "{:?}", trust.reasons);
     }
 
     #[test]

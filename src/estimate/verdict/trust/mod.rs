@@ -52,7 +52,7 @@ pub enum Reason {
     NotRefined,
     /// The refinement was off.
     RefinementOff,
-    /// The geometry follows from the clicks alone, which contradict the matches of the images.
+    /// The geometry follows from the clicks alone, and the matches of the images do not agree with it.
     ClicksAlone,
     /// There are no pictures: only the given matches agree with the geometry, this number of all.
     PointsAlone { agreeing: usize, matches: usize },
