@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compares robust fits of F to the same matches: OpenCV, PoseLib, pycolmap, pydegensac and this package.
+"""Compares robust fits of F to the same matches: OpenCV, PoseLib, pycolmap, pydegensac, pymagsac, kornia-rs and this package.
 
     python python/benchmarks/compare.py DATA [--matches DIR] [--sets A,B] [--seeds 5] [--json FILE]
 
@@ -9,7 +9,8 @@ SET_NAME.txt with rows x1 y1 x2 y2 and perhaps a score. Each method runs with ev
 at its best threshold; this package has none. Packages that are not installed are left out.
 
 The table has the pose error, the larger of rotation and direction of the baseline in degrees, as AUC up to 1°, 5° and 10°
-through the true K; for known matches the mean share within 1 to 10 px (mAA). Seconds are medians of a fit.
+through the true K; for known matches the mean share within 1 to 10 px (mAA), and the share of fits whose mean distance is
+below 1 px. Seconds are medians of a fit.
 Needs NumPy and OpenCV.
 """
 
@@ -39,7 +40,9 @@ def optional(name):
         return None
 
 
-poselib, pycolmap, pydegensac = map(optional, ("poselib", "pycolmap", "pydegensac"))
+poselib, pycolmap, pydegensac, pymagsac, kornia_rs = map(
+    optional, ("poselib", "pycolmap", "pydegensac", "pymagsac", "kornia_rs")
+)
 
 
 def of_opencv(method):
@@ -71,6 +74,22 @@ def of_pydegensac(points1, points2, sizes, scores, threshold, seed):
     return pydegensac.findFundamentalMatrix(points1, points2, threshold, 0.9999, 10000)[0]
 
 
+def of_pymagsac(points1, points2, sizes, scores, threshold, seed):
+    (h1, w1), (h2, w2) = (size[:2] for size in sizes)
+    rows = np.ascontiguousarray(np.hstack([points1, points2]))
+    found, _ = pymagsac.findFundamentalMatrix(rows, w1, h1, w2, h2, [], 0, True, threshold, 0.9999, 50, 10000)
+    return found
+
+
+def of_kornia(points1, points2, sizes, scores, threshold, seed):
+    rows = np.ascontiguousarray(np.hstack([points1, points2]))
+    try:
+        found = kornia_rs.ransac.fundamental(rows, threshold, 10000, 0.9999, seed)
+    except ValueError:
+        return None
+    return None if found is None else np.reshape(found.model, (3, 3))
+
+
 def of_epiline(points1, points2, sizes, scores, threshold, seed):
     try:
         return epiline.estimate_fundamental(points1, points2, sizes=sizes, confidences=scores, seed=seed).F
@@ -85,6 +104,8 @@ METHODS = {
     "PoseLib": (of_poselib, THRESHOLDS) if poselib else None,
     "pycolmap": (of_pycolmap, THRESHOLDS) if pycolmap else None,
     "pydegensac": (of_pydegensac, THRESHOLDS) if pydegensac else None,
+    "pymagsac": (of_pymagsac, THRESHOLDS) if pymagsac else None,
+    "kornia-rs": (of_kornia, THRESHOLDS) if kornia_rs else None,
     "Epiline": (of_epiline, (None,)),
 }
 
@@ -123,19 +144,20 @@ def auc(errors, limit):
 
 
 def accuracy(F, rows):
-    """Return the mean share of known matches within 1 to 10 px of their lines."""
-    if F is None or np.shape(F) != (3, 3):
-        return 0.0
-    distances = 2 * epiline.epipolar_distance(F, rows[:, :2], rows[:, 2:4])
-    return float(np.mean([(distances <= limit).mean() for limit in range(1, 11)]))
+    """Return the mean share of known matches within 1 to 10 px of their lines, and whether their mean is below 1 px."""
+    if F is None or np.shape(F) != (3, 3) or not np.isfinite(F).all():
+        return 0.0, False
+    distances = epiline.epipolar_distance(F, rows[:, :2], rows[:, 2:4])
+    within = [(2 * distances <= limit).mean() for limit in range(1, 11)]
+    return float(np.mean(within)), bool(distances.mean() < 1)
 
 
 def figures(truth, results):
     """Return the figures of a method at its best threshold: results by threshold, a list of one number for each fit."""
-    score = (lambda values: auc(values, 5)) if truth == "pose" else np.mean
+    score = (lambda values: auc(values, 5)) if truth == "pose" else (lambda values: np.mean(values, axis=0)[0])
     threshold = max(results, key=lambda key: score(results[key]))
     values = results[threshold]
-    made = [auc(values, limit) for limit in LIMITS] if truth == "pose" else [100 * float(np.mean(values))]
+    made = [auc(values, limit) for limit in LIMITS] if truth == "pose" else (100 * np.mean(values, axis=0)).tolist()
     return threshold, made
 
 
@@ -179,7 +201,7 @@ def main():
                             F = found[0](points1, points2, sizes, scores, threshold, seed) if len(points1) > 8 else None
                             seconds[kind, method].append(time.perf_counter() - begun)
                             results[kind, method][threshold].append(check(F))
-        columns = ["AUC@1°", "@5°", "@10°"] if truth == "pose" else ["mAA 10 px"]
+        columns = ["AUC@1°", "@5°", "@10°"] if truth == "pose" else ["mAA 10 px", "below 1 px, %"]
         print(f"\n{folder}, {len(stems[:: arguments.every])} pairs\n")
         print("| matches | method | threshold, px | " + " | ".join(columns) + " | s |")
         print("|---" * (4 + len(columns)) + "|")
