@@ -22,6 +22,7 @@ pub enum MessageKind {
     Problem,
     /// A finished task that took some time.
     Done,
+    /// An answer, or a remark on work that succeeded.
     Answer,
     /// How imported points were taken. The next such message replaces it.
     Taken,
@@ -146,9 +147,17 @@ impl Messages {
         self.say(MessageKind::Problem, text.into(), Vec::new());
     }
 
-    /// Adds a message, with or without buttons.
+    /// Adds remarks on work that succeeded.
+    pub fn remark(&mut self, notes: Vec<String>) {
+        for note in notes {
+            self.say(MessageKind::Answer, note, Vec::new());
+        }
+    }
+
+    /// Adds a message, with or without buttons. Of some kinds, the newest is the only one.
     pub fn say(&mut self, kind: MessageKind, text: String, actions: Vec<MessageAction>) {
-        self.list.retain(|message| message.text != text);
+        let is_one = matches!(kind, MessageKind::Taken | MessageKind::LeftBehind);
+        self.list.retain(|message| message.text != text && !(is_one && message.kind == kind));
         self.shown += 1;
         self.list.push(Message { number: self.shown, kind, text, actions, changed: None, seen: None });
         if self.list.len() > KEPT {
@@ -222,6 +231,9 @@ mod tests {
         messages.say(MessageKind::LeftBehind, "Not saved.".into(), Vec::new());
         messages.date(SystemTime::now().checked_sub(minutes(5)));
         assert_eq!(messages.list()[0].told(), "Not saved. Last changed 5 minutes ago.");
+        messages.say(MessageKind::LeftBehind, "Other work was not saved.".into(), Vec::new());
+        assert_eq!(messages.list().len(), 1, "offers do not pile up");
+        messages.date(SystemTime::now().checked_sub(minutes(5)));
         assert_eq!(messages.retire(0.0), Some(MINUTE), "the window is drawn again");
     }
 
