@@ -45,7 +45,7 @@ pub use self::{
     },
     gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text},
     glance::{EpipolePlace, Glance, epipole_places, epipoles_at_a_glance, lines_at_a_glance},
-    origin::{origin_in_words, resampling_in_words},
+    origin::{origin_in_words, proposer_in_words, resampling_in_words},
     probability::likely_in_words,
     reasons::{mostly_misplaced, sorted_reasons},
     standing::Standing,
