@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::gauge::line_score_text;
+use super::figures::line_score_text;
 use super::origin::origin_in_words;
 use super::tone::Tone;
 use crate::camera::{PoseFit, PoseUncertainty};

@@ -3,11 +3,11 @@
 
 use egui::collapsing_header::CollapsingState;
 use egui::{
-    Align, Button, Id, Label, Layout, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui, UiBuilder, vec2,
+    Align, Button, Color32, Id, Label, Layout, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui,
+    UiBuilder, Visuals, vec2,
 };
 
 use super::dialog::named;
-use super::gauge::tone_color;
 use super::menus::copy_fundamental_menu;
 use super::{busy, command_button, finish_button, main_button, terms};
 use crate::app::model::comparison::Contestant;
@@ -332,6 +332,17 @@ fn heading(ui: &mut Ui, model: &Model, tone: Option<Tone>, word: &str, commands:
             ui.add(Label::new(word).truncate());
         });
     });
+}
+
+fn tone_color(visuals: &Visuals, tone: Tone) -> Color32 {
+    let palette = theme::palette(visuals);
+    match tone {
+        Tone::Idle | Tone::Busy => visuals.weak_text_color(),
+        Tone::Apart => visuals.text_color(),
+        Tone::Good => palette.good,
+        Tone::Caution => palette.caution,
+        Tone::Bad => palette.bad,
+    }
 }
 
 /// Draws the sign of a verdict: a tick, a diamond or an octagon, so that the colour is not needed.

@@ -5,7 +5,7 @@ use egui::{Label, RichText, Ui};
 use super::super::super::table::{Column, RowLook, Table};
 use super::super::empty;
 use crate::app::model::verdict::{
-    HypothesisFigure, HypothesisScales, Standing, epipole_text, line_score_text, short_epipole_text,
+    HypothesisFigure, Standing, epipole_text, line_score_text, short_epipole_text,
 };
 use crate::app::model::{Command, Model, Side, Target};
 use crate::app::view::theme;
@@ -38,10 +38,8 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     };
     let number = |row: usize| listed.number(row);
     let line_score = model.document.parameters.validation.line_score;
-    let searched = model.open.computation.searched();
-    let scales = searched.map(|searched| HypothesisScales::new(searched, line_score));
     let standing = |row: usize| Standing::of(listed.result?, number(row)?);
-    let (listed, scales) = (&listed, scales.as_ref());
+    let listed = &listed;
     let support = |row: usize| listed.hypothesis(row).support_score();
     let own = support(0).filter(|_| listed.result.is_some());
     let is_beaten = own.is_some() && (1..listed.rows()).any(|row| support(row) > own);
@@ -72,10 +70,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             _ => format!("{value:.decimals$}"),
         };
         let value = move |row: usize| figure.of(listed.hypothesis(row));
-        Column::figures(title, width, tooltip, value, text).gauged(move |row| {
-            let (scales, value) = (scales?, value(row));
-            if number(row).is_some() { scales.gauge(figure, value) } else { scales.of_result(figure, value) }
-        })
+        Column::figures(title, width, tooltip, value, text)
     };
     let is_narrow = ui.available_width() < ROOM_FOR_ALL;
     let epipoles = Side::BOTH.map(|side| epipole(listed, model, side, is_narrow));
