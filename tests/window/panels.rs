@@ -330,18 +330,6 @@ fn the_steps_are_followed_by_one_key_and_draw_over_the_pictures() {
 }
 
 #[test]
-fn the_pictures_trade_places_and_keep_their_sides() {
-    let mut window = sample();
-    press(&mut window, Key::X);
-    let [left, right] = Side::BOTH.map(|side| pane(&window, side));
-    assert!(left.min.x > right.max.x, "{left:?} {right:?}");
-    click_at(&mut window, Side::Left, 0.1, 0.1);
-    assert!(window.state().document().half.is_some_and(|half| half.side == Side::Left));
-    press(&mut window, Key::X);
-    assert!(pane(&window, Side::Left).max.x < pane(&window, Side::Right).min.x);
-}
-
-#[test]
 fn the_button_of_the_card_does_what_its_sentence_asks_for() {
     let mut services = services();
     services.estimate = Box::new(|request, _| {

@@ -33,8 +33,6 @@ pub struct Look {
     pub overlays: [bool; OverlayId::COUNT],
     /// Whether zoom and position of the two images are linked.
     pub linked: bool,
-    /// Whether a magnifier follows the cursor while a point is placed.
-    pub loupe: bool,
     /// The stage. Every start begins with the pictures.
     #[serde(skip)]
     pub stage: StageId,
@@ -59,7 +57,6 @@ impl Default for Look {
         Self {
             overlays: shown_at_first(),
             linked: false,
-            loupe: true,
             stage: StageId::default(),
             tab: TabId::default(),
             speed: Speed::default(),

@@ -100,6 +100,7 @@ impl Model {
     }
 
     fn tell_of_taken(&mut self, text: String, action: Option<(&'static str, ExchangeCommand)>) {
+        self.messages.settle(MessageKind::Taken);
         let action = action.map(|(label, command)| MessageAction { label, command: command.into() });
         self.messages.say(MessageKind::Taken, text, action.into_iter().collect());
     }

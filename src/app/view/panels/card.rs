@@ -13,7 +13,6 @@ use super::{busy, command_button, finish_button, main_button, terms};
 use crate::app::model::comparison::Contestant;
 use crate::app::model::computation::Freshness;
 use crate::app::model::guide::guide;
-use crate::app::model::messages::MessageKind;
 use crate::app::model::sample::FIRST;
 use crate::app::model::verdict::{
     CardAction, Fact, Glance, Tone, VerdictInWords, corrected_fact, epipoles_at_a_glance, hypothesis_facts,
@@ -89,27 +88,17 @@ fn start(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     unsaved_work(ui, model, commands);
 }
 
-/// Returns whether the card makes the offers to restore unsaved work.
-pub fn offers(model: &Model) -> bool {
-    model.is_at_start() && !model.look.dock.folded && !model.open.alone
-}
-
+/// Offers the newest unsaved work. The dialog for opening images lists all of it.
 fn unsaved_work(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    for message in model.messages.on_top().filter(|message| message.kind == MessageKind::LeftBehind) {
-        ui.add_space(6.0);
-        ui.add(Label::new(message.told()).wrap());
-        ui.horizontal(|ui| {
-            for action in &message.actions {
-                let button = ui.button(action.label);
-                finish_button(ui, button, action.command.clone(), commands);
-            }
-            let (close, what) = message.kind.close();
-            if ui.button(close).on_hover_text(what).clicked() {
-                commands.push(Command::Dismiss(message.number));
-            }
-        });
-        ui.add_space(6.0);
-    }
+    let Some(newest) = model.left_behind.first() else { return };
+    ui.add_space(6.0);
+    ui.add(Label::new(newest.told()).wrap());
+    ui.horizontal(|ui| {
+        for action in newest.actions() {
+            let button = ui.button(action.label);
+            finish_button(ui, button, action.command, commands);
+        }
+    });
 }
 
 /// Shows the geometry that the window displays in place of the result. Returns whether there is one.

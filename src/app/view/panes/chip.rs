@@ -64,10 +64,6 @@ impl Chip {
             if let Some(scale) = self.scale {
                 let _ = write!(text, "  {:.0} %", scale * 100.0);
             }
-            if model.open.swapped {
-                let other = self.side.other().name();
-                let _ = write!(text, "  shown on the {other}, X exchanges");
-            }
             if !model.open.tones.of[self.side.index()].is_plain() {
                 text += "  brightness changed";
             }
@@ -113,7 +109,7 @@ impl Chip {
 }
 
 /// Shortens a name in the middle to its beginning and its end, `most` characters in all.
-fn shortened(name: &str, most: usize) -> String {
+pub fn shortened(name: &str, most: usize) -> String {
     let end = name.chars().count().saturating_sub(most / 2);
     name.chars().take(most - most / 2).chain(['…']).chain(name.chars().skip(end)).collect()
 }
