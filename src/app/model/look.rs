@@ -26,7 +26,6 @@ pub enum Tool {
 /// Visible overlays, stage and tab, and the place of the dock.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-#[expect(clippy::struct_excessive_bools, reason = "independent switches")]
 pub struct Look {
     /// Whether each overlay is kept on, in the order of their list.
     #[serde(serialize_with = "overlays_by_name", deserialize_with = "overlays_from_names")]
