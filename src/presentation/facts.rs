@@ -28,17 +28,6 @@ impl Fact {
     }
 }
 
-/// Returns the probability of the lines.
-fn lines_right(estimate: &Estimate) -> Option<Fact> {
-    let probability = estimate.assessment.probability_within_one_percent()?;
-    Some(Fact::new(
-        "Lines near matches",
-        format!("{:.0} % likely right", 100.0 * probability),
-        "How likely the lines are within 1 % of the longer side near the matches. It follows from the matches that were \
-         found without the lines, and from the likeliest other geometry.",
-    ))
-}
-
 fn uncertainty(bands: LineBands) -> Fact {
     Fact::new(
         "Uncertainty",
@@ -100,7 +89,6 @@ pub struct ResultContext {
 /// Returns the figures of a result.
 pub fn facts(estimate: &Estimate, context: &ResultContext) -> Vec<Fact> {
     let mut facts = Vec::new();
-    facts.extend(lines_right(estimate));
     facts.extend(context.frames.and_then(|frames| estimate.line_bands(frames)).map(uncertainty));
     facts.extend(origin_fact(estimate));
     facts.extend(context.is_final.then(|| margin(estimate)));

@@ -26,7 +26,7 @@ use crate::geometry::FundamentalMatrix;
 /// Space between two rows of the card, screen points.
 const BETWEEN: f32 = 2.0;
 /// Rows of the main reason above the figures. Its tooltip has the rest.
-const REASON: usize = 2;
+const REASON: usize = 3;
 
 /// Shows the card in all available space. The details scroll.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -148,11 +148,6 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let VerdictInWords { tone, word, sentence, facts, warnings, likely } =
         verdict(&model.document, &model.open.computation);
     heading(ui, model, Some(tone), word, commands);
-    if let Some([short, sentence]) = &likely {
-        ui.label(RichText::new(short).size(theme::CAPTION).weak()).on_hover_text(format!(
-            "{sentence}. This is the share of right results with such a verdict on pairs with known truth."
-        ));
-    }
     let warnings: Vec<String> = warnings.into_iter().filter(|warning| *warning != sentence).collect();
     let sentence = sentence + &model.card_remarks();
     // A decimal point has no space behind it.
@@ -161,6 +156,11 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if tone != Tone::Apart {
         figures(ui, model);
         list(ui, true_error(model).into_iter().chain(facts.iter().filter(|fact| is_on_card(fact)).cloned()));
+    }
+    if let Some([short, sentence]) = &likely {
+        ui.label(RichText::new(short).size(theme::CAPTION).weak()).on_hover_text(format!(
+            "{sentence}. This is the share of right results with such a verdict on pairs with known truth."
+        ));
     }
     ui.add_space(2.0);
     let details =
