@@ -261,10 +261,9 @@ fn at_a_glance(ui: &mut Ui, row: Option<Glance>) {
     ui.painter().hline(top.x_range(), top.center().y, line);
     let is_one = values[0] == values[1] && ranges.iter().all(String::is_empty);
     let [first, second] = heads.map(small);
-    let in_cells = |ui: &mut Ui, texts: [RichText; 3], height: f32| {
+    let in_cells = |ui: &mut Ui, texts: [RichText; 3], height: f32, share: f32| {
         let (area, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
-        // Ranges have no name beside them.
-        let right = area.width() * if texts[0].is_empty() { 0.5 } else { 0.36 };
+        let right = area.width() * share;
         let mut end = area.max.x;
         for (k, text) in texts.into_iter().enumerate().rev() {
             let start = if k == 0 { area.min.x } else { end - right };
@@ -294,12 +293,13 @@ fn at_a_glance(ui: &mut Ui, row: Option<Glance>) {
         });
         return;
     }
-    in_cells(ui, [small(name), first, second], 14.0);
+    in_cells(ui, [small(name), first, second], 14.0, 0.36);
     let [one, other] = values.map(|value| RichText::new(value).size(theme::FIGURE).strong());
-    in_cells(ui, [RichText::new(common), one, other], 18.0);
+    in_cells(ui, [RichText::new(common), one, other], 18.0, 0.36);
     if ranges.iter().any(|range| !range.is_empty()) {
         let [one, other] = ranges.each_ref().map(|range| small(range));
-        in_cells(ui, [RichText::default(), one, other], 14.0);
+        // Ranges have no name beside them.
+        in_cells(ui, [RichText::default(), one, other], 14.0, 0.5);
     }
 }
 
