@@ -93,6 +93,14 @@ impl TruthFolder {
         &self.images[view]
     }
 
+    /// Returns the views of two files or folders, by their names, if they form a pair in this order.
+    pub fn views_of(&self, files: [&Path; 2]) -> Option<[usize; 2]> {
+        let view = |file: &Path| self.images.iter().position(|image| image.file_name() == file.file_name());
+        let [first, second] = [view(files[0])?, view(files[1])?];
+        let is_pair = self.pairs_freely() || first % 2 == 0 && second == first + 1;
+        (is_pair && first != second).then_some([first, second])
+    }
+
     /// Reads the ground truth of a pair.
     ///
     /// # Panics
@@ -161,6 +169,15 @@ mod tests {
         let set = TruthFolder::open(folder.path()).unwrap();
         assert_eq!(set.names(), ["bA", "bB", "cA", "cB"]);
         assert_eq!(set.pair_name([2, 3]), "c");
+        let views = |files: [&str; 2]| set.views_of(files.map(Path::new));
+        assert_eq!(
+            (views(["bA.png", "bB.png"]), views(["x/cA.png", "x/cB.png"])),
+            (Some([0, 1]), Some([2, 3]))
+        );
+        assert_eq!(
+            [views(["bB.png", "bA.png"]), views(["bA.png", "cB.png"]), views(["bA.png", "d.png"])],
+            [None; 3]
+        );
         let truth = set.truth([0, 1]).unwrap();
         assert_eq!((truth.matches.len(), truth.origin), (9, TruthOrigin::Matches));
         let error = set.truth([2, 3]).unwrap_err().to_string();

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::gauge::line_score_text;
+use super::figures::line_score_text;
 use super::origin::origin_in_words;
 use super::tone::Tone;
 use crate::camera::{PoseFit, PoseUncertainty};
@@ -28,23 +28,12 @@ impl Fact {
     }
 }
 
-/// Returns the probability of the lines.
-fn lines_right(estimate: &Estimate) -> Option<Fact> {
-    let probability = estimate.assessment.probability_within_one_percent()?;
-    Some(Fact::new(
-        "Lines near matches",
-        format!("{:.0} % likely right", 100.0 * probability),
-        "How likely the lines are within 1 % of the longer side near the matches. It follows from the matches that were \
-         found without the lines, and from the likeliest other geometry.",
-    ))
-}
-
-fn lines_anywhere(bands: LineBands) -> Fact {
+fn uncertainty(bands: LineBands) -> Fact {
     Fact::new(
-        "Lines anywhere",
+        "Uncertainty",
         format!("± {:.2} px, worst ± {:.1} px", bands.typical, bands.worst),
-        "Half width of the 95 % band of an epipolar line, for lines all over both pictures: half of them, and nineteen \
-         in twenty, are not wider. Far from all matches lines are less precise.",
+        "How far a line may be off, with 95 % probability: half of the lines all over both pictures, and nineteen in \
+         twenty of them, are not worse. Far from all matches lines are less precise.",
     )
 }
 
@@ -100,8 +89,7 @@ pub struct ResultContext {
 /// Returns the figures of a result.
 pub fn facts(estimate: &Estimate, context: &ResultContext) -> Vec<Fact> {
     let mut facts = Vec::new();
-    facts.extend(lines_right(estimate));
-    facts.extend(context.frames.and_then(|frames| estimate.line_bands(frames)).map(lines_anywhere));
+    facts.extend(context.frames.and_then(|frames| estimate.line_bands(frames)).map(uncertainty));
     facts.extend(origin_fact(estimate));
     facts.extend(context.is_final.then(|| margin(estimate)));
     facts.extend(barcodes(estimate));
@@ -110,11 +98,11 @@ pub fn facts(estimate: &Estimate, context: &ResultContext) -> Vec<Fact> {
         facts.push(Fact::new(
             "Matches",
             match median_distance(estimate) {
-                Some(median) => format!("{count}, median {median:.2} px"),
+                Some(median) => format!("{count}, residual {median:.2} px"),
                 None => count.to_string(),
             },
-            "Image patches matched along the epipolar lines at full resolution, and the median of their \
-             symmetric distances from the lines. The result is fitted to them. A clear result ends the search \
+            "Image patches matched along the epipolar lines at full resolution, and their median residual: the \
+             symmetric distance from the lines. The result is fitted to them. A clear result ends the search \
              early, so a better one may have fewer. The reasons of the verdict count only distinctive matches: \
              image features that were paired before any lines were known.",
         ));
@@ -218,8 +206,8 @@ fn origin_fact(estimate: &Estimate) -> Option<Fact> {
     Some(Fact::new(
         "Proposed by",
         origin_in_words(origin),
-        "Data from which the geometry was proposed. Fits to more matches followed. Line pairs are numbered as in the \
-         step Candidates, the best first.",
+        "Data from which the geometry was proposed. Fits to more matches followed. Of two candidates, the first is one \
+         of the lines through p, the second of those through q, numbered as in the step Candidates.",
     ))
 }
 

@@ -107,16 +107,15 @@ pub fn lines_at_a_glance(estimate: &Estimate, frames: [Frame; 2]) -> Option<Glan
     let px = |figure: f64| format!("{figure:.*} px", decimals(figure));
     Some(Glance {
         name: "Lines",
-        common: "off by",
-        heads: ["at matches", "anywhere"],
+        common: "",
+        heads: ["residual", "uncertainty"],
         values: [
             px(typical),
             bands.map_or_else(|| "not known".to_owned(), |bands| format!("± {}", px(bands.worst))),
         ],
         ranges: [String::new(), String::new()],
-        tooltip: "At matches: median symmetric distance of the matches from their lines. Anywhere: half width of the 95 % \
-                  band of a line all over the pictures, which one line in twenty exceeds. Far from all matches lines \
-                  are less precise.",
+        tooltip: "The residual is the median of all matches. The uncertainty holds all over the pictures, and one line in \
+                  twenty exceeds it.",
     })
 }
 

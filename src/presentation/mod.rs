@@ -1,5 +1,4 @@
-//! Words for the estimator: sentences of verdicts and errors, names and tooltips of parameters, scales of
-//! figures.
+//! Words for the estimator: sentences of verdicts and errors, names and tooltips of parameters.
 //!
 //! The estimator gives only codes and figures. The command line, the window and the result files
 //! take their words from here.
@@ -8,7 +7,7 @@ mod cameras;
 mod epipoles;
 mod errors;
 mod facts;
-mod gauge;
+mod figures;
 mod glance;
 mod interpretation;
 mod judgement;
@@ -18,7 +17,6 @@ mod parameters;
 mod pose;
 mod probability;
 mod reasons;
-mod scale;
 mod standing;
 mod story;
 mod tone;
@@ -33,7 +31,6 @@ pub use parameters::{ShownParameter, shown_parameters};
 pub use pose::{NO_BASELINE, pose_difference_in_words, pose_in_words, turn_in_words};
 pub use probability::probability_in_words;
 pub use reasons::{named_reason_in_words, named_warning_in_words, reason_in_words, warning_in_words};
-pub use scale::Scale;
 pub use story::story_in_words;
 
 #[doc(hidden)]
@@ -43,9 +40,9 @@ pub use self::{
         Fact, ResultContext, corrected_fact, epipole_text, facts, hypothesis_facts, lens_fact, pose_facts,
         short_epipole_text,
     },
-    gauge::{Gauge, HypothesisFigure, HypothesisScales, line_score_text},
+    figures::{HypothesisFigure, line_score_text},
     glance::{EpipolePlace, Glance, epipole_places, epipoles_at_a_glance, lines_at_a_glance},
-    origin::{origin_in_words, resampling_in_words},
+    origin::{origin_in_words, proposer_in_words, resampling_in_words},
     probability::likely_in_words,
     reasons::{mostly_misplaced, sorted_reasons},
     standing::Standing,

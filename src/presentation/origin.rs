@@ -4,17 +4,22 @@ use crate::estimate::{Origin, ProposedBy, Resampling};
 
 /// Describes from what a geometry was proposed, after "proposed by".
 pub fn origin_in_words(origin: &Origin) -> String {
-    let first = match origin.source {
-        ProposedBy::LinePairs { ranks: [p, q] } => format!("line pairs {p} and {q}"),
-        ProposedBy::Features => "matches of features".into(),
-        ProposedBy::KnownCameras => "matches of features, with the known cameras".into(),
-        ProposedBy::GivenMatches => "the given matches".into(),
-        ProposedBy::AllLines => "lines of the whole images".into(),
-        ProposedBy::Clicks => "the clicks alone".into(),
-    };
+    let first = proposer_in_words(origin.source);
     match origin.then {
         None => first,
         Some(then) => format!("{first}, then by {}", resampling_in_words(then)),
+    }
+}
+
+/// Names the data of a first proposal in a few words, after "proposed by".
+pub fn proposer_in_words(source: ProposedBy) -> String {
+    match source {
+        ProposedBy::LinePairs { ranks: [p, q] } => format!("candidates {p} and {q}"),
+        ProposedBy::Features => "matches of features".into(),
+        ProposedBy::KnownCameras => "features, known cameras".into(),
+        ProposedBy::GivenMatches => "the given matches".into(),
+        ProposedBy::AllLines => "lines of the pictures".into(),
+        ProposedBy::Clicks => "the clicks alone".into(),
     }
 }
 
@@ -33,7 +38,7 @@ mod tests {
     #[test]
     fn an_origin_is_told_from_its_beginning() {
         let origin = Origin::from(ProposedBy::LinePairs { ranks: [6, 8] });
-        assert_eq!(origin_in_words(&origin), "line pairs 6 and 8");
+        assert_eq!(origin_in_words(&origin), "candidates 6 and 8");
         let then = Origin { then: Some(Resampling::Parallax), ..ProposedBy::Features.into() };
         assert_eq!(origin_in_words(&then), "matches of features, then by parallax beside its plane");
     }

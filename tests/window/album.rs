@@ -130,7 +130,7 @@ fn points_stay_with_their_pair_while_others_are_looked_at() {
     settle(&mut window);
     drop(window);
     let mut next = crate::support::window(Start::default(), with_copies());
-    assert!(next.state().messages().any(|text| text.starts_with("3 point pairs on ")));
+    next.get_by_label_contains("3 point pairs on ");
     tap(&mut next, "Restore");
     assert_eq!(made(&next), second);
     press(&mut next, Key::PageUp);

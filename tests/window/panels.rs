@@ -330,18 +330,6 @@ fn the_steps_are_followed_by_one_key_and_draw_over_the_pictures() {
 }
 
 #[test]
-fn the_pictures_trade_places_and_keep_their_sides() {
-    let mut window = sample();
-    press(&mut window, Key::X);
-    let [left, right] = Side::BOTH.map(|side| pane(&window, side));
-    assert!(left.min.x > right.max.x, "{left:?} {right:?}");
-    click_at(&mut window, Side::Left, 0.1, 0.1);
-    assert!(window.state().document().half.is_some_and(|half| half.side == Side::Left));
-    press(&mut window, Key::X);
-    assert!(pane(&window, Side::Left).max.x < pane(&window, Side::Right).min.x);
-}
-
-#[test]
 fn the_button_of_the_card_does_what_its_sentence_asks_for() {
     let mut services = services();
     services.estimate = Box::new(|request, _| {
@@ -612,6 +600,7 @@ fn a_small_window_has_all_its_tools() {
             "Profiles",
             "Compare",
             "Estimated",
+            "Copy F as",
         ] {
             let rect = window.get_by_label(name).rect();
             assert!(rect.min.x >= 0.0 && rect.max.x <= width, "{name} at {width}: {rect:?}");
@@ -674,24 +663,6 @@ fn plots_that_have_no_room_are_scrolled_to() {
     assert!(costs.min.y > before.min.y + 82.0, "no plot over another");
     press(&mut window, Key::Num3);
     assert!(window.get_by_label("Residuals of pair q").rect().max.x < 1024.0);
-}
-
-#[test]
-fn figures_stand_on_their_scales_of_good_and_bad() {
-    let services = Services {
-        estimate: Box::new(|request, _| {
-            let mut found = rich_estimate(&request.pairs, &request.parameters)?;
-            found.assessment.trust = Some(Trust { verdict: Verdict::Reliable, reasons: Vec::new() });
-            Ok(found)
-        }),
-        ..rich_services()
-    };
-    let mut window = window(Start::default(), services);
-    click_two_pairs(&mut window);
-    // The limits are those of the verdict's rules.
-    let of_p =
-        window.get_by_label_contains("Distance of pair p on its scale: ").accesskit_node().label().unwrap();
-    assert!(of_p.ends_with("Good up to 4.0 px, bad above 12.0 px."), "{of_p}");
 }
 
 #[test]

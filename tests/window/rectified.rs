@@ -238,11 +238,11 @@ fn guide_lines_are_at_the_same_rows_and_can_be_hidden() {
     tap(&mut window, "guide lines");
     assert!(guides(&window, LEFT).is_empty());
     tap(&mut window, "guide lines");
-    window.get_by_label_contains("its row in both");
+    window.get_by_label_contains("its line in both");
     // The disparities are one picture without guide lines.
     tap(&mut window, "Disparity");
-    assert!(window.query_by_label_contains("its row in both").is_none());
-    window.get_by_label_contains("Point at the picture to see its row");
+    assert!(window.query_by_label_contains("its line in both").is_none());
+    window.get_by_label_contains("Point at the picture to see its line");
     assert!(window.get_by_label("guide lines").accesskit_node().is_disabled());
 }
 

@@ -160,7 +160,7 @@ fn the_offer_of_unsaved_work_counts_pinned_lines() {
     drop(crashed);
     let next = window(Start::default(), with_copies(copies.path()));
     let says = "2 point pairs and 2 pinned line pairs on a.png and b.png were not saved";
-    assert!(next.state().messages().any(|text| text.contains(says)), "{:?}", next.state().messages().next());
+    next.get_by_label_contains(says);
 }
 
 #[test]
@@ -173,18 +173,12 @@ fn unsaved_work_is_offered_after_a_crash() {
     // Dropping the window without closing it is what a crash leaves: the copy stays, its lock goes.
     drop(crashed);
     let mut next = window(Start::default(), with_copies(copies.path()));
-    assert!(
-        next.state().messages().any(|text| text.contains("2 point pairs on a.png and b.png were not saved"))
-    );
+    next.get_by_label_contains("2 point pairs on a.png and b.png were not saved");
     tap(&mut next, "Restore");
     assert_eq!(made(&next), before);
     assert_eq!(next.state().messages().count(), 0);
     // Taken over: it is this window's own now, and a crash of this one offers it again.
     drop(next);
-    let mut last = window(Start::default(), with_copies(copies.path()));
-    // Left for later, it is offered again.
-    tap(&mut last, "Later");
-    drop(last);
     let mut last = window(Start::default(), with_copies(copies.path()));
     // Once a person works on other pictures, the dialog for opening files has the offer.
     click_at(&mut last, Side::Left, 0.1, 0.1);
@@ -198,7 +192,7 @@ fn unsaved_work_is_offered_after_a_crash() {
     press(&mut last, Key::Escape);
     drop(last);
     let clean = window(Start::default(), with_copies(copies.path()));
-    assert_eq!(clean.state().messages().count(), 0);
+    assert!(clean.state().model().left_behind.is_empty());
 }
 
 #[test]
@@ -247,7 +241,7 @@ fn what_is_saved_leaves_no_copy() {
     first.state_mut().close();
     drop(first);
     let next = window(Start::default(), with_copies(copies.path()));
-    assert_eq!(next.state().messages().count(), 0);
+    assert!(next.state().model().left_behind.is_empty());
 }
 
 #[test]
@@ -259,7 +253,7 @@ fn opening_something_else_keeps_what_is_not_saved() {
     let before = made(&window);
     choose(&mut window, "Help", "Open the sample pictures");
     assert!(window.state().document().pairs.is_empty());
-    assert!(window.state().messages().any(|text| text.contains("a.png and b.png were not saved")));
+    window.get_by_label_contains("a.png and b.png were not saved");
     // There and back again; the sample has nothing that would be a loss.
     tap(&mut window, "Restore");
     assert_eq!(made(&window), before);
@@ -306,17 +300,16 @@ fn clicks_on_the_sample_are_kept_too_when_other_images_are_opened() {
     tap(&mut window, "Show me");
     let both = [files.image("a.png", 64, 48), files.image("b.png", 50, 70)];
     drop_files(&mut window, &both);
-    assert_eq!(window.state().messages().count(), 0, "what the program placed is no loss");
+    assert!(window.state().model().left_behind.is_empty(), "what the program placed is no loss");
     choose(&mut window, "Help", "Open the sample pictures");
     click_at(&mut window, Side::Left, 0.1, 0.1);
     click_at(&mut window, Side::Right, 0.1, 0.1);
     let before = made(&window);
     drop_files(&mut window, &both);
-    let told = |words: &str| window.state().messages().any(|text| text.contains(words));
+    let offer = &window.state().model().left_behind[0].text;
     assert!(
-        told("1 point pair on the sample ") && told(" was not saved"),
-        "{:?}",
-        window.state().messages().next()
+        offer.starts_with("1 point pair on the sample ") && offer.ends_with(" was not saved."),
+        "{offer}"
     );
     tap(&mut window, "Restore");
     assert_eq!(made(&window).pairs, before.pairs);
@@ -330,7 +323,8 @@ fn files_of_one_name_are_no_sample() {
     click_at(&mut window, Side::Left, 0.1, 0.1);
     click_at(&mut window, Side::Right, 0.1, 0.1);
     drop_files(&mut window, &[files.image("b.png", 64, 48), files.image("c.png", 50, 70)]);
-    assert!(window.state().messages().any(|text| text.contains("1 point pair on a.png and a.png was not")));
+    let offers = &window.state().model().left_behind;
+    assert!(offers.iter().any(|copy| copy.text.contains("1 point pair on a.png and a.png was not")));
 }
 
 #[test]

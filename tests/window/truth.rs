@@ -181,6 +181,23 @@ fn a_folder_of_pairs_opens_by_dropping_typing_and_browsing() {
 }
 
 #[test]
+fn a_truth_beside_two_opened_pictures_is_offered() {
+    let files = pairs();
+    let open = |sides: [&str; 2]| {
+        crate::support::open(sides.map(|side| files.0.path().join(format!("first{side}.png"))))
+    };
+    let mut window = open(["A", "B"]);
+    window.get_by_label_contains("Ground truth lies beside the pictures");
+    assert!(document(&window).truth.is_none(), "nobody asked for it");
+    press(&mut window, Key::G);
+    assert!(matches!(document(&window).truth, Some(TruthSource::Folder { .. })));
+    // In the other order, it is not the truth of these pictures.
+    let mut window = open(["B", "A"]);
+    press(&mut window, Key::G);
+    assert!(document(&window).truth.is_none());
+}
+
+#[test]
 fn a_pair_with_too_few_true_matches_opens_without_a_true_geometry() {
     let files = pairs();
     let path = files.0.path().join("second.txt");

@@ -13,7 +13,6 @@ use crate::app::model::messages::MessageKind;
 use crate::app::model::pane_view::QuarterTurns;
 use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
-use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::{Command, Document, LineSource, OverlayId, Side, StageId, pair_name};
 use crate::app::tasks::{Opening, Wanted};
 use crate::app::view::{Destination, WantedView};
@@ -176,7 +175,6 @@ impl Inspector {
                 model.look.stacked = if model.look.stacked.is_some() { None } else { Some(!now) };
                 self.fit_all();
             }
-            Command::ToggleLoupe => model.look.loupe = !model.look.loupe,
             Command::AcceptSuggestion => {
                 let suggested = model.accepted_suggestion();
                 if let Some((side, point)) = model.marked_by_crosshair() {
@@ -231,10 +229,6 @@ impl Inspector {
             Command::SizeDock(edge, share) => model.look.dock.set_share(edge, share),
             Command::ToggleAlone => model.open.alone = !model.open.alone,
             Command::ToggleDrawer => model.look.drawer = !model.look.drawer,
-            Command::Blink if model.stage() == StageId::Rectified => {
-                self.apply(ctx, RectifiedCommand::Swap.into());
-            }
-            Command::Blink => model.open.swapped = !model.open.swapped,
             Command::ToggleUnreliableLines => model.open.lines_anyway = !model.open.lines_anyway,
             Command::PlaceAtMark => {
                 if let Some(Some(next)) = model.open.next_click {

@@ -234,9 +234,7 @@ impl Inspector {
     /// Places imported point pairs at once, and shows the dialog for a matrix.
     fn take_found(&mut self, mut found: ImportFound) {
         self.view.dialogs.open.open = false;
-        for note in std::mem::take(&mut found.notes) {
-            self.model.messages.tell(note);
-        }
+        self.model.messages.remark(std::mem::take(&mut found.notes));
         let given = std::mem::take(&mut found.matches);
         if !given.is_empty() {
             self.model.take_given(Given::new(found.name.clone(), given));

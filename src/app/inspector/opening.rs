@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use super::Inspector;
 use crate::app::model::album::Album;
-use crate::app::model::document::Imported;
+use crate::app::model::document::{Imported, TruthSource};
 use crate::app::model::history::History;
 use crate::app::model::picture::Opened;
 use crate::app::model::session::{OpenSession, has_session_extension};
+use crate::app::model::truth::KnownTruth;
 use crate::app::model::{Document, Model, Side, StageId};
 use crate::app::tasks::{LoadedPair, NewCalibration, Opening, OpeningFailure, Wanted};
 use crate::app::view::{FocalDialog, OpenDialog, RelocateDialog};
@@ -26,9 +27,7 @@ impl Inspector {
                 self.view.dialogs.open.open = false;
                 let notes = std::mem::take(&mut pair.notes);
                 self.show_pictures(ctx, pair);
-                for note in notes {
-                    self.model.messages.tell(note);
-                }
+                self.model.messages.remark(notes);
             }
             Err(failure) => {
                 self.start_pairs.clear();
@@ -70,6 +69,9 @@ impl Inspector {
             self.tasks.thumbnailing.forget();
         }
         self.model.thumbnails.follow(pair.folder.as_ref().map(|(folder, _)| folder));
+        let is_of_file = |known: &KnownTruth| matches!(known.source, TruthSource::Folder { .. });
+        let is_new = pair.restored.is_none() && pair.folder.is_none();
+        let lies_beside = is_new && pair.known.as_ref().is_some_and(is_of_file);
         match pair.folder {
             Some(folder) if turns => {
                 self.model.turn_to(pair.pictures, pair.known, folder);
@@ -78,6 +80,12 @@ impl Inspector {
             }
             folder => {
                 self.model.open(pair.pictures, pair.known, pair.uses_truth, pair.show_me);
+                if lies_beside {
+                    self.model
+                        .open
+                        .done
+                        .tell("Ground truth lies beside the pictures: press G to compare with it");
+                }
                 // Other pictures have no rectified pair yet.
                 self.model.look.stage = StageId::Pictures;
                 self.model.album = folder.as_ref().map(|(folder, views)| Album::new(folder, *views));
@@ -216,9 +224,8 @@ impl Inspector {
             cameras: Some(cameras.each_ref().map(|camera| camera.model)),
             pose: CalibratedCamera::relative_pose(cameras).map(|(pose, _)| pose),
         };
-        for note in CalibratedCamera::notes_of(cameras) {
-            self.model.messages.tell(format!("{name}: {note}"));
-        }
+        let notes = CalibratedCamera::notes_of(cameras);
+        self.model.messages.remark(notes.iter().map(|note| format!("{name}: {note}")).collect());
         self.open(Wanted::Calibrated(Box::new((pictures, calibration))));
     }
 

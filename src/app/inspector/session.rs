@@ -33,14 +33,10 @@ impl Inspector {
         self.model.document.is_of_files() && self.model.has_unsaved_work()
     }
 
-    /// Offers to restore the newest copy of unsaved work, and lists all of them.
+    /// Lists the copies of unsaved work. The card of the start offers the newest one, the dialog for opening all.
     pub(super) fn offer_left_behind(&mut self) {
         let copies = self.tasks.autosave.iter().flat_map(Autosave::left_behind);
         self.model.left_behind = copies.filter_map(LeftBehind::read).collect();
-        if let Some(newest) = self.model.left_behind.first() {
-            self.model.messages.say(MessageKind::LeftBehind, newest.text.clone(), newest.actions());
-            self.model.messages.date(newest.changed);
-        }
     }
 
     pub(super) fn apply_to_session(&mut self, command: SessionCommand) {
@@ -67,7 +63,6 @@ impl Inspector {
         if let Some(autosave) = &mut self.tasks.autosave {
             autosave.remove(path);
         }
-        self.model.messages.settle(MessageKind::LeftBehind);
     }
 
     fn ask_before_replacing(&mut self, path: PathBuf) {

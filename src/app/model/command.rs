@@ -104,7 +104,6 @@ pub enum Command {
     Player(PlayerCommand),
     Replay(ReplayCommand),
     ToggleStacked,
-    ToggleLoupe,
     AcceptSuggestion,
     TogglePalette,
     /// Change parameters. All changes of one setting until [`Command::EndDrag`] are one step.
@@ -132,7 +131,6 @@ pub enum Command {
     SizeDock(DockEdge, Option<f32>),
     ToggleAlone,
     ToggleDrawer,
-    Blink,
     /// Draw the lines of an unreliable geometry all the same, or hide them again.
     ToggleUnreliableLines,
     /// Place the left point of a new pair where one more pair would help most.

@@ -33,7 +33,7 @@ impl DockEdge {
     fn least(self, window: [f32; 2]) -> f32 {
         match self {
             Self::Bottom => (0.3 * window[1]).clamp(120.0, (0.13 * window[1]).max(190.0)),
-            Self::Right => (0.264 * window[0]).clamp(200.0, (0.13 * window[0]).max(300.0)),
+            Self::Right => (0.264 * window[0]).clamp(252.0, (0.13 * window[0]).max(300.0)),
         }
     }
 

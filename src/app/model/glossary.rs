@@ -3,13 +3,23 @@
 use std::ops::Range;
 
 /// Terms in small letters, and their meanings in one or two sentences.
-const TERMS: [(&str, &str); 7] = [
+const TERMS: [(&str, &str); 8] = [
     ("epipole", "Where the other camera appears in this picture. All epipolar lines meet there."),
     ("epipolar line", "A line in one picture. The match of a point in the other picture lies on it."),
     ("pencil", "All lines through one point."),
     ("round trip", "Distance between a line and its return through H and G."),
-    ("support", "Corner patches that find a match along the lines of a geometry."),
-    ("residual", "Distance of a point from the epipolar line of its match."),
+    (
+        "support",
+        "How many corner patches find a match along the lines of a geometry, weighted by similarity. It compares geometries.",
+    ),
+    (
+        "residual",
+        "Distance of a match from its line. It tells how well the lines fit the matches, not how right they are elsewhere.",
+    ),
+    (
+        "uncertainty",
+        "How far a line may be from the true one, with 95 % probability. It grows far from all matches.",
+    ),
     ("disparity", "Shift of a point along its line from the left picture to the right one."),
 ];
 

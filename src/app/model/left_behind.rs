@@ -1,11 +1,11 @@
 //! Copies of unsaved work that wait to be restored.
 
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 use super::command::SessionCommand;
 use super::document::counted;
-use super::messages::{MessageAction, dated};
+use super::messages::MessageAction;
 use super::session::{OpenSession, Work};
 use crate::io::SessionFile;
 
@@ -44,7 +44,8 @@ impl LeftBehind {
 
     /// Returns the sentence with the age of the work.
     pub fn told(&self) -> String {
-        dated(&self.text, self.changed)
+        let age = self.changed.and_then(|changed| changed.elapsed().ok());
+        age.map_or_else(|| self.text.clone(), |age| format!("{} Last changed {}.", self.text, ago(age)))
     }
 
     /// Returns the buttons that restore and delete the work.
@@ -55,5 +56,37 @@ impl LeftBehind {
             MessageAction { label: "Restore", command: SessionCommand::Open(session).into() },
             MessageAction { label: "Delete it", command: delete.into() },
         ]
+    }
+}
+
+/// Describes a time in the past.
+fn ago(age: Duration) -> String {
+    let minutes = age.as_secs() / 60;
+    let (count, unit) = match minutes {
+        0 => return "less than a minute ago".to_owned(),
+        1..60 => (minutes, "minute"),
+        60..1440 => (minutes / 60, "hour"),
+        _ => (minutes / 1440, "day"),
+    };
+    format!("{count} {unit}{} ago", if count == 1 { "" } else { "s" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ages_are_told_in_the_largest_unit_and_grow() {
+        let minutes = |count: u64| Duration::from_secs(60 * count);
+        for (count, words) in [
+            (0, "less than a minute ago"),
+            (1, "1 minute ago"),
+            (59, "59 minutes ago"),
+            (60, "1 hour ago"),
+            (47 * 60, "1 day ago"),
+            (72 * 60, "3 days ago"),
+        ] {
+            assert_eq!(ago(minutes(count)), words);
+        }
     }
 }

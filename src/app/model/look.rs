@@ -26,15 +26,12 @@ pub enum Tool {
 /// Visible overlays, stage and tab, and the place of the dock.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-#[expect(clippy::struct_excessive_bools, reason = "independent switches")]
 pub struct Look {
     /// Whether each overlay is kept on, in the order of their list.
     #[serde(serialize_with = "overlays_by_name", deserialize_with = "overlays_from_names")]
     pub overlays: [bool; OverlayId::COUNT],
     /// Whether zoom and position of the two images are linked.
     pub linked: bool,
-    /// Whether a magnifier follows the cursor while a point is placed.
-    pub loupe: bool,
     /// The stage. Every start begins with the pictures.
     #[serde(skip)]
     pub stage: StageId,
@@ -59,7 +56,6 @@ impl Default for Look {
         Self {
             overlays: shown_at_first(),
             linked: false,
-            loupe: true,
             stage: StageId::default(),
             tab: TabId::default(),
             speed: Speed::default(),

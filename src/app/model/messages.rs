@@ -1,8 +1,6 @@
 //! Messages to the user, one or two sentences each. Questions and dangers stay until they are dismissed or settled,
 //! the others for as long as reading them takes.
 
-use std::time::{Duration, SystemTime};
-
 use super::command::Command;
 
 /// Maximum number of visible messages. Older ones are only counted.
@@ -13,8 +11,6 @@ const KEPT: usize = 100;
 const STAYS: f64 = 8.0;
 /// Lifetime of other messages that need no answer, seconds. Three sentences take half of that to read.
 const STAYS_LONG: f64 = 30.0;
-/// Time after which the age in a message changes, seconds.
-const MINUTE: f64 = 60.0;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MessageKind {
@@ -22,11 +18,10 @@ pub enum MessageKind {
     Problem,
     /// A finished task that took some time.
     Done,
+    /// An answer, or a remark on work that succeeded.
     Answer,
     /// How imported points were taken. The next such message replaces it.
     Taken,
-    /// An offer to restore unsaved work.
-    LeftBehind,
     /// A question whether to replace a file that another program changed.
     Replace,
     /// A failure about a point pair as it is now. The next change of the document removes it.
@@ -39,10 +34,6 @@ impl MessageKind {
     /// Returns label and tooltip of the button that removes the message.
     pub fn close(self) -> (&'static str, &'static str) {
         match self {
-            Self::LeftBehind => (
-                "Later",
-                "Keep the unsaved work. The dialog for opening images lists it, and the next start asks again.",
-            ),
             Self::Replace => ("Cancel", "Save nothing. The file stays as it is."),
             _ => ("Dismiss", "Remove this message."),
         }
@@ -53,7 +44,7 @@ impl MessageKind {
         match self {
             Self::Done => Some(STAYS),
             Self::Problem | Self::Answer | Self::Taken | Self::OfPair => Some(STAYS_LONG),
-            Self::LeftBehind | Self::Replace | Self::Unprotected => None,
+            Self::Replace | Self::Unprotected => None,
         }
     }
 }
@@ -66,35 +57,8 @@ pub struct Message {
     /// The fact and the action to take.
     pub text: String,
     pub actions: Vec<MessageAction>,
-    /// Time when the subject of the message last changed, if that matters.
-    changed: Option<SystemTime>,
     /// Time when it was first visible, seconds of the clock of the window.
     seen: Option<f64>,
-}
-
-impl Message {
-    /// Returns the text with the age of the subject, which grows while the message is shown.
-    pub fn told(&self) -> String {
-        dated(&self.text, self.changed)
-    }
-}
-
-/// Adds the age of the subject to a text.
-pub fn dated(text: &str, changed: Option<SystemTime>) -> String {
-    let age = changed.and_then(|changed| changed.elapsed().ok());
-    age.map_or_else(|| text.to_owned(), |age| format!("{text} Last changed {}.", ago(age)))
-}
-
-/// Describes a time in the past.
-fn ago(age: Duration) -> String {
-    let minutes = age.as_secs() / 60;
-    let (count, unit) = match minutes {
-        0 => return "less than a minute ago".to_owned(),
-        1..60 => (minutes, "minute"),
-        60..1440 => (minutes / 60, "hour"),
-        _ => (minutes / 1440, "day"),
-    };
-    format!("{count} {unit}{} ago", if count == 1 { "" } else { "s" })
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -130,15 +94,14 @@ impl Messages {
         self.list.pop().is_some()
     }
 
-    /// Removes expired messages and returns the seconds until the next one changes or expires.
+    /// Removes expired messages and returns the seconds until the next one expires.
     pub fn retire(&mut self, now: f64) -> Option<f64> {
         let left = |message: &Message| Some(message.seen? + message.kind.stays()? - now);
         self.list.retain(|message| left(message).is_none_or(|left| left > 0.0));
         for message in self.list.iter_mut().rev().take(MOST) {
             message.seen.get_or_insert(now);
         }
-        let ages = self.list.iter().filter_map(|message| message.changed.map(|_| MINUTE));
-        self.list.iter().filter_map(left).chain(ages).min_by(f64::total_cmp)
+        self.list.iter().filter_map(left).min_by(f64::total_cmp)
     }
 
     /// Adds a message about a failure.
@@ -146,20 +109,20 @@ impl Messages {
         self.say(MessageKind::Problem, text.into(), Vec::new());
     }
 
+    /// Adds remarks on work that succeeded.
+    pub fn remark(&mut self, notes: Vec<String>) {
+        for note in notes {
+            self.say(MessageKind::Answer, note, Vec::new());
+        }
+    }
+
     /// Adds a message, with or without buttons.
     pub fn say(&mut self, kind: MessageKind, text: String, actions: Vec<MessageAction>) {
         self.list.retain(|message| message.text != text);
         self.shown += 1;
-        self.list.push(Message { number: self.shown, kind, text, actions, changed: None, seen: None });
+        self.list.push(Message { number: self.shown, kind, text, actions, seen: None });
         if self.list.len() > KEPT {
             self.list.remove(0);
-        }
-    }
-
-    /// Tells when the subject of the newest message last changed.
-    pub fn date(&mut self, changed: Option<SystemTime>) {
-        if let Some(message) = self.list.last_mut() {
-            message.changed = changed;
         }
     }
 
@@ -204,26 +167,6 @@ impl LastDone {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ages_are_told_in_the_largest_unit_and_grow() {
-        let minutes = |count: u64| Duration::from_secs(60 * count);
-        for (count, words) in [
-            (0, "less than a minute ago"),
-            (1, "1 minute ago"),
-            (59, "59 minutes ago"),
-            (60, "1 hour ago"),
-            (47 * 60, "1 day ago"),
-            (72 * 60, "3 days ago"),
-        ] {
-            assert_eq!(ago(minutes(count)), words);
-        }
-        let mut messages = Messages::default();
-        messages.say(MessageKind::LeftBehind, "Not saved.".into(), Vec::new());
-        messages.date(SystemTime::now().checked_sub(minutes(5)));
-        assert_eq!(messages.list()[0].told(), "Not saved. Last changed 5 minutes ago.");
-        assert_eq!(messages.retire(0.0), Some(MINUTE), "the window is drawn again");
-    }
 
     #[test]
     fn messages_go_when_they_can_have_been_read_and_dangers_stay() {

@@ -93,8 +93,6 @@ pub struct OpenPair {
     pub crosshair: Option<Crosshair>,
     /// Whether the pictures are shown without bars and dock.
     pub alone: bool,
-    /// Whether the two pictures have traded places, for a blink.
-    pub swapped: bool,
     /// Whether the lines of the present result are drawn although it is unreliable.
     pub lines_anyway: bool,
     /// Document after a click placed a point, so that a double click can take the point back.

@@ -50,7 +50,8 @@ impl MethodStep {
     }
 }
 
-/// Returns the progress of a step: of its stage, or of the stage of the step before it, which has its time.
+/// Returns the progress of a step: of its stage, or of the stage of the step before it, which has its time and
+/// alone is shown as running.
 pub fn progress_of(step: MethodStep, computation: &Computation) -> StepProgress {
     let (stage, has_time) = match step {
         // The silhouettes are known before the search.
@@ -66,6 +67,7 @@ pub fn progress_of(step: MethodStep, computation: &Computation) -> StepProgress 
     };
     match progress(stage, computation) {
         StepProgress::Done(_) if !has_time => StepProgress::Done(None),
+        StepProgress::Running if !has_time => StepProgress::Waiting,
         other => other,
     }
 }
@@ -126,8 +128,9 @@ pub fn sentence(step: MethodStep, plan: SearchPlan) -> &'static str {
             "A candidate of p and one of q cross. Where they cross, the other camera might be: a hypothesis."
         }
         MethodStep::RoundTrip => {
-            "Two candidates fix two maps: H takes lines through the left epipole to the right picture, G takes them back. \
-             The area between l and G H l tells how well both agree. Wrong hypotheses may have a small one, too."
+            "Two candidates give two maps. H takes a line l through the left epipole to the right picture, where it is \
+             H l. G takes H l back, where it is G H l. The nearer it comes to l, the better both maps agree. Wrong \
+             hypotheses may come near, too."
         }
         MethodStep::Validation if by_barcodes => {
             "The best hypotheses race: each is fitted to the barcodes of lines all over both pictures. The best fit wins."
@@ -210,6 +213,11 @@ mod tests {
         }
         let state = |computation: &Computation, stage| progress(stage, computation);
         assert_eq!(state(&computation, Stage::Validation), StepProgress::Running);
+        computation.take(1, began(Stage::Features));
+        let of_step = |step| progress_of(step, &computation);
+        assert_eq!(of_step(MethodStep::Features), StepProgress::Running);
+        assert_eq!(of_step(MethodStep::Matches), StepProgress::Waiting, "one step runs at a time");
+        computation.take(1, began(Stage::Validation));
         assert!(matches!(state(&computation, Stage::Features), StepProgress::Done(Some(_))));
         let first = computation.stages()[0];
         computation.take(1, began(Stage::Refinement));

@@ -6,8 +6,8 @@
 use std::sync::Arc;
 
 use super::opening::{
-    LoadedPair, NewCalibration, Opening, OpeningFailure, PairReading, calibrated, open_folder, open_views,
-    sample, sample_sequences,
+    LoadedPair, NewCalibration, Opening, OpeningFailure, PairReading, calibrated, open_files, open_folder,
+    open_views, sample, sample_sequences,
 };
 use super::session_opening::open_session;
 use super::task::{Task, Waiting};
@@ -35,7 +35,7 @@ impl Wanted {
         let found = match self {
             Self::Opening(Opening::Sample(which)) => Ok(sample(which)),
             Self::Opening(Opening::SampleSequences) => sample_sequences(&reading),
-            Self::Opening(Opening::Files(left, right)) => reading.pair([&left, &right]).map(LoadedPair::of),
+            Self::Opening(Opening::Files(left, right)) => open_files([&left, &right], &mut reading),
             Self::Opening(Opening::Folder(path)) => open_folder(&path, &mut reading),
             Self::Opening(Opening::Session(path)) => open_session(path.into(), &mut reading),
             Self::Views(folder, views, cameras) => {

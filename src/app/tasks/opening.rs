@@ -1,6 +1,6 @@
 //! Things to open, and reading of pictures, sequences, built-in pairs and pairs of a folder.
 
-use std::path::{Path, PathBuf};
+use std::path::{Path, PathBuf, absolute};
 use std::sync::Arc;
 
 use crate::app::model::document::Side;
@@ -15,7 +15,7 @@ use crate::cancel::CancelFlag;
 use crate::geometry::PointPair;
 use crate::image::Picture;
 use crate::io::PictureFolder;
-use crate::io::{TruthError, is_sequence, read_sequence};
+use crate::io::{TruthError, TruthFolder, is_sequence, read_sequence};
 use crate::presentation::sentence;
 use crate::study::plan_views;
 use crate::synthetic::Sample;
@@ -209,6 +209,19 @@ pub fn sample_sequences(reading: &PairReading) -> Result<LoadedPair, OpeningFail
             "The built-in sequences could not be drawn: {error}. Nothing was changed."
         ))
     })
+}
+
+/// Opens two files or folders. A ground truth beside them is known, and a key uses it.
+pub fn open_files(paths: [&Path; 2], reading: &mut PairReading) -> Result<LoadedPair, OpeningFailure> {
+    let opened = LoadedPair::of(reading.pair(paths)?);
+    Ok(LoadedPair { known: truth_beside(paths), ..opened })
+}
+
+fn truth_beside(paths: [&Path; 2]) -> Option<KnownTruth> {
+    let [left, right] = paths.map(|path| absolute(path).ok());
+    let (folder, other) = (left.as_ref()?.parent()?, right.as_ref()?.parent()?);
+    let folder = TruthFolder::open(folder).ok().filter(|_| folder == other)?;
+    KnownTruth::of_views(&folder, folder.views_of(paths)?).ok()
 }
 
 pub fn open_folder(path: &Path, reading: &mut PairReading) -> Result<LoadedPair, OpeningFailure> {

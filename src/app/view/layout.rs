@@ -228,10 +228,7 @@ impl View {
             return None;
         }
         let mut hover = None;
-        let mut places = halves(area, stacked);
-        if model.open.swapped {
-            places.reverse();
-        }
+        let places = halves(area, stacked);
         for (pane, rect) in self.panes.iter_mut().zip(places) {
             let mut child = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(pane.side().index()));
             hover = pane.show(&mut child, model, commands).or(hover);

@@ -11,7 +11,6 @@ pub use kinds::{CHOSEN_EDITS, Choosing, PointsCommand};
 use super::Model;
 use super::document::{counted, pair_name};
 use super::history::EditKey;
-use super::verdict::Gauge;
 use crate::geometry::{PointPair, symmetric_epipolar_distance};
 use crate::io::{PairOrigin, parse_table};
 
@@ -20,12 +19,6 @@ impl Model {
     pub fn pair_distance(&self, pair: usize) -> Option<f64> {
         let distance = symmetric_epipolar_distance(self.shown()?.fundamental, self.document.pairs.get(pair)?);
         distance.is_finite().then_some(distance)
-    }
-
-    /// Returns the distance of a pair on its scale from bad to good.
-    pub fn pair_gauge(&self, pair: usize) -> Option<Gauge> {
-        let (sigma, distance) = (self.document.parameters.click_sigma, self.pair_distance(pair)?);
-        Some(Gauge::of_click(self.shown()?.fundamental, self.document.pairs.get(pair)?, sigma, distance))
     }
 
     pub fn choose_pair(&mut self, pair: usize, how: Choosing) {

@@ -192,6 +192,11 @@ impl DrawnPair {
         self.is_high() && !look.as_in_the_file
     }
 
+    /// Returns the word for a row as it lies on the screen.
+    pub fn row_name(&self, look: &RectifiedLook) -> &'static str {
+        if self.is_turned(look) { "Column" } else { "Row" }
+    }
+
     /// Returns the turn of the pictures on the screen. The epipole is at the top of turned ones.
     pub fn turn(&self, look: &RectifiedLook) -> QuarterTurns {
         QuarterTurns::from(u8::from(self.is_turned(look)))

@@ -2,10 +2,10 @@
 
 use super::kept;
 use super::moment::{Ink, Moment, Racer};
-use super::record::{Record, short_origin};
+use super::record::Record;
 use super::strokes::{ease_in_out, farthest, lines_of, share};
 use crate::estimate::SearchPlan;
-use crate::presentation::resampling_in_words;
+use crate::presentation::{proposer_in_words, resampling_in_words};
 
 /// Draws the step of validation.
 pub fn validation(moment: &mut Moment, record: &Record, seconds: f64) {
@@ -17,10 +17,10 @@ pub fn validation(moment: &mut Moment, record: &Record, seconds: f64) {
     let Some(checkpoints) = racers.first().map(|own| own.course.len()) else { return };
     // Several racers may have the same origin.
     let name = |k: usize| {
-        let own = |k: usize| short_origin(&racers[k].hypothesis.origin);
+        let own = |k: usize| proposer_in_words(racers[k].hypothesis.origin.source);
         let same: Vec<usize> = (0..racers.len()).filter(|other| own(*other) == own(k)).collect();
         match same.iter().position(|other| *other == k) {
-            Some(number) if same.len() > 1 => format!("{} {}", own(k), number + 1),
+            Some(number) if same.len() > 1 => format!("{} ({})", own(k), number + 1),
             _ => own(k),
         }
     };
@@ -65,7 +65,7 @@ pub fn validation(moment: &mut Moment, record: &Record, seconds: f64) {
     moment.tell("leader", moment.race[leader].name.clone());
     if let Some(then) = racers[leader].hypothesis.origin.then {
         // Its epipoles are no longer those of the first proposal.
-        moment.tell("moved on by", resampling_in_words(then));
+        moment.tell("improved by", resampling_in_words(then));
     }
     moment.tell("support", format!("{:.0}", moment.race[leader].support));
     let second = moment.race.iter().enumerate().filter(|(k, _)| *k != leader).map(|(_, own)| own.support);

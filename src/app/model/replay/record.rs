@@ -9,11 +9,12 @@ use crate::app::model::ids::MethodStep;
 use crate::app::model::recording::Synchronised;
 use crate::estimate::{
     BarcodeFigures, ComparedPencils, Construction, DistinctMatch, Estimate, Event, EventKind, HypothesisNote,
-    LinePairNote, Origin, ProposedBy, RankedHypothesis, RoundTrip, SearchPlan, lines_at,
+    LinePairNote, ProposedBy, RankedHypothesis, RoundTrip, SearchPlan, lines_at,
 };
 use crate::geometry::{
     AnchoredLine, Frame, FundamentalMatrix, Point, PointPair, area_between_lines, fan, sampson_distance,
 };
+use crate::presentation::proposer_in_words;
 
 /// Ratio below which a match of features is distinctive.
 const DISTINCTIVE: f64 = 0.8;
@@ -281,7 +282,9 @@ impl Record {
         let hypotheses = found.hypotheses().iter().enumerate();
         let named = hypotheses.filter_map(|(k, own)| {
             let (gap, construction) = tripped(own)?;
-            let name = own.origin.map_or_else(|| "a hypothesis".to_owned(), |origin| short_origin(&origin));
+            let name = own
+                .origin
+                .map_or_else(|| "a hypothesis".to_owned(), |origin| proposer_in_words(origin.source));
             Some((gap, construction, name, k))
         });
         let mut all: Vec<_> = named.collect();
@@ -398,16 +401,4 @@ impl Record {
 fn tripped(own: &Estimate) -> Option<(f64, &Construction)> {
     let lines = own.assessment.lines.as_ref()?;
     Some((lines.round_trip_area?, &lines.construction))
-}
-
-/// Names the origin of a hypothesis in two or three words.
-pub fn short_origin(origin: &Origin) -> String {
-    match origin.source {
-        ProposedBy::LinePairs { ranks: [p, q] } => format!("p {p} × q {q}"),
-        ProposedBy::Features => "features".into(),
-        ProposedBy::KnownCameras => "features, cameras".into(),
-        ProposedBy::GivenMatches => "given matches".into(),
-        ProposedBy::AllLines => "all lines".into(),
-        ProposedBy::Clicks => "clicks alone".into(),
-    }
 }

@@ -4,7 +4,7 @@ use super::course::Place;
 use super::kept;
 use super::moment::{Filled, Ink, Moment, Shape};
 use super::race;
-use super::record::{Record, RecordedPencils, Trip, short_origin};
+use super::record::{Record, RecordedPencils, Trip};
 use super::sequences;
 use super::strokes::{
     CANDIDATES, both, candidate, ease_in_out, ease_out, epipoles_of, farthest, noted_lines, pencil_lines,
@@ -17,6 +17,7 @@ use crate::app::model::ids::MethodStep;
 use crate::app::model::verdict::short_epipole_text;
 use crate::estimate::{Candidate, HypothesisNote, ProposedBy, SearchPlan, lines_at};
 use crate::geometry::{AnchoredLine, Line, fan, regions_between_lines};
+use crate::presentation::proposer_in_words;
 
 /// Time of one line or crossing, s.
 pub const NUDGE: f64 = 0.02;
@@ -296,7 +297,7 @@ fn epipoles(moment: &mut Moment, record: &Record, seconds: f64) {
     }
     if let Some(k) = now {
         let own = &record.hypotheses[k];
-        moment.tell("from", short_origin(&own.origin));
+        moment.tell("from", proposer_in_words(own.origin.source));
         for (side, name) in Side::BOTH.into_iter().zip(["epipole on the left", "epipole on the right"]) {
             moment.tell(name, short_epipole_text(&side.epipole(&own.fundamental)));
         }
@@ -333,16 +334,21 @@ fn round_trip(moment: &mut Moment, record: &Record, seconds: f64) {
     for (k, shape) in drawn.into_iter().enumerate() {
         moment.add_part(Replayed::Line(0), shape, Ink::RoundTrip, at_time(k));
     }
-    let notes = [(Side::Left, lines.line1, "l", 0), (Side::Right, lines.line2, "H l", 1)];
+    let notes = [
+        (Side::Left, lines.line1, "l", 0),
+        (Side::Right, lines.line2, "H l", 1),
+        (Side::Left, lines.back1, "G H l", 2),
+    ];
     for (side, line, text, k) in notes {
         if let Some(segment) = record.frames[side.index()].clip(&line) {
-            let at = nalgebra::center(&segment.start, &segment.end);
+            // The two names on the left stand apart even if both lines are one.
+            let at = segment.start + (segment.end - segment.start) * [0.4, 0.5, 0.6][k];
             moment.add(Shape::Note { side, at, text: text.to_owned() }, Ink::RoundTrip, at_time(k));
         }
     }
     moment.tell("hypothesis", name.clone());
     if area > 0.0 {
-        moment.tell("gap", format!("{gap:.1} px"));
+        moment.tell("round trip, from l to G H l", format!("{gap:.1} px"));
         moment.gap = Some(*gap);
     }
     moment.tell("hypotheses with a round trip", record.gaps.len().to_string());

@@ -15,9 +15,9 @@ use crate::presentation::{
 };
 
 pub use crate::presentation::{
-    EpipolePlace, Fact, Gauge, Glance, HypothesisFigure, HypothesisScales, Standing, Tone, corrected_fact,
-    epipole_text, epipoles_at_a_glance, hypothesis_facts, lens_fact, line_score_text, lines_at_a_glance,
-    pose_facts, short_epipole_text,
+    EpipolePlace, Fact, Glance, HypothesisFigure, Standing, Tone, corrected_fact, epipole_text,
+    epipoles_at_a_glance, hypothesis_facts, lens_fact, line_score_text, lines_at_a_glance, pose_facts,
+    short_epipole_text,
 };
 pub use action::{CardAction, LineLook, USE_LENS};
 pub use imported::{import_facts, import_warning};

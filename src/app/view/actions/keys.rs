@@ -225,14 +225,10 @@ pub fn with_keys() -> Vec<Action> {
         action(Command::FitAll, "Fit", "Show both images completely. A double click fits one image.")
             .key(NONE, Key::F)
             .listed(|_| "Fit both images (zoom out)"),
-        action(
-            Command::Blink,
-            "Blink",
-            "Exchange the left and the right picture on the screen. Press again and again to compare them.",
-        )
-        .key(NONE, Key::X)
-        .listed(|_| "Blink: swap the two pictures on the screen")
-        .when(|model| model.document.pictures.is_some()),
+        action(RectifiedCommand::Swap, "Swap", "Show the other rectified picture instead.")
+            .key(NONE, Key::X)
+            .listed(|_| "Rectified pair: show the other picture (blink)")
+            .when(|model| model.stage() == StageId::Rectified),
     ];
     let panels = vec![
         action(

@@ -96,8 +96,6 @@ pub fn by_name() -> Vec<Action> {
         )
         .listed(|_| "Copy the view as a picture")
         .when(|model| model.document.pictures.is_some()),
-        action(Command::ToggleLoupe, "Loupe", "Magnify the image around a point while you place or drag it.")
-            .listed(|_| "Loupe while placing points"),
         action(
             Command::OpenSample(Sample::Alley),
             "Sample",
@@ -226,7 +224,6 @@ pub fn by_name() -> Vec<Action> {
         dock(None).listed(|_| "Dock: automatic place"),
         dock(Some(DockEdge::Bottom)).listed(|_| "Dock: at the bottom"),
         dock(Some(DockEdge::Right)).listed(|_| "Dock: at the right"),
-        action(RectifiedCommand::Swap, "Swap", "Show the other rectified picture instead."),
         action(Command::ClearPairs, "Remove all pairs", "Remove all point pairs. Undo brings them back.")
             .listed(|_| "Remove all point pairs")
             .when(|model| !model.document.pairs.is_empty() || model.document.half.is_some()),

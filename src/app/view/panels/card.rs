@@ -1,18 +1,18 @@
-//! The card of the verdict: one word, one sentence, at most four figures, one button.
+//! The card of the verdict: one word with the menu that copies F, one sentence, four figures, buttons, and the rest.
+//! The figures stand above the fold of the smallest dock.
 
 use egui::collapsing_header::CollapsingState;
 use egui::{
-    Align, Button, Id, Label, Layout, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui, UiBuilder, vec2,
+    Align, Button, Color32, Id, Label, Layout, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui,
+    UiBuilder, Visuals, vec2,
 };
 
 use super::dialog::named;
-use super::gauge::tone_color;
 use super::menus::copy_fundamental_menu;
 use super::{busy, command_button, finish_button, main_button, terms};
 use crate::app::model::comparison::Contestant;
 use crate::app::model::computation::Freshness;
 use crate::app::model::guide::guide;
-use crate::app::model::messages::MessageKind;
 use crate::app::model::sample::FIRST;
 use crate::app::model::verdict::{
     CardAction, Fact, Glance, Tone, VerdictInWords, corrected_fact, epipoles_at_a_glance, hypothesis_facts,
@@ -23,29 +23,33 @@ use crate::app::view::theme;
 use crate::estimate::Estimate;
 use crate::geometry::FundamentalMatrix;
 
+/// Space between two rows of the card, screen points.
+const BETWEEN: f32 = 2.0;
+/// Rows of the main reason above the figures. Its tooltip has the rest.
+const REASON: usize = 3;
+
 /// Shows the card in all available space. The details scroll.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ScrollArea::vertical().id_salt("card").auto_shrink([false, false]).show(ui, |ui| {
-        ui.spacing_mut().item_spacing.y = 4.0;
+        ui.spacing_mut().item_spacing.y = BETWEEN;
         ui.set_max_width(ui.available_width() - theme::SCROLL_BAR);
         if model.is_at_start() {
             start(ui, model, commands);
         } else if another(ui, model, commands) {
-            fundamental(ui, model, commands);
+            fundamental(ui, model);
         } else {
             result(ui, model, commands);
         }
     });
 }
 
-/// Shows F of the shown geometry, with a menu that copies it.
-fn fundamental(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+/// Shows F of the shown geometry.
+fn fundamental(ui: &mut Ui, model: &Model) {
     let Some(shown) = model.geometry_to_write() else { return };
     let convention = "Fundamental matrix F: x2 · F x1 = 0 for a match of x1 in the left image and x2 in the right one, \
                       pixels, with the centre of the upper left pixel at (0, 0).";
     let rows = shown.fundamental.rows().map(|row| row.map(|value| format!("{value:>9.2e}")).join(" "));
     ui.add(Label::new(RichText::new(rows.join("\n")).monospace()).extend()).on_hover_text(convention);
-    copy_fundamental_menu(ui, model, commands);
 }
 
 /// Shows the next step before anything was placed.
@@ -84,34 +88,24 @@ fn start(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     unsaved_work(ui, model, commands);
 }
 
-/// Returns whether the card makes the offers to restore unsaved work.
-pub fn offers(model: &Model) -> bool {
-    model.is_at_start() && !model.look.dock.folded && !model.open.alone
-}
-
+/// Offers the newest unsaved work. The dialog for opening images lists all of it.
 fn unsaved_work(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    for message in model.messages.on_top().filter(|message| message.kind == MessageKind::LeftBehind) {
-        ui.add_space(6.0);
-        ui.add(Label::new(message.told()).wrap());
-        ui.horizontal(|ui| {
-            for action in &message.actions {
-                let button = ui.button(action.label);
-                finish_button(ui, button, action.command.clone(), commands);
-            }
-            let (close, what) = message.kind.close();
-            if ui.button(close).on_hover_text(what).clicked() {
-                commands.push(Command::Dismiss(message.number));
-            }
-        });
-        ui.add_space(6.0);
-    }
+    let Some(newest) = model.left_behind.first() else { return };
+    ui.add_space(6.0);
+    ui.add(Label::new(newest.told()).wrap());
+    ui.horizontal(|ui| {
+        for action in newest.actions() {
+            let button = ui.button(action.label);
+            finish_button(ui, button, action.command, commands);
+        }
+    });
 }
 
 /// Shows the geometry that the window displays in place of the result. Returns whether there is one.
 fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
     let Some(shown) = model.shown() else { return false };
     if let Some((number, hypothesis)) = shown.hypothesis {
-        heading(ui, None, &format!("Hypothesis {}", number + 1));
+        heading(ui, model, None, &format!("Hypothesis {}", number + 1), commands);
         another_shown(ui, model, &format!("hypothesis {}", number + 1), commands);
         at_a_glance(ui, epipoles(model, shown.fundamental, None));
         let score = model.document.parameters.validation.line_score;
@@ -124,7 +118,7 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
         Contestant::Imported => "the imported geometry".to_owned(),
         other => format!("the {} geometry", other.name()),
     };
-    heading(ui, None, contestant.name());
+    heading(ui, model, None, contestant.name(), commands);
     if model.result().is_some() {
         another_shown(ui, model, &name, commands);
     } else {
@@ -153,33 +147,33 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
 fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let VerdictInWords { tone, word, sentence, facts, warnings, likely } =
         verdict(&model.document, &model.open.computation);
-    ui.horizontal_wrapped(|ui| {
-        heading(ui, Some(tone), word);
-        if let Some([short, sentence]) = &likely {
-            ui.label(RichText::new(short).size(theme::CAPTION).weak()).on_hover_text(format!(
-                "{sentence}. This is the share of right results with such a verdict on pairs with known truth."
-            ));
-        }
-        if model.open.computation.is_running() {
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                command_button(ui, Command::Stop, true, commands);
-            });
-        }
-    });
+    heading(ui, model, Some(tone), word, commands);
     let warnings: Vec<String> = warnings.into_iter().filter(|warning| *warning != sentence).collect();
-    terms::label(ui, sentence + &model.card_remarks());
+    let sentence = sentence + &model.card_remarks();
+    // A decimal point has no space behind it.
+    let reason = sentence.find(". ").map_or(&*sentence, |end| &sentence[..=end]);
+    terms::label(ui, reason, REASON);
     if tone != Tone::Apart {
         figures(ui, model);
         list(ui, true_error(model).into_iter().chain(facts.iter().filter(|fact| is_on_card(fact)).cloned()));
     }
+    if let Some([short, sentence]) = &likely {
+        ui.label(RichText::new(short).size(theme::CAPTION).weak()).on_hover_text(format!(
+            "{sentence}. This is the share of right results with such a verdict on pairs with known truth."
+        ));
+    }
     ui.add_space(2.0);
     let details =
         CollapsingState::load_with_default_open(ui.ctx(), Id::unique("details of the verdict"), false);
+    let rest = sentence[reason.len()..].trim_start();
     let has_details = model.result().is_some();
     let unfolds = buttons(ui, model, has_details.then_some(details.is_open()), commands);
     let mut details = details;
     if unfolds {
         details.toggle(ui);
+    }
+    if !rest.is_empty() {
+        terms::label(ui, rest, usize::MAX);
     }
     if !has_details {
         return;
@@ -204,7 +198,7 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         if model.open.corrected_lens().is_some() {
             command_button(ui, Command::RemoveCalibration, true, commands);
         }
-        fundamental(ui, model, commands);
+        fundamental(ui, model);
     });
 }
 
@@ -218,16 +212,13 @@ fn figures(ui: &mut Ui, model: &Model) {
     at_a_glance(ui, epipoles(model, shown.fundamental, own));
 }
 
-/// Shows what the verdict asks for, or else the menu that copies F, and a button for the details if it is told
-/// whether they are open. Returns whether that was clicked.
+/// Shows what the verdict asks for, and a button for the details if it is told whether they are open. Returns whether
+/// that was clicked.
 fn buttons(ui: &mut Ui, model: &Model, details: Option<bool>, commands: &mut Vec<Command>) -> bool {
     let action = model.card_action();
     let switch = model.lines_switch().filter(|switch| action.as_ref() != Some(switch));
     let mut unfolds = false;
     ui.horizontal_wrapped(|ui| {
-        if action.is_none() && model.shown().is_some() {
-            copy_fundamental_menu(ui, model, commands);
-        }
         let others = model.card_alternative().into_iter().chain(switch);
         let count = usize::from(action.is_some());
         for (place, CardAction { label, command, enabled }) in action.into_iter().chain(others).enumerate() {
@@ -270,9 +261,9 @@ fn at_a_glance(ui: &mut Ui, row: Option<Glance>) {
     ui.painter().hline(top.x_range(), top.center().y, line);
     let is_one = values[0] == values[1] && ranges.iter().all(String::is_empty);
     let [first, second] = heads.map(small);
-    let in_cells = |ui: &mut Ui, texts: [RichText; 3], height: f32| {
+    let in_cells = |ui: &mut Ui, texts: [RichText; 3], height: f32, share: f32| {
         let (area, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
-        let right = area.width() * 0.36;
+        let right = area.width() * share;
         let mut end = area.max.x;
         for (k, text) in texts.into_iter().enumerate().rev() {
             let start = if k == 0 { area.min.x } else { end - right };
@@ -302,23 +293,45 @@ fn at_a_glance(ui: &mut Ui, row: Option<Glance>) {
         });
         return;
     }
-    in_cells(ui, [small(name), first, second], 14.0);
+    in_cells(ui, [small(name), first, second], 14.0, 0.36);
     let [one, other] = values.map(|value| RichText::new(value).size(theme::FIGURE).strong());
-    in_cells(ui, [RichText::new(common), one, other], 18.0);
+    in_cells(ui, [RichText::new(common), one, other], 18.0, 0.36);
     if ranges.iter().any(|range| !range.is_empty()) {
         let [one, other] = ranges.each_ref().map(|range| small(range));
-        in_cells(ui, [RichText::default(), one, other], 14.0);
+        // Ranges have no name beside them.
+        in_cells(ui, [RichText::default(), one, other], 14.0, 0.5);
     }
 }
 
-/// Shows the sign and the word of a verdict.
-fn heading(ui: &mut Ui, tone: Option<Tone>, word: &str) {
-    ui.horizontal(|ui| {
-        if let Some(tone) = tone {
-            sign(ui, tone);
+/// Shows the sign and the word of a verdict. At the right, F is copied or the search stopped.
+fn heading(ui: &mut Ui, model: &Model, tone: Option<Tone>, word: &str, commands: &mut Vec<Command>) {
+    let row = vec2(ui.available_width(), 24.0);
+    ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
+        ui.spacing_mut().button_padding.y = 1.0;
+        if model.open.computation.is_running() {
+            command_button(ui, Command::Stop, true, commands);
+        } else if model.geometry_to_write().is_some() {
+            copy_fundamental_menu(ui, model, commands);
         }
-        ui.label(RichText::new(word).size(theme::VERDICT).color(ui.visuals().strong_text_color()));
+        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+            if let Some(tone) = tone {
+                sign(ui, tone);
+            }
+            let word = RichText::new(word).size(theme::VERDICT).color(ui.visuals().strong_text_color());
+            ui.add(Label::new(word).truncate());
+        });
     });
+}
+
+fn tone_color(visuals: &Visuals, tone: Tone) -> Color32 {
+    let palette = theme::palette(visuals);
+    match tone {
+        Tone::Idle | Tone::Busy => visuals.weak_text_color(),
+        Tone::Apart => visuals.text_color(),
+        Tone::Good => palette.good,
+        Tone::Caution => palette.caution,
+        Tone::Bad => palette.bad,
+    }
 }
 
 /// Draws the sign of a verdict: a tick, a diamond or an octagon, so that the colour is not needed.

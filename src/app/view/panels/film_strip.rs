@@ -15,6 +15,7 @@ use crate::app::model::document::counted;
 use crate::app::model::picture::Overview;
 use crate::app::model::thumbnails::ThumbnailQuestion;
 use crate::app::model::{Command, Model, Side};
+use crate::app::view::panes::shortened;
 use crate::app::view::theme;
 use crate::io::PictureFolder;
 
@@ -28,8 +29,6 @@ const CAPTION: f32 = 20.0;
 const BAR: f32 = 5.0;
 /// Window height below which thumbnails are smaller.
 const LOW: f32 = 760.0;
-/// Length of a common prefix, in bytes, beyond which captions leave it out.
-const LONG_PREFIX: usize = 6;
 /// Number of thumbnails loaded in advance on either side.
 const AHEAD: usize = 3;
 
@@ -40,8 +39,6 @@ pub struct FilmStrip {
     visible: Range<usize>,
     /// The pair last scrolled into view.
     shown: Option<[usize; 2]>,
-    /// Length of the common prefix of all names, in bytes, if captions leave it out.
-    common: Option<usize>,
 }
 
 impl FilmStrip {
@@ -73,9 +70,6 @@ impl FilmStrip {
         let size = vec2(WIDTH, image_height(ui.ctx().content_rect().height()) + CAPTION);
         let step = WIDTH + GAP;
         let moved = self.shown.replace(pair) != Some(pair);
-        if moved {
-            self.common = common_prefix(folder.names()).filter(|common| *common > LONG_PREFIX);
-        }
         ScrollArea::horizontal().auto_shrink([false, true]).show_viewport(ui, |ui, viewport| {
             ui.set_width(step * count as f32);
             ui.set_height(size.y + BAR);
@@ -144,11 +138,12 @@ impl FilmStrip {
         let caption = Rect::from_min_max(pos2(area.min.x, image.max.y + 2.0), area.max);
         let room = if free { 2.0 * CAPTION } else { 0.0 };
         let (font, color) = (FontId::proportional(11.5), ui.visuals().text_color());
-        let short = self.common.filter(|common| *common < name.len());
-        let short = short.map_or_else(|| name.clone(), |common| format!("…{}", &name[common..]));
         let room = caption.width() - room - 4.0;
-        let full = ui.painter().layout_no_wrap(short.clone(), font.clone(), color).size().x;
-        let mut job = LayoutJob::simple_singleline(cut_in_the_middle(&short, room / full), font, color);
+        let full = ui.painter().layout_no_wrap(name.clone(), font.clone(), color).size().x;
+        let most = (name.chars().count() as f32 * room / full) as usize;
+        // The ends usually distinguish names.
+        let short = if full > room { shortened(name, most.saturating_sub(1)) } else { name.clone() };
+        let mut job = LayoutJob::simple_singleline(short, font, color);
         job.wrap = TextWrapping::truncate_at_width(room);
         let galley = ui.painter().layout_job(job);
         ui.painter().galley(caption.center() - galley.size() / 2.0, galley, color);
@@ -187,26 +182,6 @@ impl FilmStrip {
             }
         }
     }
-}
-
-/// Returns the length in bytes of the common prefix, up to and including a separator.
-fn common_prefix(names: &[String]) -> Option<usize> {
-    let (first, others) = names.split_first()?;
-    let alike = |other: &String| first.bytes().zip(other.bytes()).take_while(|(a, b)| a == b).count();
-    let length = others.iter().map(alike).min()?;
-    let head = first.as_bytes().get(..length)?;
-    head.iter().rposition(|byte| matches!(byte, b'-' | b'_' | b'.' | b' ')).map(|mark| mark + 1)
-}
-
-/// Shortens a name in the middle if only a share of it fits. The ends usually distinguish names.
-fn cut_in_the_middle(name: &str, share: f32) -> String {
-    let letters: Vec<char> = name.chars().collect();
-    let kept = (letters.len() as f32 * share - 1.0).max(2.0) as usize;
-    if share >= 1.0 || kept >= letters.len() {
-        return name.to_owned();
-    }
-    let end = letters.len() - kept.div_ceil(2);
-    letters[..kept / 2].iter().chain(&['…']).chain(&letters[end..]).collect()
 }
 
 fn image_height(window: f32) -> f32 {
@@ -251,32 +226,5 @@ fn side_button(
         if is_open { format!("This image is open on the {}.", side.name()) } else { format!("{label}.") };
     if response.on_hover_text(tooltip).clicked() && folder.is_pair(views) && views != pair {
         commands.push(Command::OpenViews(views));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_with_a_common_beginning_stay_distinct_when_shortened() {
-        assert_eq!(cut_in_the_middle("left.png", 1.4), "left.png");
-        let [a, b] =
-            ["brighton-01-10-bigA.jpg", "brighton-01-10-bigB.jpg"].map(|name| cut_in_the_middle(name, 0.6));
-        assert!(
-            a.ends_with("A.jpg") && b.ends_with("B.jpg") && a.starts_with("brigh") && a.chars().count() < 15,
-            "{a}"
-        );
-    }
-
-    #[test]
-    fn the_common_prefix_of_names_ends_at_a_separator() {
-        let common =
-            |names: &[&str]| common_prefix(&names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>());
-        assert_eq!(common(&["brighton-00-01A", "brighton-00-02A", "brighton-03B"]), Some(9));
-        assert_eq!(common(&["IMG_2031", "IMG_2032"]), Some(4));
-        assert_eq!(common(&["shot1", "shot2"]), None);
-        assert_eq!(common(&["ä_1", "ö_1"]), None);
-        assert_eq!(common(&["a_", "a_"]), Some(2));
     }
 }

@@ -2,7 +2,6 @@
 
 use egui::{Align, Align2, Area, Frame, Id, Label, Layout, Margin, Order, Rect, RichText, Stroke, vec2};
 
-use super::card;
 use crate::app::model::messages::{Message, MessageKind};
 use crate::app::model::{Command, Model};
 use crate::app::view::theme;
@@ -12,12 +11,7 @@ const BESIDE_BUTTONS: f32 = 4.0;
 
 /// Shows the messages over the top of the images, so that the layout does not move.
 pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<Command>) {
-    // The card of the start makes the offers itself, so that nothing covers the pictures.
-    // Once a person works on the pictures, they wait for the next start.
-    let offered = |message: &&Message| {
-        message.kind == MessageKind::LeftBehind && (card::offers(model) || !model.is_at_start())
-    };
-    let shown: Vec<&Message> = model.messages.on_top().filter(|message| !offered(message)).collect();
+    let shown: Vec<&Message> = model.messages.on_top().collect();
     if shown.is_empty() {
         return;
     }
@@ -34,9 +28,7 @@ pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<C
                         (palette.message_fill, palette.bad)
                     }
                     MessageKind::Replace => (ui.visuals().panel_fill, palette.caution),
-                    MessageKind::LeftBehind | MessageKind::Answer | MessageKind::Taken => {
-                        (ui.visuals().panel_fill, palette.accent)
-                    }
+                    MessageKind::Answer | MessageKind::Taken => (ui.visuals().panel_fill, palette.accent),
                     MessageKind::Done => (ui.visuals().panel_fill, palette.good),
                 };
                 Frame::new()
@@ -64,7 +56,7 @@ pub fn show(ctx: &egui::Context, area: Rect, model: &Model, commands: &mut Vec<C
                             ui.with_layout(Layout::top_down(Align::Min), |ui| {
                                 // Aligns the first line with the text of the buttons.
                                 ui.add_space(BESIDE_BUTTONS);
-                                ui.add(Label::new(RichText::new(message.told())).wrap());
+                                ui.add(Label::new(RichText::new(&message.text)).wrap());
                             });
                         });
                     });

@@ -8,7 +8,6 @@ pub mod dock;
 mod export;
 mod film_strip;
 mod focal_dialog;
-mod gauge;
 mod icons;
 mod menus;
 mod messages;

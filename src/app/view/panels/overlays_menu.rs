@@ -56,11 +56,9 @@ fn content(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
     ui.weak("View");
     let look = &model.look;
-    for (command, mut on) in [
-        (Command::ToggleLink, look.linked),
-        (Command::ToggleLoupe, look.loupe),
-        (Command::ToggleStacked, look.stacked.unwrap_or(false)),
-    ] {
+    for (command, mut on) in
+        [(Command::ToggleLink, look.linked), (Command::ToggleStacked, look.stacked.unwrap_or(false))]
+    {
         let entry = ui.checkbox(&mut on, command.name());
         finish_button(ui, entry, command, commands);
     }

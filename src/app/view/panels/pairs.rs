@@ -8,7 +8,6 @@ use egui::{
 };
 
 use super::dialog::named;
-use super::gauge;
 use super::{command_button, finish_button, pair_menu};
 use crate::app::model::point_table::{CHOSEN_EDITS, Choosing, PointsCommand};
 use crate::app::model::residuals::check_summary;
@@ -187,10 +186,7 @@ fn line(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         ui.add_space(4.0);
         if let Some(distance) = model.pair_distance(pair) {
-            let text = ui.add(Label::new(format!("{distance:.2} px")).selectable(false));
-            if let Some(scale) = model.pair_gauge(pair) {
-                gauge::under(ui, &text, &format!("Distance of pair {name}"), &scale);
-            }
+            ui.add(Label::new(format!("{distance:.2} px")).selectable(false));
         }
         let note = |ui: &mut Ui, text: RichText, tooltip: String| {
             ui.add(Label::new(text).selectable(false)).on_hover_text(tooltip);

@@ -16,10 +16,11 @@ const MOUSE: &str = "Scroll zooms · drag pans · double click fits · press ? f
 const ORBIT: &str = "Drag turns · scroll zooms · right drag moves · double click fits · click a point to see it in the pictures";
 
 /// What the mouse does on a rectified pair.
-const ROWS: &str = "Point at a picture to see its row in both · scroll zooms · drag pans · double click fits";
+const ROWS: &str =
+    "Point at a picture to see its line in both · scroll zooms · drag pans · double click fits";
 
 /// What the mouse does on a rectified pair in one picture.
-const ROW: &str = "Point at the picture to see its row · scroll zooms · drag pans · double click fits";
+const ROW: &str = "Point at the picture to see its line · scroll zooms · drag pans · double click fits";
 
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.spacing_mut().interact_size.y = theme::STATUS_BAR - 6.0;

@@ -16,8 +16,8 @@ pub fn show(ui: &mut Ui, step: MethodStep, model: &Model, commands: &mut Vec<Com
         ui.set_max_width(ui.available_width() - theme::SCROLL_BAR);
         let title = title(step, model.document.search_plan());
         let strong = ui.visuals().strong_text_color();
-        terms::label(ui, RichText::new(title).size(theme::VERDICT).color(strong));
-        terms::label(ui, sentence(step, model.document.search_plan()));
+        terms::label(ui, RichText::new(title).size(theme::VERDICT).color(strong), 1);
+        terms::label(ui, sentence(step, model.document.search_plan()), usize::MAX);
         ui.add_space(2.0);
         let figures = model.open.replay.moment().map_or(&[][..], |moment| &moment.figures);
         ui.scope(|ui| {

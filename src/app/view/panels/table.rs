@@ -8,8 +8,7 @@ use egui::{
     Align2, Color32, FontId, Id, Rect, Role, ScrollArea, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
 
-use super::{gauge, terms};
-use crate::app::model::verdict::Gauge;
+use super::terms;
 use crate::app::view::theme;
 
 /// A column: its heading, and what its cells hold.
@@ -25,7 +24,6 @@ pub struct Column<'a> {
     /// Value by which a row is sorted; NaN comes last.
     key: Box<dyn Fn(usize) -> f64 + 'a>,
     text: Box<dyn Fn(usize) -> String + 'a>,
-    gauge: Box<dyn Fn(usize) -> Option<Gauge> + 'a>,
 }
 
 impl<'a> Column<'a> {
@@ -52,8 +50,8 @@ impl<'a> Column<'a> {
         tooltip: &'static str,
         text: impl Fn(usize) -> String + 'a,
     ) -> Self {
-        let (key, gauge) = (Box::new(|row| row as f64), Box::new(|_| None));
-        Self { title, unit: "", tooltip, width, is_text: true, key, text: Box::new(text), gauge }
+        let key = Box::new(|row| row as f64);
+        Self { title, unit: "", tooltip, width, is_text: true, key, text: Box::new(text) }
     }
 
     /// Tells the unit of the figures in the heading.
@@ -64,11 +62,6 @@ impl<'a> Column<'a> {
     /// Writes other texts than the figures.
     pub fn written(self, text: impl Fn(usize) -> String + 'a) -> Self {
         Self { text: Box::new(text), ..self }
-    }
-
-    /// Adds gauges beside the figures.
-    pub fn gauged(self, gauge: impl Fn(usize) -> Option<Gauge> + 'a) -> Self {
-        Self { gauge: Box::new(gauge), ..self }
     }
 }
 
@@ -126,11 +119,6 @@ struct Ordered {
 }
 
 const ROW: f32 = 22.0;
-/// Width of a gauge, screen points.
-const BAR: f32 = 24.0;
-/// Least width of a gauge, screen points. In less room a gauge is left out; its words stay in the
-/// tooltip.
-const SHORTEST_BAR: f32 = 12.0;
 /// Distances of text from the left and the right edge of its column, screen points. The mark of the sort order
 /// has room at the right.
 const INSET: f32 = 6.0;
@@ -310,7 +298,6 @@ impl Table<'_> {
         }
         let painter = ui.painter().with_clip_rect(area.intersect(ui.clip_rect()));
         let mut left = 0.0;
-        let mut words = None;
         for (right, column) in edges.iter().zip(self.columns) {
             let (start, end) = (area.min.x + left + INSET, area.min.x + right - MARK);
             let text = (column.text)(row);
@@ -318,28 +305,12 @@ impl Table<'_> {
                 let at = pos2(start, area.center().y);
                 painter.text(at, Align2::LEFT_CENTER, text, font.clone(), color);
             } else {
-                let text =
-                    painter.text(pos2(end, area.center().y), Align2::RIGHT_CENTER, text, font.clone(), color);
-                if let Some(bar) = (column.gauge)(row) {
-                    let place =
-                        Rect::from_min_max(pos2(start, area.min.y), pos2(text.min.x - 8.0, area.max.y));
-                    let place = Rect::from_center_size(
-                        pos2(place.max.x - BAR / 2.0, area.center().y),
-                        vec2(BAR.min(place.width()).max(0.0), 4.0),
-                    );
-                    if place.width() >= SHORTEST_BAR {
-                        gauge::draw(&painter, ui.visuals(), place, &bar);
-                    }
-                    let cell = Rect::from_min_max(pos2(start, area.min.y), pos2(end, area.max.y));
-                    if response.hovered() && ui.rect_contains_pointer(cell) {
-                        words = Some(bar.words);
-                    }
-                }
+                let at = pos2(end, area.center().y);
+                painter.text(at, Align2::RIGHT_CENTER, text, font.clone(), color);
             }
             left = *right;
         }
-        let words = words.or_else(|| (self.about)(row).filter(|_| response.hovered()));
-        match words {
+        match (self.about)(row).filter(|_| response.hovered()) {
             Some(words) => response.on_hover_text(words),
             None => response,
         }

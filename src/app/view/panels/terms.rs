@@ -1,22 +1,26 @@
 //! Terms of the field in texts: a thin dotted line under each, and its meaning as a tooltip.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use egui::text::{CCursor, CharIndex, Galley};
-use egui::{Label, Rect, Response, RichText, Shape, TextStyle, TextWrapMode, Ui, WidgetText};
+use egui::{Align, FontSelection, Label, Rect, Response, RichText, Shape, TextStyle, Ui, WidgetText};
 
 use crate::app::model::glossary::terms_in;
 
 /// Distance and radius of the dots below a term, screen points.
 const DOTS: [f32; 2] = [3.0, 0.6];
 
-/// Shows a text that may have several lines, with the meanings of its terms.
-pub fn label(ui: &mut Ui, text: impl Into<RichText>) -> Response {
+/// Shows a text of at most this many rows, with the meanings of its terms. A longer text is whole in its tooltip.
+pub fn label(ui: &mut Ui, text: impl Into<RichText>, rows: usize) -> Response {
     let (text, width) = (text.into(), ui.available_width());
-    let response = ui.add(Label::new(text.clone()).wrap());
     let terms = terms_in(text.text());
-    // The same text has the same places.
-    let galley = WidgetText::from(text).into_galley(ui, Some(TextWrapMode::Wrap), width, TextStyle::Body);
+    let style = FontSelection::Style(TextStyle::Body);
+    let job = WidgetText::from(text).into_layout_job(ui.style(), style, Align::Center);
+    let mut job = Arc::unwrap_or_clone(job);
+    (job.wrap.max_rows, job.wrap.max_width) = (rows, width);
+    let galley = ui.fonts_mut(|fonts| fonts.layout_job(job));
+    let response = ui.add(Label::new(Arc::clone(&galley)));
     let mut pointed = None;
     for (range, meaning) in terms {
         for area in areas(&galley, range) {

@@ -11,12 +11,20 @@ use crate::camera::UndistortedView;
 use crate::geometry::Frame;
 use crate::presentation::interpretation_in_words;
 
-/// Writes a text on a dark ground.
+/// Writes a text on a dark ground. The text of a visible place stays inside the picture.
 pub fn label(painter: &Painter, at: Pos2, align: Align2, text: &str, color: Color32) {
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(theme::CAPTION), color);
     let area = align.anchor_size(at, galley.size() + vec2(12.0, 6.0));
+    let visible = painter.clip_rect();
+    let area = if visible.contains(at) { moved_into(area, visible) } else { area };
     painter.rect_filled(area, 4.0, theme::LABEL_FILL);
     painter.galley(area.min + vec2(6.0, 3.0), galley, color);
+}
+
+/// Moves a rectangle by the smallest distance that brings it inside another one.
+pub fn moved_into(area: Rect, other: Rect) -> Rect {
+    let by = (other.min - area.min).max(vec2(0.0, 0.0)) + (other.max - area.max).min(vec2(0.0, 0.0));
+    area.translate(by)
 }
 
 pub struct Chip {
@@ -101,7 +109,7 @@ impl Chip {
 }
 
 /// Shortens a name in the middle to its beginning and its end, `most` characters in all.
-fn shortened(name: &str, most: usize) -> String {
+pub fn shortened(name: &str, most: usize) -> String {
     let end = name.chars().count().saturating_sub(most / 2);
     name.chars().take(most - most / 2).chain(['…']).chain(name.chars().skip(end)).collect()
 }

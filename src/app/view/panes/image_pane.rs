@@ -274,7 +274,7 @@ impl ImagePane {
             painter.rect_stroke(rect, 0.0, egui::Stroke::new(2.0, palette.accent), StrokeKind::Inside);
         }
         let hover = self.under_cursor(&response, &canvas);
-        if let Some(point) = self.magnified(model, hover).filter(|_| model.look.loupe) {
+        if let Some(point) = self.magnified(model, hover) {
             let uncovered: Vec<Pos2> = suggested_places(&canvas).into_iter().map(|(_, at)| at).collect();
             self.magnify(&canvas, point, &uncovered);
         }

@@ -31,21 +31,22 @@ static TABS: [Tab; TabId::ALL.len()] = [step::TAB, profiles::TAB, residuals::TAB
 /// Room beside the headings from which the tools are in the same line, screen points.
 const ROOM_FOR_TOOLS: f32 = 110.0;
 
-/// Width from which all headings are in one row, screen points.
+/// Width from which the headings have their usual size, screen points.
 const ROOM_FOR_HEADINGS: f32 = 320.0;
 
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let tab = chosen(model);
-    // In a narrow dock the headings take two rows.
+    // Small headings fit in one row of the narrowest dock.
     let is_narrow = ui.available_width() < ROOM_FOR_HEADINGS;
-    let row = Layout::left_to_right(Align::Center).with_main_wrap(is_narrow);
+    let row = Layout::left_to_right(Align::Center);
     let height = ui.spacing().interact_size.y;
     let has_room = ui.allocate_ui_with_layout(vec2(ui.available_width(), height), row, |ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
-        ui.spacing_mut().button_padding.x = 7.0;
+        ui.spacing_mut().button_padding.x = if is_narrow { 2.0 } else { 7.0 };
         for tab in &TABS {
-            let title = Button::selectable(model.look.tab == tab.id, title(tab.id, model));
-            let response = ui.add(title);
+            let title = RichText::new(title(tab.id, model));
+            let title = if is_narrow { title.small() } else { title };
+            let response = ui.add(Button::selectable(model.look.tab == tab.id, title));
             finish_button(ui, response, Command::ShowTab(tab.id), commands);
         }
         let has_room = ui.available_width() >= ROOM_FOR_TOOLS;

@@ -6,7 +6,6 @@ use egui::{ScrollArea, Ui};
 use super::super::table::{Column, RowLook, Table};
 use super::{Tab, empty};
 use crate::app::model::comparison::{Comparison, Contestant, Measure, PointSet, Subject};
-use crate::app::model::verdict::Gauge;
 use crate::app::model::{
     Command, LineSource, Model, OverlayId, PointRef, Role, Side, TabId, Target, pair_name,
 };
@@ -173,11 +172,7 @@ fn points(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
         let tooltip = "Mean distance of both points from their epipolar lines in this geometry, px.";
         let distances = &comparison.of(contestant).distances;
         let distance = |row: usize| distances.get(row).copied().unwrap_or(f64::NAN);
-        Column::figures(title, width, tooltip, distance, px).in_unit(", px").gauged(move |row| {
-            let pair = document.pairs.get(row).filter(|_| are_pairs)?;
-            let sigma = document.parameters.click_sigma;
-            Some(Gauge::of_click(comparison.fundamental(contestant)?, pair, sigma, *distances.get(row)?))
-        })
+        Column::figures(title, width, tooltip, distance, px).in_unit(", px")
     };
     let columns: Vec<Column> = std::iter::once(point).chain(contestants.into_iter().map(distance)).collect();
     let table = Table {

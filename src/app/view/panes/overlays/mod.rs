@@ -34,6 +34,7 @@ use std::cell::RefCell;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
 
 use super::Transform;
+use super::chip::moved_into;
 use crate::app::model::computation::Freshness;
 use crate::app::model::shown::ShownGeometry;
 use crate::app::model::verdict::LineLook;
@@ -333,12 +334,6 @@ fn along(path: &[Pos2], mut way: f32) -> Pos2 {
         way -= length;
     }
     path.last().copied().unwrap_or_default()
-}
-
-/// Moves a rectangle by the smallest distance that brings it inside another one.
-fn moved_into(area: Rect, other: Rect) -> Rect {
-    let by = (other.min - area.min).max(vec2(0.0, 0.0)) + (other.max - area.max).min(vec2(0.0, 0.0));
-    area.translate(by)
 }
 
 /// Clips a segment to a rectangle.

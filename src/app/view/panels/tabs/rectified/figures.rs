@@ -105,7 +105,8 @@ fn method(ui: &mut Ui, model: &Model, drawn: &DrawnPair) {
 
 fn measures(ui: &mut Ui, model: &Model, rectified: &Rectified, drawn: &DrawnPair) {
     let full = &drawn.full;
-    rows(ui, model, &full.measures, rectified.measured, fits(full));
+    let row = drawn.row_name(&model.look.rectified);
+    rows(ui, model, &full.measures, (row, rectified.measured), fits(full));
     shapes(ui, &full.measures.distortion);
     if let Some((map, _)) = &drawn.disparity {
         let [low, high] = map.range.map(pixels);
@@ -161,7 +162,7 @@ fn shift_chooser(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut V
 
 /// Shows the switch of the guide lines and, in blink layout, the controls of the alternation.
 fn guide_chooser(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    name(ui, "Rows");
+    name(ui, "Lines");
     // The disparities have no guide lines.
     let has_guides = model.look.rectified.layout != RectifiedLayout::Disparity;
     let mut shown = has_guides && !model.look.rectified.hides_guides;
@@ -185,19 +186,21 @@ fn name(ui: &mut Ui, text: &str) {
 }
 
 /// Shows how well rows agree and, if they do, the disparities.
-fn rows(ui: &mut Ui, model: &Model, measures: &Measures, measured: &str, fits: bool) {
+fn rows(ui: &mut Ui, model: &Model, measures: &Measures, (row, measured): (&str, &str), fits: bool) {
     let Some(rows) = measures.rows else {
         ui.weak(
-            "No match is inside both pictures, so the rows cannot be checked. Click some pairs to check \
+            "No match is inside both pictures, so the lines cannot be checked. Click some pairs to check \
              them.",
         );
         return;
     };
     ui.label(format!(
-        "Rows differ by {:.2} px on average, {:.2} px at most, over {} {measured}.",
+        "{row}s differ by {:.2} px on average, {:.2} px at most, over {} {measured}.",
         rows.mean, rows.max, rows.matches
     ))
-    .on_hover_text("Vertical distance of matches in the rectified pictures; well below 1 px is good.");
+    .on_hover_text(
+        "Distance of matches across the lines of the rectified pictures. Well below 1 px is good.",
+    );
     if !fits {
         return;
     }

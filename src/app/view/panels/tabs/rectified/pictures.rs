@@ -85,7 +85,7 @@ pub fn show(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Co
             commands.push(Command::PointAt(Target::Rectified { side: sheet.side(), at }));
             Some(SheetRow::under_cursor(model, drawn, sheet, at))
         }
-        (None, Some(hover)) => SheetRow::of_original(drawn, hover.side, hover.point),
+        (None, Some(hover)) => SheetRow::of_original(model, drawn, hover.side, hover.point),
         (None, None) => None,
     };
     for place in &places {

@@ -30,7 +30,7 @@ impl SheetRow {
     /// Returns the row at a position in a rectified picture.
     pub fn under_cursor(model: &Model, drawn: &DrawnPair, sheet: RectifiedSheet, at: Point) -> Self {
         let side = sheet.side();
-        let mut text = format!("Row {:.0}", row_number(drawn, at.y));
+        let mut text = row_text(model, drawn, at);
         for own in Side::BOTH.into_iter().filter(|own| side.is_none_or(|side| side == *own)) {
             let point = drawn.shown.maps[own.index()].original_from_rectified(at);
             let frame = model.document.frame(own);
@@ -49,15 +49,15 @@ impl SheetRow {
 
     /// Returns the row of a point in an original image; `None` if it is outside the rectified
     /// picture.
-    pub fn of_original(drawn: &DrawnPair, side: Side, point: Point) -> Option<Self> {
+    pub fn of_original(model: &Model, drawn: &DrawnPair, side: Side, point: Point) -> Option<Self> {
         let at = drawn.shown.maps[side.index()].rectified_from_original(point)?;
-        Some(Self { at, side: Some(side), text: format!("Row {:.0}", row_number(drawn, at.y)) })
+        Some(Self { at, side: Some(side), text: row_text(model, drawn, at) })
     }
 }
 
-/// Returns the row in the exported picture.
-fn row_number(drawn: &DrawnPair, y: f64) -> f64 {
-    y / drawn.reduction()
+/// Names the row of a position by its number in the exported picture.
+fn row_text(model: &Model, drawn: &DrawnPair, at: Point) -> String {
+    format!("{} {:.0}", drawn.row_name(&model.look.rectified), at.y / drawn.reduction())
 }
 
 /// Drawing surface over a rectified picture.
@@ -199,7 +199,7 @@ impl SheetCanvas<'_> {
             (RectifiedLayout::Blink, _) => "Right",
             (RectifiedLayout::Anaglyph, _) => "Left red, right cyan",
             (RectifiedLayout::Wipe, _) => "Left image | right image",
-            (RectifiedLayout::Disparity, _) if self.drawn.disparity.is_none() => "No rows match yet",
+            (RectifiedLayout::Disparity, _) if self.drawn.disparity.is_none() => "No disparities yet",
             (RectifiedLayout::Disparity, _) => "Left disparities",
             (RectifiedLayout::SideBySide, RectifiedSheet::Left) => "Left, rectified",
             (RectifiedLayout::SideBySide, _) => "Right, rectified",

@@ -8,11 +8,12 @@ use egui::{
 use super::super::empty;
 use super::touch;
 use crate::app::model::focus::Replayed;
-use crate::app::model::replay::record::{Record, short_origin};
+use crate::app::model::replay::record::Record;
 use crate::app::model::verdict::short_epipole_text;
 use crate::app::model::{Command, Model, Side, Target};
 use crate::app::view::theme;
 use crate::estimate::{HypothesisNote, ProposedBy};
+use crate::presentation::proposer_in_words;
 
 /// Least side of a cell, screen points.
 const CELL: f32 = 4.0;
@@ -139,7 +140,7 @@ fn best(ui: &mut Ui, record: &Record, lit: Option<usize>) -> Option<(usize, bool
                 let text = if lit == Some(k) { text.strong() } else { text };
                 ui.add(Label::new(text).selectable(false).sense(Sense::click()))
             };
-            let mut row = show(short_origin(&own.origin));
+            let mut row = show(proposer_in_words(own.origin.source));
             for side in Side::BOTH {
                 let epipole = short_epipole_text(&side.epipole(&own.fundamental));
                 row |= show(epipole);

@@ -1,4 +1,4 @@
-//! The gaps of the round trips of all hypotheses, on one axis.
+//! The round trips of all hypotheses, on one axis.
 
 use egui::{Align2, FontId, Sense, Stroke, Ui, WidgetInfo, pos2};
 
@@ -7,19 +7,20 @@ use super::touch;
 use crate::app::model::{Command, Model, Target};
 use crate::app::view::theme;
 
-/// Least gap on the axis, px. Smaller ones are as good as none.
+/// Least distance on the axis, px. Smaller ones are as good as none.
 const LEAST: f64 = 0.1;
 /// Largest distance from which a dot is pointed at, screen points.
 const REACH: f32 = 7.0;
 
-/// Shows the gaps as dots. The one under the cursor shows its lines in the images.
+/// Shows the distances as dots. The one under the cursor shows its lines in the images.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(record) = model.record().filter(|record| !record.gaps.is_empty()) else {
-        empty(ui, "The gaps between lines and their returns appear here. This search has none.");
+        empty(ui, "The distances between lines and their returns appear here. This search has none.");
         return;
     };
+    ui.weak("Round trip: how far l and G H l are apart. Each dot is a hypothesis.");
     let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, "gaps of the round trips"));
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, "round trips of the hypotheses"));
     let visuals = ui.visuals();
     let painter = ui.painter_at(area);
     let plot = area.shrink2(egui::vec2(16.0, 0.0)).with_max_y(area.max.y - 20.0);

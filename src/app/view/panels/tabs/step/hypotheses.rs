@@ -1,13 +1,14 @@
 //! The table of the hypotheses with their figures. Choosing one shows it in the whole window.
 
-use egui::Ui;
+use egui::{Label, RichText, Ui};
 
 use super::super::super::table::{Column, RowLook, Table};
 use super::super::empty;
 use crate::app::model::verdict::{
-    HypothesisFigure, HypothesisScales, Standing, epipole_text, line_score_text, short_epipole_text,
+    HypothesisFigure, Standing, epipole_text, line_score_text, short_epipole_text,
 };
 use crate::app::model::{Command, Model, Side, Target};
+use crate::app::view::theme;
 use crate::estimate::Estimate;
 use crate::geometry::{Point, finite_point};
 use crate::presentation::origin_in_words;
@@ -16,9 +17,12 @@ use crate::presentation::origin_in_words;
 /// rows have both.
 const ROOM_FOR_ALL: f32 = 400.0;
 
-/// Why the result may have worse figures than a hypothesis.
-const RESULT: &str = "Hypotheses are ranked by their support in reduced images. The result is fitted to patches at \
-                      full resolution, so a hypothesis may have more support.";
+/// Why the result may have less support than a hypothesis.
+const RESULT: &str = "Support is counted in reduced images and ranks the hypotheses. The best ones are then refined at full \
+                      resolution, and the one with the most and best matches there is the result, unless clicks contradict it.";
+
+/// What the sign of a hypothesis near the result means.
+const NEAR: &str = "≈: nearly the lines of the result.";
 
 /// Shows the table of the hypotheses. The margin follows from a pair of rows; pointing at a row explains it.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -34,15 +38,23 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     };
     let number = |row: usize| listed.number(row);
     let line_score = model.document.parameters.validation.line_score;
-    let searched = model.open.computation.searched();
-    let scales = searched.map(|searched| HypothesisScales::new(searched, line_score));
     let standing = |row: usize| Standing::of(listed.result?, number(row)?);
-    let (listed, scales) = (&listed, scales.as_ref());
+    let listed = &listed;
+    let support = |row: usize| listed.hypothesis(row).support_score();
+    let own = support(0).filter(|_| listed.result.is_some());
+    let is_beaten = own.is_some() && (1..listed.rows()).any(|row| support(row) > own);
+    let has_near = (0..listed.rows()).any(|row| standing(row) == Some(Standing::Near));
+    let notes = [(is_beaten, "Support ranks before refinement, the result won after it."), (has_near, NEAR)];
+    let notes: Vec<&str> = notes.into_iter().filter_map(|(holds, note)| holds.then_some(note)).collect();
+    if !notes.is_empty() {
+        let text = RichText::new(notes.join(" ")).size(theme::CAPTION).weak();
+        ui.add(Label::new(text).wrap()).on_hover_text(RESULT);
+    }
     let rank = Column::figures(
         "Rank",
         74.0,
-        "Rank before refinement, best first. The rival is the best clearly different geometry. Hypotheses \
-         marked ≈ have nearly the lines of the result at its matches. Their epipoles may differ.",
+        "Rank before refinement, best first. The rival is the best clearly different geometry. Geometries marked ≈ may \
+         have other epipoles than the result.",
         |row| row as f64,
         |_| String::new(),
     );
@@ -58,10 +70,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             _ => format!("{value:.decimals$}"),
         };
         let value = move |row: usize| figure.of(listed.hypothesis(row));
-        Column::figures(title, width, tooltip, value, text).gauged(move |row| {
-            let (scales, value) = (scales?, value(row));
-            if number(row).is_some() { scales.gauge(figure, value) } else { scales.of_result(figure, value) }
-        })
+        Column::figures(title, width, tooltip, value, text)
     };
     let is_narrow = ui.available_width() < ROOM_FOR_ALL;
     let epipoles = Side::BOTH.map(|side| epipole(listed, model, side, is_narrow));
@@ -116,13 +125,7 @@ fn known_figures<'a>(
     figure: impl Fn(&'static str, f32, &'static str, HypothesisFigure, usize) -> Column<'a>,
 ) -> impl Iterator<Item = Column<'a>> {
     let columns = [
-        (
-            "Support",
-            74.0,
-            "Weighted by similarity. Higher is better; compare rows.",
-            HypothesisFigure::Support,
-            1,
-        ),
+        ("Support", 74.0, "Higher is better.", HypothesisFigure::Support, 1),
         (
             "Line cost",
             84.0,

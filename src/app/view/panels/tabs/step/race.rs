@@ -12,7 +12,7 @@ use crate::app::view::theme;
 /// Largest height of a row, screen points.
 const ROW: f32 = 24.0;
 /// Widths of the names and of the figures beside the bars.
-const NAME: f32 = 140.0;
+const NAME: f32 = 165.0;
 const VALUE: f32 = 52.0;
 
 /// A bar with its name and its figure.
