@@ -95,7 +95,21 @@ fn while_dragging() {
         press(&mut window, Key::I);
         println!("{MANY} pairs and {} pinned {what}", window.state().focus().pins().len());
         drag_in_circles(&mut window, &times);
+        replay(&mut window, &times);
     }
+}
+
+/// Plays the replay of the search once.
+fn replay(window: &mut Window, times: &RefCell<Vec<Duration>>) {
+    window.state_mut().set_look(Look::default());
+    press(window, Key::Space);
+    times.borrow_mut().clear();
+    while window.state().model().open.replay.is_playing() && times.borrow().len() < FRAMES as usize {
+        window.step();
+    }
+    println!("  frames of the replay: {}", summary(times.take()));
+    window.state_mut().set_look(Look { still_steps: true, ..Look::default() });
+    press(window, Key::End);
 }
 
 /// Number of pairs and of pinned lines in a full window.
