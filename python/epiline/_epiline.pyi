@@ -1,4 +1,4 @@
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from os import PathLike
 from typing import Annotated, Any, Literal, final
 
@@ -13,6 +13,7 @@ __all__ = [
     "Rectification",
     "Suggestion",
     "__version__",
+    "barcode",
     "check_convention",
     "epilines",
     "epipolar_distance",
@@ -22,13 +23,15 @@ __all__ = [
     "line_similarity",
     "rectify",
     "run",
+    "sample",
     "suggest",
 ]
 __version__: str
 
 _Float = NDArray[np.float64]
 _Image = str | PathLike[str] | NDArray[Any]
-_Camera = tuple[_Float, Sequence[float]]
+_Cameras = Sequence[tuple[_Float, Sequence[float]]] | Sequence[str | PathLike[str]]
+_Ends = list[list[float]]
 _Verdict = Literal["reliable", "doubtful", "unreliable", "different scenes"]
 
 @final
@@ -70,6 +73,8 @@ class Estimate:
     @property
     def pose_covariance(self) -> Annotated[_Float, "[6, 6]"] | None: ...
     @property
+    def offset(self) -> int | None: ...
+    @property
     def is_undistorted(self) -> bool: ...
     @property
     def remarks(self) -> list[str]: ...
@@ -77,9 +82,11 @@ class Estimate:
     def summary(self) -> str: ...
     def plot(self, ax: Any = None) -> Any: ...
     def show(self) -> None: ...
+    def _lines(self) -> list[tuple[int, list[_Ends | None]]]: ...
     def _paths(self) -> list[str | None]: ...
     def _pictures(self) -> list[tuple[int, int, bytes]] | None: ...
     def _repr_html_(self) -> str: ...
+    def _repr_png_(self) -> bytes | None: ...
 
 @final
 class Reading:
@@ -174,6 +181,17 @@ class LineMatch:
     @property
     def warped2(self) -> Annotated[NDArray[np.float32], "[n]"]: ...
 
+def barcode(
+    frames1: str | PathLike[str] | Iterator[_Image],
+    frames2: str | PathLike[str] | Iterator[_Image],
+    pairs: _Float | None,
+    offset: int | None,
+    preset: str,
+    seed: int,
+    threads: int | None,
+    changes: Sequence[str],
+    progress: Callable[[str, float], object] | None,
+) -> Estimate: ...
 def check_convention(fundamental: _Float, rows: _Float) -> list[Reading]: ...
 def epilines(points: _Float, fundamental: _Float, image: int) -> _Float: ...
 def epipolar_distance(fundamental: _Float, rows: _Float, kind: str) -> _Float: ...
@@ -182,7 +200,7 @@ def estimate(
     image2: _Image,
     pairs: _Float | None,
     matches: dict[str, _Float | None] | None,
-    cameras: Sequence[_Camera] | None,
+    cameras: _Cameras | None,
     preset: str,
     seed: int,
     threads: int | None,
@@ -194,7 +212,7 @@ def estimate_points(
     sigma: _Float | None,
     confidences: _Float | None,
     sizes: Sequence[Sequence[int]] | None,
-    cameras: Sequence[_Camera] | None,
+    cameras: _Cameras | None,
     seed: int,
     remarks: Sequence[str],
 ) -> Estimate: ...
@@ -219,11 +237,14 @@ def rectify(
     size1: Sequence[int],
     size2: Sequence[int],
     matches: _Float | None,
-    cameras: Sequence[_Camera] | None,
+    cameras: _Cameras | None,
     method: str,
     max_pixels: int | None,
 ) -> Rectification: ...
 def run(arguments: Sequence[str]) -> int: ...
+def sample(
+    name: str,
+) -> tuple[list[NDArray[np.uint8]], _Float, list[_Float], list[_Float], list[_Float]]: ...
 def suggest(
     image1: _Image,
     image2: _Image,

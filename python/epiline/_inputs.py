@@ -142,23 +142,49 @@ def camera(value: Any, number: int) -> tuple[NDArray[np.float64], Sequence[float
     return matrix(value, (3, 3), f"the matrix K of camera {number}"), coefficients
 
 
-def cameras(value: Sequence[Any] | None) -> list[tuple[NDArray[np.float64], Sequence[float]]] | None:
-    """Return both cameras. `None` without any."""
+def is_path(value: Any) -> bool:
+    """Return whether this is the path of a file."""
+    return isinstance(value, (str, os.PathLike))
+
+
+def cameras(value: Any) -> Sequence[tuple[NDArray[np.float64], Sequence[float]]] | list[Any] | None:
+    """Return both cameras, or the paths of a calibration. `None` without any."""
     if value is None:
         return None
+    if is_path(value):
+        return [value]
     if len(value) != 2:
-        raise InputError("cameras has one camera for each image")
+        raise InputError("cameras has one camera for each image, or is the path of a calibration")
+    paths = [is_path(each) for each in value]
+    if all(paths):
+        return list(value)
+    if any(paths):
+        raise InputError("cameras are two matrices K or files of a calibration, not one of each")
     return [camera(value[0], 1), camera(value[1], 2)]
 
 
 def image(value: Any) -> Any:
     """Return a path, or an array in native byte order."""
-    if isinstance(value, (str, os.PathLike)):
+    if is_path(value):
         return value
     value = on_host(value)
     if isinstance(value, np.ndarray) and not value.dtype.isnative:
         value = value.astype(value.dtype.newbyteorder("="))
     return value
+
+
+def frames(value: Any, name: str) -> Any:
+    """Return a path, or an iterator over images."""
+    if is_path(value):
+        return value
+    value = on_host(value)
+    is_one_image = isinstance(value, np.ndarray) and (value.ndim < 3 or value.ndim == 3 and value.shape[2] <= 4)
+    if is_one_image:
+        raise InputError(f"{name} has the shape {value.shape}. (N, H, W) or (N, H, W, 3) is needed, or a list of images")
+    try:
+        return map(image, value)
+    except TypeError:
+        raise InputError(f"{name} is a path, an array or a list of images, not {type(value).__name__}") from None
 
 
 def changes(parameters: Mapping[str, Any] | None) -> list[str]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import base64
 import html as escape
 import importlib
+import io
 import json
 import os
 import subprocess
@@ -17,8 +19,8 @@ from numpy.typing import NDArray
 from . import _epiline
 from ._errors import InputError
 
-# Number of lines drawn, evenly spaced down the middle of image 1.
-LINES = 9
+# Columns of a drawing that are resampled.
+MOST_COLUMNS = 1600
 # Opens the window, and removes its files afterwards.
 WINDOW = """
 import shutil, sys
@@ -38,65 +40,74 @@ def _pictures(found: _epiline.Estimate) -> list[NDArray[np.uint8]]:
 
 
 def plot(found: _epiline.Estimate, ax: Any = None) -> Any:
-    """Draw both images side by side, with numbered lines, matches and the verdict."""
+    """Draw both images side by side, with numbered lines, matches, epipoles and the verdict."""
     left, right = _pictures(found)
-    plt = importlib.import_module("matplotlib.pyplot")
-
-    ax = plt.subplots(figsize=(12, 5))[1] if ax is None else ax
-    height = max(left.shape[0], right.shape[0])
-    canvas = np.zeros((height, left.shape[1] + right.shape[1], 3), np.uint8)
-    canvas[: left.shape[0], : left.shape[1]] = left
-    canvas[: right.shape[0], left.shape[1] :] = right
-    ax.imshow(canvas)
+    if ax is None:
+        ax = importlib.import_module("matplotlib.pyplot").subplots(figsize=(12, 5))[1]
+    height, offset = max(left.shape[0], right.shape[0]), left.shape[1]
+    canvas = np.zeros((height, offset + right.shape[1], 3), np.uint8)
+    canvas[: left.shape[0], :offset] = left
+    canvas[: right.shape[0], offset:] = right
+    # Matplotlib resamples all pixels at each drawing.
+    step = max(1, canvas.shape[1] // MOST_COLUMNS)
+    ax.imshow(canvas[::step, ::step], extent=(-0.5, canvas.shape[1] - 0.5, height - 0.5, -0.5))
     colour = COLOURS.get(found.verdict or "", "#B871F2")
-    offset = left.shape[1]
-    ax.plot(*found.points1.T, ".", color=colour, markersize=2)
-    ax.plot(found.points2[:, 0] + offset, found.points2[:, 1], ".", color=colour, markersize=2)
+    shapes, shifts = (left.shape, right.shape), (0, offset)
+    for points, shift in zip((found.points1, found.points2), shifts):
+        ax.plot(points[:, 0] + shift, points[:, 1], ".", color=colour, markersize=2)
+    # Lines of an unreliable geometry would be taken for an answer.
     if found.verdict not in ("unreliable", "different scenes"):
-        middle = left.shape[1] / 2
-        places = np.c_[np.full(LINES, middle), np.linspace(0, left.shape[0], LINES + 2)[1:-1]]
-        second = _epiline.epilines(places, found.F, 1)
-        for number, (place, line2) in enumerate(zip(places, second), 1):
-            if not np.isfinite(line2).all():
-                continue
-            foot = -line2[2] * line2[:2]
-            line1 = _epiline.epilines(foot[None], found.F, 2)[0]
-            _draw(ax, line1, left.shape, 0, colour, number)
-            _draw(ax, line2, right.shape, offset, colour, number)
+        for number, parts in found._lines():
+            for part, shift in zip(parts, shifts):
+                if part is not None:
+                    _draw(ax, np.array(part) + [shift, 0], colour, number)
+        for epipole, shape, shift in zip(found.epipoles, shapes, shifts):
+            _mark(ax, epipole, shape, shift)
     ax.set_title(f"{found.verdict or 'not judged'}, {len(found.points1)} matches", loc="left")
+    ax.set_xlim(-0.5, canvas.shape[1] - 0.5)
+    ax.set_ylim(height - 0.5, -0.5)
     ax.set_axis_off()
     return ax
 
 
-def _draw(
-    ax: Any, line: NDArray[np.float64], shape: tuple[int, ...], offset: int, colour: str, number: int
-) -> None:
-    """Draw a line where it crosses an image."""
-    height, width = shape[0] - 1, shape[1] - 1
-    a, b, c = line
-    ends = []
-    if abs(b) > 1e-12:
-        ends += [(x, -(a * x + c) / b) for x in (0, width)]
-    if abs(a) > 1e-12:
-        ends += [(-(b * y + c) / a, y) for y in (0, height)]
-    inside = sorted(
-        {
-            (round(x, 6), round(y, 6))
-            for x, y in ends
-            if -1e-6 <= x <= width + 1e-6 and -1e-6 <= y <= height + 1e-6
-        }
-    )
-    if len(inside) < 2:
-        return
-    (x1, y1), (x2, y2) = inside[0], inside[-1]
-    ax.plot([x1 + offset, x2 + offset], [y1, y2], color=colour, linewidth=1)
+def _draw(ax: Any, ends: NDArray[np.float64], colour: str, number: int) -> None:
+    """Draw a part of a line, with its number at the second end."""
+    ax.plot(*ends.T, color=colour, linewidth=1)
+    place = 0.05 * ends[0] + 0.95 * ends[1]
     label = {"facecolor": "black", "alpha": 0.75, "edgecolor": "none", "pad": 1.5}
-    place = (0.95 * x1 + 0.05 * x2 + offset, 0.95 * y1 + 0.05 * y2)
     ax.text(*place, str(number), color="white", fontsize=8, ha="center", va="center", bbox=label)
 
 
+def _mark(ax: Any, epipole: NDArray[np.float64], shape: tuple[int, ...], shift: int) -> None:
+    """Draw an epipole that is inside its image."""
+    if abs(epipole[2]) < 1e-12:
+        return
+    x, y = epipole[:2] / epipole[2]
+    if -0.5 <= x < shape[1] - 0.5 and -0.5 <= y < shape[0] - 0.5:
+        style = {"markersize": 9, "markerfacecolor": "none", "markeredgecolor": "white", "markeredgewidth": 1.5}
+        ax.plot([x + shift], [y], "o", **style)
+
+
+def png(found: _epiline.Estimate) -> bytes | None:
+    """Return the drawing of a result as a PNG. `None` without images or without matplotlib."""
+    if found._pictures() is None:
+        return None
+    try:
+        figure = importlib.import_module("matplotlib.figure")
+        agg = importlib.import_module("matplotlib.backends.backend_agg")
+    except ImportError:
+        return None
+    # A figure beside pyplot is freed with its last reference.
+    drawn = figure.Figure(figsize=(10, 4.2), dpi=90, layout="constrained")
+    agg.FigureCanvasAgg(drawn)
+    plot(found, drawn.add_subplot())
+    data = io.BytesIO()
+    drawn.savefig(data, format="png", bbox_inches="tight", pad_inches=0.05)
+    return data.getvalue()
+
+
 def html(found: _epiline.Estimate) -> str:
-    """Return the verdict and the figures as a table for notebooks."""
+    """Return the verdict, the figures and the drawing for notebooks."""
     rows: list[tuple[str, str]] = [("Verdict", found.verdict or "not judged")]
     if found.probability is not None:
         rows.append(("Lines within 1 % of the side", f"{100 * found.probability:.0f} %"))
@@ -107,7 +118,12 @@ def html(found: _epiline.Estimate) -> str:
         rows.append(("Typical distance of a match", f"{np.median(found.residuals):.2f} px"))
     rows += [("", reason) for reason in found.reasons]
     cells = "".join(f"<tr><th>{escape.escape(a)}</th><td>{escape.escape(b)}</td></tr>" for a, b in rows)
-    return f"<table>{cells}</table>"
+    picture = png(found)
+    if picture is None:
+        return f"<table>{cells}</table>"
+    words = "Both images with numbered epipolar lines and matches"
+    source = f"data:image/png;base64,{base64.b64encode(picture).decode()}"
+    return f'<table>{cells}</table><img alt="{words}" src="{source}">'
 
 
 def show(found: _epiline.Estimate) -> None:
@@ -115,6 +131,8 @@ def show(found: _epiline.Estimate) -> None:
     pictures = _pictures(found)
     if found.is_undistorted:
         raise InputError("the window opens images as they are, and this result belongs to images without distortion")
+    if found.offset is not None and None in found._paths():
+        raise InputError("the window opens sequences as folders or videos, and these are arrays. Write the frames to files")
     folder = tempfile.mkdtemp(prefix="epiline-")
     paths = []
     for name, picture, path in zip(("left", "right"), pictures, found._paths()):

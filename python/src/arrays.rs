@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::errors::input;
-use crate::search::on_threads;
+use crate::search::Threads;
 
 /// Rows of four coordinates `x1 y1 x2 y2`, px.
 pub type Rows<'py> = PyReadonlyArray2<'py, f64>;
@@ -85,23 +85,32 @@ pub fn covariance_of(py: Python<'_>, covariance: &PyReadonlyArray2<'_, f64>) -> 
     Ok(Matrix9::from_fn(|row, column| numbers[[row, column]]))
 }
 
-/// Reads a picture from a file, or takes it from an array.
-pub fn picture_of(image: &Bound<'_, PyAny>, number: usize) -> PyResult<Picture> {
+/// Reads a picture from a file, or takes it from an array. Messages have its name.
+pub fn picture_of(image: &Bound<'_, PyAny>, name: &str, threads: &Threads) -> PyResult<Picture> {
     let py = image.py();
     let failed = |error: epiline::image::LoadError| input(py, error.to_string());
     if let Ok(path) = image.extract::<PathBuf>() {
-        return py.detach(|| on_threads(|| Picture::open(&path))).map_err(failed);
+        return py.detach(|| threads.run(|| Picture::open(&path))).map_err(failed);
     }
     let Ok(array) = image.cast::<PyUntypedArray>() else {
         let kind = image.get_type().name()?.to_string();
-        return Err(input(py, format!("image {number} is a path or a NumPy array, not {kind}")));
+        return Err(input(py, format!("{name} is a path or a NumPy array, not {kind}")));
     };
-    let pixels = pixels_of(array, number)?;
-    let made = || Picture::from_pixels(format!("image {number}"), None, pixels);
-    py.detach(|| on_threads(made)).map_err(failed)
+    let pixels = pixels_of(array, name)?;
+    let made = || Picture::from_pixels(name.to_owned(), None, pixels);
+    py.detach(|| threads.run(made)).map_err(failed)
 }
 
-fn pixels_of(array: &Bound<'_, PyUntypedArray>, number: usize) -> PyResult<DynamicImage> {
+/// Reads both pictures of a pair.
+pub fn pictures_of(
+    image1: &Bound<'_, PyAny>,
+    image2: &Bound<'_, PyAny>,
+    threads: &Threads,
+) -> PyResult<[Picture; 2]> {
+    Ok([picture_of(image1, "image 1", threads)?, picture_of(image2, "image 2", threads)?])
+}
+
+fn pixels_of(array: &Bound<'_, PyUntypedArray>, name: &str) -> PyResult<DynamicImage> {
     let py = array.py();
     let (height, width, channels) = match *array.shape() {
         [height, width] => (height, width, 1),
@@ -109,13 +118,11 @@ fn pixels_of(array: &Bound<'_, PyUntypedArray>, number: usize) -> PyResult<Dynam
         ref other => {
             return Err(input(
                 py,
-                format!(
-                    "image {number} has the shape {other:?}. Shapes (H, W), (H, W, 3) and (H, W, 4) are read"
-                ),
+                format!("{name} has the shape {other:?}. Shapes (H, W), (H, W, 3) and (H, W, 4) are read"),
             ));
         }
     };
-    let too_large = || input(py, format!("image {number} is too large: {width}×{height} px"));
+    let too_large = || input(py, format!("{name} is too large: {width}×{height} px"));
     let [w, h] = [width, height].map(u32::try_from);
     let (Ok(w), Ok(h)) = (w, h) else { return Err(too_large()) };
     let made = if let Some(raw) = values::<u8>(array) {
@@ -143,7 +150,7 @@ fn pixels_of(array: &Bound<'_, PyUntypedArray>, number: usize) -> PyResult<Dynam
     } else {
         return Err(input(
             py,
-            format!("image {number} has the type {}. uint8, uint16 and float32 are read", array.dtype()),
+            format!("{name} has the type {}. uint8, uint16 and float32 are read", array.dtype()),
         ));
     };
     made.ok_or_else(too_large)

@@ -1,13 +1,18 @@
 //! Cameras of pictures.
 
-use epiline::camera::{CameraModel, Lens, LensModel, ViewPair};
-use epiline::geometry::Frame;
+use std::path::{Path, PathBuf};
+
+use epiline::camera::{Baseline, CameraModel, Lens, LensModel, ViewPair};
+use epiline::geometry::{Frame, PointPair};
+use epiline::io::{CalibratedCamera, Calibration};
+use epiline::presentation::camera_doubts;
 use epiline::study::plan_views;
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 
 use crate::arrays::matrix_of;
 use crate::errors::input;
+use crate::search::{Threads, watched};
 
 /// A camera: its calibration matrix, and the coefficients of OpenCV's lens model.
 #[derive(FromPyObject)]
@@ -40,8 +45,62 @@ impl GivenCamera<'_> {
     }
 }
 
-/// Returns the views of two cameras.
-pub fn views_of(py: Python<'_>, cameras: &[GivenCamera; 2], frames: [Frame; 2]) -> PyResult<ViewPair> {
-    let models = [cameras[0].model(py, 1)?, cameras[1].model(py, 2)?];
-    plan_views([&models[0], &models[1]], frames).map_err(|error| input(py, error.to_string()))
+/// Cameras of both pictures: numbers, or one or two files of a calibration.
+#[derive(FromPyObject)]
+pub enum GivenCameras<'py> {
+    Numbers([GivenCamera<'py>; 2]),
+    Files(Vec<PathBuf>),
+}
+
+/// Cameras of both pictures in views without distortion.
+#[derive(Clone)]
+pub struct KnownCameras {
+    pub views: ViewPair,
+    /// Distance between the cameras, if the file of a calibration tells it with its unit.
+    pub baseline: Option<Baseline>,
+    /// How the file was read, in sentences.
+    pub notes: Vec<String>,
+    /// Doubts about the cameras, in sentences.
+    pub doubts: Vec<String>,
+}
+
+impl GivenCameras<'_> {
+    /// Returns the cameras of pictures of these sizes. `pairs` finds matches without a geometry, for lenses whose model
+    /// the file leaves open.
+    pub fn known(
+        &self,
+        py: Python<'_>,
+        threads: &Threads,
+        frames: [Frame; 2],
+        pairs: impl FnOnce() -> Vec<PointPair> + Send,
+    ) -> PyResult<KnownCameras> {
+        let (models, baseline, notes) = match self {
+            Self::Numbers(cameras) => {
+                ([cameras[0].model(py, 1)?, cameras[1].model(py, 2)?], None, Vec::new())
+            }
+            Self::Files(files) => {
+                let paths: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
+                let read = Calibration::read_pair(&paths, None).map_err(|e| input(py, e.to_string()))?;
+                let settled = watched(py, threads, None, |_| CalibratedCamera::settled(read, frames, pairs))?;
+                let pair = settled.map_err(|problem| input(py, problem))?;
+                check_sizes(py, &pair, frames)?;
+                let models = pair.each_ref().map(|camera| camera.model);
+                (models, CalibratedCamera::baseline(&pair), CalibratedCamera::notes_of(&pair))
+            }
+        };
+        let views = plan_views(models.each_ref(), frames).map_err(|error| input(py, error.to_string()))?;
+        let doubts = camera_doubts([0, 1].map(|k| (&models[k], frames[k])));
+        let doubts = doubts.into_iter().map(|(_, sentence)| sentence).collect();
+        Ok(KnownCameras { views, baseline, notes, doubts })
+    }
+}
+
+/// Refuses cameras of pictures of other sizes.
+fn check_sizes(py: Python<'_>, pair: &[CalibratedCamera; 2], frames: [Frame; 2]) -> PyResult<()> {
+    for (camera, frame) in pair.iter().zip(frames) {
+        let is_resized = camera.is_resized_in(frame);
+        let advice = if is_resized { ". If the image was resized, give K for its size" } else { "" };
+        camera.check_frame(frame).map_err(|problem| input(py, format!("{problem}{advice}")))?;
+    }
+    Ok(())
 }

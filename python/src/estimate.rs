@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 use std::sync::Mutex;
 
-use epiline::camera::{PicturesOf, PoseFit, ViewPair};
+use epiline::camera::{PicturesOf, PoseFit};
 use epiline::estimate::{
     Estimate as Found, Match, Method, Monitor, Parameters, PointEstimate, Preset, Uncertainty,
 };
-use epiline::geometry::{Frame, PointPair, sampson_distance};
+use epiline::geometry::{Frame, Point, PointPair, Segment, fan, sampson_distance};
 use epiline::image::Picture;
 use epiline::internals::cli::with_parameter;
 use epiline::io::{ImageNote, PointResultFile, ResultFile, points_in_words, result_in_words};
@@ -17,10 +17,10 @@ use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
-use crate::arrays::{self, Rows, matches_of, pairs_of, picture_of};
-use crate::cameras::{GivenCamera, views_of};
+use crate::arrays::{self, Rows, matches_of, pairs_of, pictures_of};
+use crate::cameras::{GivenCameras, KnownCameras};
 use crate::errors::{input, no_geometry, of_estimate};
-use crate::search::watched;
+use crate::search::{Threads, watched};
 
 /// Given matches of a search: a dictionary of arrays with the names of matchers.
 pub fn given_of(
@@ -32,6 +32,9 @@ pub fn given_of(
     Ok((given, remarks.unwrap_or_default()))
 }
 
+/// Both ends of a segment, x and y, px.
+type Ends = [[f64; 2]; 2];
+
 /// Pictures or points that a result rests on.
 pub enum Source {
     Pictures {
@@ -39,6 +42,8 @@ pub enum Source {
         clicks: Vec<PointPair>,
         given: Vec<PointPair>,
         parameters: Box<Parameters>,
+        /// Time offset of two sequences.
+        offset: Option<i32>,
     },
     Points {
         frames: Option<[Frame; 2]>,
@@ -54,7 +59,7 @@ pub enum Source {
 pub struct Estimate {
     found: Found,
     source: Source,
-    views: Option<ViewPair>,
+    cameras: Option<KnownCameras>,
     pose: Option<PoseOutcome>,
     remarks: Vec<String>,
     /// The result as JSON, made at the first request.
@@ -62,13 +67,13 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    pub fn new(found: Found, source: Source, views: Option<&ViewPair>, remarks: Vec<String>) -> Self {
-        let pose = views.map(|views| PoseOutcome::new(&found, views));
-        Self { found, source, views: views.copied(), pose, remarks, json: Mutex::default() }
+    pub fn new(found: Found, source: Source, cameras: Option<KnownCameras>, remarks: Vec<String>) -> Self {
+        let pose = cameras.as_ref().map(|cameras| PoseOutcome::new(&found, &cameras.views));
+        Self { found, source, cameras, pose, remarks, json: Mutex::default() }
     }
 
     fn pictures_of(&self) -> PicturesOf {
-        PicturesOf::from(self.views.as_ref())
+        PicturesOf::from(self.cameras.as_ref().map(|cameras| &cameras.views))
     }
 
     fn matches(&self) -> Vec<PointPair> {
@@ -83,21 +88,23 @@ impl Estimate {
     fn written(&self) -> Result<String, serde_json::Error> {
         let pose = self.pose.as_ref().and_then(PoseOutcome::fit);
         match &self.source {
-            Source::Pictures { study, clicks, given, parameters } => {
+            Source::Pictures { study, clicks, given, parameters, offset } => {
                 let images = study.pictures().map(ImageNote::from);
-                let mut file = ResultFile::new(&self.found, clicks, &images, parameters, &self.pictures_of());
+                let pictures_of = self.pictures_of();
+                let mut file = ResultFile::new(&self.found, clicks, &images, parameters, &pictures_of)
+                    .at_offset(*offset);
                 if !given.is_empty() {
                     file = file.with_given(given);
                 }
-                if let Some(views) = &self.views {
-                    file = file.calibrated(views, pose, None);
+                if let Some(cameras) = &self.cameras {
+                    file = file.with_notes(&cameras.notes).calibrated(&cameras.views, pose, cameras.baseline);
                 }
                 serde_json::to_string_pretty(&file)
             }
             Source::Points { frames, given, point, seed, .. } => {
                 let mut file = PointResultFile::new(point, given, frames.is_some(), *seed);
-                if let Some(views) = &self.views {
-                    file = file.calibrated(views, pose, None);
+                if let Some(cameras) = &self.cameras {
+                    file = file.calibrated(&cameras.views, pose, cameras.baseline);
                 }
                 serde_json::to_string_pretty(&file)
             }
@@ -231,6 +238,16 @@ impl Estimate {
         Some(arrays::matrix_rows(py, 6, |row, column| covariance[(row, column)]))
     }
 
+    /// Time offset of two sequences: frame k of the first and frame k + offset of the second are simultaneous. `None` for
+    /// pictures and points.
+    #[getter]
+    fn offset(&self) -> Option<i32> {
+        match &self.source {
+            Source::Pictures { offset, .. } => *offset,
+            Source::Points { .. } => None,
+        }
+    }
+
     /// Whether points and `F` belong to the images without distortion.
     #[getter]
     fn is_undistorted(&self) -> bool {
@@ -259,6 +276,16 @@ impl Estimate {
             (pixels.height() as usize, pixels.width() as usize, PyBytes::new(py, pixels.as_raw()))
         };
         Some(study.pictures().map(drawn).into())
+    }
+
+    /// Returns evenly spaced corresponding lines of the images, for drawings: the number, and both ends x, y of the part
+    /// in each image, px. The number stands at the second end.
+    fn _lines(&self) -> Vec<(usize, [Option<Ends>; 2])> {
+        let Source::Pictures { study, .. } = &self.source else { return Vec::new() };
+        let at = |point: Point| [point.x, point.y];
+        let ends = |part: Segment| [at(part.start), at(part.end)];
+        let lines = fan::numbered(self.found.fundamental(), study.frames(), &self.matches());
+        lines.into_iter().map(|one| (one.number, one.parts.map(|part| part.map(ends)))).collect()
     }
 
     /// Return the result as JSON, as `epiline estimate --json` writes it.
@@ -302,13 +329,17 @@ impl Estimate {
         slf.py().import("epiline._views")?.getattr("show")?.call1((slf,)).map(|_| ())
     }
 
+    fn _repr_png_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("epiline._views")?.getattr("png")?.call1((slf,))
+    }
+
     fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("epiline._views")?.getattr("html")?.call1((slf,))
     }
 }
 
 /// Returns the parameters of a preset with changes, `name=value`.
-fn parameters_of(py: Python<'_>, preset: &str, changes: &[String]) -> PyResult<Parameters> {
+pub fn parameters_of(py: Python<'_>, preset: &str, changes: &[String]) -> PyResult<Parameters> {
     let found = [Preset::Robust, Preset::Paper].into_iter().find(|known| {
         serde_json::to_value(known).ok().and_then(|name| Some(name.as_str()? == preset)).unwrap_or(false)
     });
@@ -330,36 +361,52 @@ pub fn estimate(
     image2: &Bound<'_, PyAny>,
     pairs: Option<Rows>,
     matches: Option<&Bound<'_, PyDict>>,
-    cameras: Option<[GivenCamera; 2]>,
+    cameras: Option<GivenCameras>,
     preset: &str,
     seed: u64,
     threads: Option<usize>,
     changes: Vec<String>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Estimate> {
+    let threads = Threads::given(py, threads)?;
     let mut parameters = parameters_of(py, preset, &changes)?;
     parameters.seed = seed;
     let mut clicks = pairs.map(|rows| pairs_of(py, &rows)).transpose()?.unwrap_or_default();
     let (mut given, mut remarks) = given_of(py, matches)?;
     parameters.method = Method::usual(clicks.len(), parameters.search);
-    let mut study = Study::of_pictures([picture_of(image1, 1)?, picture_of(image2, 2)?]);
+    let mut study = Study::of_pictures(pictures_of(image1, image2, &threads)?);
     let of_study = |error: StudyError| input(py, error.to_string());
-    if let Some(cameras) = &cameras {
-        let views = views_of(py, cameras, study.frames())?;
-        clicks = clicks_in(&views, &clicks).map_err(of_study)?;
-        given = given.map(|given| matches_in(&views, &given)).transpose().map_err(of_study)?;
-        study = study.with_views(views);
+    let cameras = match cameras {
+        Some(cameras) => {
+            let pairs = || match &given {
+                Some(given) => given.iter().map(|found| found.pair).collect(),
+                None => study.putative_pairs(),
+            };
+            Some(cameras.known(py, &threads, study.frames(), pairs)?)
+        }
+        None => None,
+    };
+    if let Some(KnownCameras { views, notes, doubts, .. }) = &cameras {
+        clicks = clicks_in(views, &clicks).map_err(of_study)?;
+        given = given.map(|given| matches_in(views, &given)).transpose().map_err(of_study)?;
+        study = py.detach(|| threads.run(|| study.with_views(*views)));
+        remarks.extend(notes.iter().chain(doubts).cloned());
     }
     let solve = |monitor: &Monitor| {
         let question = Question { clicks: &clicks, given: given.as_deref(), parameters: &parameters };
         let unused = study.check_given(&question).err();
         (unused, study.solve(&question, monitor))
     };
-    let (unused, found) = watched(py, threads, progress, solve)?;
+    let (unused, found) = watched(py, &threads, progress, solve)?;
     let found = found.map_err(|error| of_estimate(py, &error))?;
     remarks.extend(unused.map(|error| format!("the matches are not used: {error}")));
     let given = given.iter().flatten().map(|found| found.pair).collect();
-    let views = study.views().copied();
-    let source = Source::Pictures { study: Box::new(study), clicks, given, parameters: Box::new(parameters) };
-    Ok(Estimate::new(found, source, views.as_ref(), remarks))
+    let source = Source::Pictures {
+        study: Box::new(study),
+        clicks,
+        given,
+        parameters: Box::new(parameters),
+        offset: None,
+    };
+    Ok(Estimate::new(found, source, cameras, remarks))
 }

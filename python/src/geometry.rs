@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{self, Rows, fundamental_of, pairs_of};
 use crate::errors::input;
-use crate::search::on_threads;
+use crate::search::Threads;
 
 /// Returns the epipolar lines of points of one image in the other.
 #[pyfunction]
@@ -116,8 +116,9 @@ pub fn check_convention(
 ) -> PyResult<Vec<Reading>> {
     let f = fundamental_of(py, &fundamental, None)?;
     let pairs = pairs_of(py, &rows)?;
-    let found =
-        py.detach(|| on_threads(|| check(&f, &pairs))).map_err(|error| input(py, error.to_string()))?;
+    let found = py
+        .detach(|| Threads::of_process().run(|| check(&f, &pairs)))
+        .map_err(|error| input(py, error.to_string()))?;
     let reading = |ranked: &epiline::convention::RankedReading| Reading {
         transposed: ranked.reading.transposed,
         axes_exchanged: ranked.reading.axes_exchanged,

@@ -11,10 +11,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::Value;
 
-use crate::arrays::{self, covariance_of, fundamental_of, picture_of};
+use crate::arrays::{self, covariance_of, fundamental_of, pictures_of};
 use crate::errors::{input, of_estimate};
 use crate::estimate::given_of;
-use crate::search::watched;
+use crate::search::{Threads, watched};
 
 /// What the pictures say about a geometry.
 #[pyclass(frozen, module = "epiline")]
@@ -109,7 +109,8 @@ pub fn judge(
         return Err(input(py, "a covariance belongs to F"));
     }
     let (given_matches, _) = given_of(py, matches)?;
-    let study = Study::of_pictures([picture_of(image1, 1)?, picture_of(image2, 2)?]);
+    let threads = Threads::given(py, threads)?;
+    let study = Study::of_pictures(pictures_of(image1, image2, &threads)?);
     let frames = study.frames();
     let given = match (fundamental, cameras) {
         (Some(matrix), _) => Some(GivenGeometry::from(fundamental_of(py, &matrix, Some(frames))?)),
@@ -149,7 +150,7 @@ pub fn judge(
         };
         Ok::<_, Failure>((shown, found))
     };
-    let (shown, found) = watched(py, threads, progress, work)?.map_err(|failure| failure.raised(py))?;
+    let (shown, found) = watched(py, &threads, progress, work)?.map_err(|failure| failure.raised(py))?;
     let (finding, message, record, corrected) = found.ok_or_else(|| {
         let count = shown.matches.len();
         input(py, format!("there are only {count} matches, and a judgement needs {FEWEST_MATCHES}. Give matches of your own"))

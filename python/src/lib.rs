@@ -6,6 +6,7 @@
 #![allow(clippy::needless_pass_by_value, clippy::struct_excessive_bools, clippy::too_many_arguments)]
 
 mod arrays;
+mod barcode;
 mod cameras;
 mod errors;
 mod estimate;
@@ -14,6 +15,7 @@ mod judge;
 mod lines;
 mod points;
 mod rectify;
+mod sample;
 mod search;
 
 use std::ffi::OsString;
@@ -36,6 +38,7 @@ fn _epiline(module: &Bound<PyModule>) -> PyResult<()> {
     module.add_class::<lines::Suggestion>()?;
     module.add_class::<rectify::Rectification>()?;
     module.add_function(wrap_pyfunction!(estimate::estimate, module)?)?;
+    module.add_function(wrap_pyfunction!(barcode::barcode, module)?)?;
     module.add_function(wrap_pyfunction!(points::estimate_points, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::check_convention, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::epilines, module)?)?;
@@ -44,6 +47,7 @@ fn _epiline(module: &Bound<PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(lines::line_similarity, module)?)?;
     module.add_function(wrap_pyfunction!(lines::suggest, module)?)?;
     module.add_function(wrap_pyfunction!(rectify::rectify, module)?)?;
+    module.add_function(wrap_pyfunction!(sample::sample, module)?)?;
     module.add_function(wrap_pyfunction!(run, module)?)?;
     Ok(())
 }

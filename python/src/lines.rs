@@ -8,9 +8,9 @@ use epiline::suggest::{ClickedImage, Known, SuggestParameters};
 use numpy::{PyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::{fundamental_of, picture_of};
+use crate::arrays::{fundamental_of, pictures_of};
 use crate::errors::{input, no_geometry};
-use crate::search::watched;
+use crate::search::{Threads, watched};
 
 /// A place in the other image that looks like the surroundings of a point.
 #[pyclass(frozen, get_all, module = "epiline")]
@@ -51,12 +51,13 @@ pub fn suggest(
         2 => ClickedImage::Second,
         _ => return Err(input(py, format!("image is 1 or 2, not {image}"))),
     };
-    let study = Study::of_pictures([picture_of(image1, 1)?, picture_of(image2, 2)?]);
+    let threads = Threads::given(py, threads)?;
+    let study = Study::of_pictures(pictures_of(image1, image2, &threads)?);
     let fundamental = fundamental.map(|f| fundamental_of(py, &f, Some(study.frames()))).transpose()?;
     let known = Known { fundamental, ..Known::default() };
     let at = Point::new(at[0], at[1]);
     let found =
-        watched(py, threads, None, |_| study.suggest(at, clicked, &known, &SuggestParameters::default()))?;
+        watched(py, &threads, None, |_| study.suggest(at, clicked, &known, &SuggestParameters::default()))?;
     let found = found.map_err(|error| {
         let message = error.to_string();
         if error.is_bad_input() { input(py, message) } else { no_geometry(py, message) }
@@ -141,7 +142,8 @@ pub fn line_similarity(
     line1: [f64; 4],
     line2: [f64; 4],
 ) -> PyResult<LineMatch> {
-    let pictures = [picture_of(image1, 1)?, picture_of(image2, 2)?];
+    let threads = Threads::of_process();
+    let pictures = pictures_of(image1, image2, &threads)?;
     let line = |[x, y, dx, dy]: [f64; 4]| {
         let is_line = [x, y, dx, dy].iter().all(|v| v.is_finite()) && dx.hypot(dy) > 0.0;
         is_line.then(|| AnchoredLine::at_angle(Point::new(x, y), dy.atan2(dx)))
@@ -157,7 +159,7 @@ pub fn line_similarity(
     }
     let planes = [&pictures[0].gray, &pictures[1].gray];
     let SimilarityParameters { disparity_reach, stereo, .. } = parameters.similarity;
-    let found = watched(py, None, None, |_| {
+    let found = watched(py, &threads, None, |_| {
         MatchedLines::new(planes, [line1, line2], 1.0, disparity_reach, &stereo)
     })?;
     Ok(LineMatch { found })

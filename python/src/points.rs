@@ -6,10 +6,10 @@ use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 
 use crate::arrays::{Rows, frame_of, pairs_of};
-use crate::cameras::{GivenCamera, views_of};
+use crate::cameras::GivenCameras;
 use crate::errors::{input, no_geometry};
 use crate::estimate::{Estimate, Source};
-use crate::search::watched;
+use crate::search::{Threads, watched};
 
 /// Fits a geometry to points without pictures.
 #[pyfunction]
@@ -20,7 +20,7 @@ pub fn estimate_points(
     sigma: Option<PyReadonlyArray1<'_, f64>>,
     confidences: Option<PyReadonlyArray1<'_, f64>>,
     sizes: Option<[[usize; 2]; 2]>,
-    cameras: Option<[GivenCamera; 2]>,
+    cameras: Option<GivenCameras>,
     seed: u64,
     mut remarks: Vec<String>,
 ) -> PyResult<Estimate> {
@@ -58,10 +58,18 @@ pub fn estimate_points(
         _ => input(py, error.to_string()),
     };
     let mut study = PointStudy::of_points(matches, frames).map_err(of_points)?;
+    let threads = Threads::of_process();
+    let cameras = match cameras {
+        Some(cameras) => {
+            let frames = frames.ok_or_else(|| input(py, "cameras need the sizes of the images (sizes)"))?;
+            let pairs = study.matches().iter().map(|found| found.pair).collect();
+            Some(cameras.known(py, &threads, frames, || pairs)?)
+        }
+        None => None,
+    };
     if let Some(cameras) = &cameras {
-        let frames = frames.ok_or_else(|| input(py, "cameras need the sizes of the images (sizes)"))?;
-        study =
-            study.with_views(views_of(py, cameras, frames)?).map_err(|error| input(py, error.to_string()))?;
+        study = study.with_views(cameras.views).map_err(|error| input(py, error.to_string()))?;
+        remarks.extend(cameras.notes.iter().chain(&cameras.doubts).cloned());
         if study.left_out() > 0 {
             remarks.push(format!(
                 "{} matches lie beyond the range of a lens and are left out",
@@ -69,7 +77,7 @@ pub fn estimate_points(
             ));
         }
     }
-    let point = watched(py, None, None, |_: &Monitor| study.solve(seed))?.map_err(of_points)?;
+    let point = watched(py, &threads, None, |_: &Monitor| study.solve(seed))?.map_err(of_points)?;
     let given = study.matches().iter().map(|found| found.pair).collect();
     let found = point.estimate.clone();
     let source = Source::Points {
@@ -79,5 +87,5 @@ pub fn estimate_points(
         point: Box::new(point),
         seed,
     };
-    Ok(Estimate::new(found, source, study.views(), remarks))
+    Ok(Estimate::new(found, source, cameras, remarks))
 }

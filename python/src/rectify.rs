@@ -9,10 +9,9 @@ use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::arrays::{self, Rows, frame_of, fundamental_of, pairs_of};
-use crate::cameras::{GivenCamera, views_of};
+use crate::cameras::{GivenCameras, KnownCameras};
 use crate::errors::input;
-
-use crate::search::watched;
+use crate::search::{Threads, watched};
 
 /// Maps that bring matching points into the same row.
 #[pyclass(frozen, module = "epiline")]
@@ -124,7 +123,7 @@ pub fn rectify(
     size1: [usize; 2],
     size2: [usize; 2],
     matches: Option<Rows<'_>>,
-    cameras: Option<[GivenCamera<'_>; 2]>,
+    cameras: Option<GivenCameras<'_>>,
     method: &str,
     max_pixels: Option<usize>,
 ) -> PyResult<Rectification> {
@@ -137,15 +136,16 @@ pub fn rectify(
         input(py, format!("method is one of {names}, not {method:?}"))
     })?;
     let limits = max_pixels.map_or_else(Limits::default, |pixels| Limits { pixels });
-    let views = cameras.map(|cameras| views_of(py, &cameras, frames)).transpose()?;
-    let made = match &views {
-        Some(views) => {
+    let threads = Threads::of_process();
+    let known = cameras.map(|cameras| cameras.known(py, &threads, frames, || pairs.clone())).transpose()?;
+    let made = match &known {
+        Some(KnownCameras { views, .. }) => {
             let (pose, _) =
                 stereo_pose(None, views, Some(&f), &pairs).map_err(|error| input(py, error.to_string()))?;
-            let made = watched(py, None, None, |_| rectify_calibrated(&pose, views, &pairs, &limits))?;
+            let made = watched(py, &threads, None, |_| rectify_calibrated(&pose, views, &pairs, &limits))?;
             made.map(|(made, rig)| Rectification { made, rig: Some(rig) })
         }
-        None => watched(py, None, None, |_| rectified(&f, frames, &pairs, method, &limits))?
+        None => watched(py, &threads, None, |_| rectified(&f, frames, &pairs, method, &limits))?
             .map(|made| Rectification { made, rig: None }),
     };
     made.map_err(|error| input(py, error.to_string()))

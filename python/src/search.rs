@@ -20,38 +20,58 @@ const MOST_THREADS: usize = 256;
 /// Threads of a process, with its number.
 static OWN: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
 
-/// Runs work on threads of this process. A fork has none of the threads of its parent, so work on those would never end.
-pub fn on_threads<T: Send>(work: impl FnOnce() -> T + Send) -> T {
-    let process = std::process::id();
-    let pool = {
-        let mut own = OWN.lock().unwrap_or_else(PoisonError::into_inner);
-        match &*own {
-            Some((of, pool)) if *of == process => Some(Arc::clone(pool)),
-            _ => {
-                let made = ThreadPoolBuilder::new().build().ok().map(Arc::new);
-                // The threads of a parent cannot be ended here.
-                std::mem::forget(std::mem::replace(&mut *own, made.clone().map(|pool| (process, pool))));
-                made
-            }
+/// Threads for a computation.
+pub struct Threads(Option<Arc<ThreadPool>>);
+
+impl Threads {
+    /// Starts this many threads.
+    pub fn new(py: Python<'_>, count: usize) -> PyResult<Self> {
+        if !(1..=MOST_THREADS).contains(&count) {
+            return Err(input(py, format!("threads is at least 1 and at most {MOST_THREADS}")));
         }
-    };
-    match pool {
-        Some(pool) => pool.install(work),
-        None => work(),
+        let made = ThreadPoolBuilder::new().num_threads(count).build();
+        let made = made.map_err(|error| input(py, format!("cannot start {count} threads: {error}")))?;
+        Ok(Self(Some(Arc::new(made))))
+    }
+
+    /// Returns the threads of this process, one for each core. A fork has none of the threads of its parent, so work on
+    /// those would never end.
+    pub fn of_process() -> Self {
+        let process = std::process::id();
+        let mut own = OWN.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((of, pool)) = &*own
+            && *of == process
+        {
+            return Self(Some(Arc::clone(pool)));
+        }
+        let made = ThreadPoolBuilder::new().build().ok().map(Arc::new);
+        // The threads of a parent cannot be ended here.
+        std::mem::forget(std::mem::replace(&mut *own, made.clone().map(|pool| (process, pool))));
+        Self(made)
+    }
+
+    /// Starts this many threads, or returns those of this process.
+    pub fn given(py: Python<'_>, count: Option<usize>) -> PyResult<Self> {
+        count.map_or_else(|| Ok(Self::of_process()), |count| Self::new(py, count))
+    }
+
+    /// Runs work on the threads.
+    pub fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        match &self.0 {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }
     }
 }
 
-/// Runs work with a monitor on other threads. `progress` is called with the name of each stage and the seconds until it
+/// Runs work with a monitor on these threads. `progress` is called with the name of each stage and the seconds until it
 /// began, on the thread of the caller. Its exceptions and Ctrl-C stop the work.
 pub fn watched<T: Send>(
     py: Python<'_>,
-    threads: Option<usize>,
+    threads: &Threads,
     progress: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Monitor) -> T + Send,
 ) -> PyResult<T> {
-    if threads.is_some_and(|threads| !(1..=MOST_THREADS).contains(&threads)) {
-        return Err(input(py, format!("threads is at least 1 and at most {MOST_THREADS}")));
-    }
     let cancel = CancelFlag::default();
     let (sender, mut receiver) = channel();
     let begun = Instant::now();
@@ -65,11 +85,7 @@ pub fn watched<T: Send>(
                     let _ = sender.send((stage.label(), begun.elapsed().as_secs_f64()));
                 }
             });
-            let Some(threads) = threads else { return Ok::<_, String>(on_threads(|| work(&monitor))) };
-            let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-            Ok(pool
-                .map_err(|error| format!("cannot start {threads} threads: {error}"))?
-                .install(|| work(&monitor)))
+            threads.run(|| work(&monitor))
         });
         loop {
             let (kept, news) = py.detach(move || {
@@ -91,8 +107,7 @@ pub fn watched<T: Send>(
     });
     match (stopped, done) {
         (Some(error), _) => Err(error),
-        (None, Ok(Ok(found))) => Ok(found),
-        (None, Ok(Err(problem))) => Err(input(py, problem)),
+        (None, Ok(found)) => Ok(found),
         (None, Err(_)) => Err(PyRuntimeError::new_err("internal error, please report it")),
     }
 }

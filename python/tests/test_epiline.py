@@ -1,14 +1,21 @@
 """Tests of the package. They need NumPy alone, and the pictures that the program draws."""
 
+import base64
+import concurrent.futures
+import contextlib
 import doctest
+import importlib.util
 import json
 import os
+import pickle
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 import unittest
+import unittest.mock
 
 import numpy as np
 
@@ -65,6 +72,22 @@ def scene(count=80, noise=0.3):
     return *both, inverse.T @ cross @ R @ inverse, K, R, t / np.linalg.norm(t)
 
 
+def program(*arguments):
+    """Run the command line of the package. Return its exit status, its result if that is JSON, and its messages."""
+    done = subprocess.run([sys.executable, "-m", "epiline", *map(str, arguments)], capture_output=True, text=True)
+    with contextlib.suppress(ValueError):
+        return done.returncode, json.loads(done.stdout), done.stderr
+    return done.returncode, None, done.stderr
+
+
+def save(picture, path):
+    """Write a grey or a coloured picture of 8 bits. Return the path."""
+    kind = b"P5" if picture.ndim == 2 else b"P6"
+    with open(path, "wb") as file:
+        file.write(b"%s %d %d 255\n" % (kind, picture.shape[1], picture.shape[0]) + picture.tobytes())
+    return path
+
+
 ROWS_OF_POINTS = RNG.uniform(20, 200, (30, 2))
 
 
@@ -86,7 +109,6 @@ class Pictures(unittest.TestCase):
         self.assertTrue(found.verdict == "reliable" or found.reasons)
         self.assertIsNone(found.inliers)
         self.assertIn(found.verdict, repr(found))
-        self.assertIn("<table>", found._repr_html_())
 
     def test_the_file_is_that_of_the_program(self):
         record = json.loads(self.found.to_json())
@@ -166,6 +188,7 @@ class Pictures(unittest.TestCase):
             ({"preset": "fast"}, "robust"),
             ({"parameters": {"sed": 1}}, "there is no parameter sed"),
             ({"cameras": [np.eye(3)]}, "one camera for each image"),
+            ({"cameras": ["left.yaml", np.eye(3)]}, "not one of each"),
             ({"cameras": [np.zeros((3, 3)), np.eye(3)]}, "camera 1 is impossible"),
             ({"cameras": [(np.eye(3), [0.1]), np.eye(3)]}, "1 distortion coefficients"),
             ({"threads": 0}, "at least 1"),
@@ -275,6 +298,346 @@ class Pictures(unittest.TestCase):
         self.assertLess(resident() - before, 8_000_000)
 
 
+K = np.array([[420.0, 0, 160], [0, 420, 120], [0, 0, 1]])
+BENT = (K, [0.12, -0.05, 0.0, 0.0])
+
+
+class Cameras(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def file(self, name, text):
+        path = os.path.join(self.folder, name)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        return path
+
+    def middlebury(self, width=320):
+        rows = "; ".join(" ".join(str(number) for number in row) for row in K)
+        return f"cam0=[{rows}]\ncam1=[{rows}]\ndoffs=0\nbaseline=100\nwidth={width}\nheight=240\nndisp=64\n"
+
+    def test_a_calibration_is_that_of_the_program(self):
+        path = self.file("calib.txt", self.middlebury())
+        found = epiline.estimate(LEFT, RIGHT, cameras=path)
+        by_numbers = epiline.estimate(LEFT, RIGHT, cameras=[K, K])
+        np.testing.assert_array_equal(found.F, by_numbers.F)
+        pictures = [save(picture, os.path.join(self.folder, f"{k}.pgm")) for k, picture in enumerate((LEFT, RIGHT))]
+        status, record, told = program("estimate", *pictures, "--calibration", path, "--json", "-")
+        self.assertEqual(status, 0, told)
+        np.testing.assert_array_equal(np.array(record["fundamental"]), found.F)
+        ours = json.loads(found.to_json())
+        self.assertEqual(ours["calibrated"], record["calibrated"])
+        self.assertEqual(ours.get("calibration_notes"), record.get("calibration_notes"))
+
+    def test_one_file_for_each_camera(self):
+        text = "%YAML:1.0\n---\nK: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ {} ]\n"
+        one = ", ".join(str(float(number)) for number in K.ravel())
+        paths = tuple(self.file(f"{side}.yaml", text.format(one)) for side in ("left", "right"))
+        found = epiline.estimate(LEFT, RIGHT, cameras=paths)
+        np.testing.assert_array_equal(found.F, epiline.estimate(LEFT, RIGHT, cameras=[K, K]).F)
+
+    def test_errors_have_the_sentence_of_the_program(self):
+        pictures = [save(picture, os.path.join(self.folder, f"{k}.pgm")) for k, picture in enumerate((LEFT, RIGHT))]
+        for path in (
+            self.file("empty.yaml", "nothing: 1\n"),
+            self.file("resized.txt", self.middlebury(width=640)),
+            os.path.join(self.folder, "missing.yaml"),
+        ):
+            status, _, told = program("estimate", *pictures, "--calibration", path)
+            self.assertEqual(status, 2, told)
+            with self.assertRaises(epiline.InputError) as raised:
+                epiline.estimate(LEFT, RIGHT, cameras=path)
+            # The program goes on with its options.
+            self.assertIn(str(raised.exception).partition(". If the image")[0], told)
+
+    def test_rectification_by_a_calibration(self):
+        rows = epiline.estimate(LEFT, RIGHT)
+        pairs = np.hstack([rows.points1, rows.points2])
+        path = self.file("calib.txt", self.middlebury())
+        by_file, by_numbers = (
+            epiline.rectify(rows.F, SIZE, SIZE, matches=pairs, cameras=cameras) for cameras in (path, [K, K])
+        )
+        np.testing.assert_array_equal(by_file.Q, by_numbers.Q)
+
+    @unittest.skipUnless(hasattr(os, "fork"), "there is no fork")
+    def test_a_fork_removes_the_distortion_with_threads_of_its_own(self):
+        expected = epiline.estimate(LEFT, RIGHT, cameras=[BENT, BENT])
+        self.assertTrue(expected.is_undistorted)
+        with concurrent.futures.ProcessPoolExecutor(1) as executor:
+            row = {"image1": LEFT, "image2": RIGHT, "cameras": [BENT, BENT]}
+            self.assertEqual(executor.submit(epiline.estimate_row, row).result(120)["F"], expected.F.tolist())
+
+
+class Poison:
+    """A value that ends the process which reads it."""
+
+    def __reduce__(self):
+        return os._exit, (3,)
+
+
+class Held(concurrent.futures.Executor):
+    """An executor that runs a pair only when somebody waits for it, and counts."""
+
+    def __init__(self):
+        self.futures, self.most = [], 0
+
+    def submit(self, function, /, *arguments, **named):
+        future = Waiting(function, arguments)
+        self.futures.append(future)
+        self.most = max(self.most, sum(not future.done() for future in self.futures))
+        return future
+
+
+class Waiting(concurrent.futures.Future):
+    def __init__(self, function, arguments):
+        super().__init__()
+        self.function, self.arguments = function, arguments
+
+    def result(self, timeout=None):
+        if not self.done():
+            self.set_result(self.function(*self.arguments))
+        return super().result(timeout)
+
+
+def rows(count):
+    """Return rows that are searched quickly: from two clicks, each with another seed."""
+    clicks = [[100, 20, 109, 20], [60, 130, 90, 130]]
+    return [{"id": k, "image1": LEFT, "image2": RIGHT, "pairs": clicks, "seed": k} for k in range(count)]
+
+
+def processes():
+    return concurrent.futures.ProcessPoolExecutor(2)
+
+
+class Rows(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.expected = [epiline.estimate_row(row) for row in rows(6)]
+
+    def test_a_row_has_the_result_of_a_pair_in_plain_values(self):
+        found = self.expected[2]
+        pair = epiline.estimate(LEFT, RIGHT, rows(3)[2]["pairs"], seed=2)
+        self.assertEqual(found["F"], pair.F.tolist())
+        self.assertEqual((found["id"], found["verdict"], found["error"]), (2, pair.verdict, None))
+        self.assertEqual(found["match_count"], len(pair.points1))
+        self.assertEqual(set(found), set(epiline.PairResult.__annotations__))
+        self.assertEqual(json.loads(json.dumps(found)), found)
+        self.assertEqual(pickle.loads(pickle.dumps(found)), found)
+        self.assertIsNone(found["points1"])
+        kept = epiline.estimate_row({**rows(3)[2], "keep_matches": True})
+        self.assertEqual(kept["points2"], pair.points2.tolist())
+
+    def test_a_row_may_have_all_arguments(self):
+        given = np.hstack([ROWS_OF_POINTS, ROWS_OF_POINTS + [12, 0]])
+        row = {**rows(1)[0], "matches": given, "cameras": [K, K], "parameters": {"hypotheses": 6}, "preset": "robust"}
+        found = epiline.estimate_row(row)
+        named = {name: row[name] for name in ("matches", "cameras", "parameters", "preset", "seed")}
+        pair = epiline.estimate(LEFT, RIGHT, row["pairs"], **named)
+        self.assertEqual((found["F"], found["remarks"]), (pair.F.tolist(), pair.remarks))
+        # Columns of Arrow and pandas are arrays of arrays.
+        clicks = np.empty(2, object)
+        clicks[:] = [np.array(click, float) for click in row["pairs"]]
+        self.assertEqual(epiline.estimate_row({**rows(1)[0], "pairs": clicks, "matches": None})["F"], self.expected[0]["F"])
+
+    def test_an_error_of_a_pair_is_a_sentence_of_its_row(self):
+        uniform = np.full(SIZE, 7, np.uint8)
+        for row, failure, told in (
+            ({"image1": "no-such-file.png", "image2": RIGHT}, "input", "no-such-file.png"),
+            ({"image1": LEFT}, "input", "the row has no image2"),
+            ({"image1": LEFT, "image2": RIGHT, "pair": []}, "input", "a row has no value pair"),
+            ({"image1": uniform, "image2": RIGHT}, "input", "uniform"),
+            ({"image1": LEFT, "image2": RIGHT, "matches": {"x": [1]}}, "input", "no matches among the arrays x"),
+            ({"image1": LEFT, "image2": RIGHT, "seed": "one"}, "input", "wrong kind: argument 'seed'"),
+            ([LEFT, RIGHT], "input", "a row is a dictionary"),
+        ):
+            with self.subTest(told):
+                found = epiline.estimate_row(row)
+                self.assertEqual((found["failure"], found["F"]), (failure, None), found["error"])
+                self.assertIn(told, found["error"])
+
+    def test_results_are_in_order_and_an_error_does_not_end_the_run(self):
+        given = rows(6)
+        given[3] = {"id": 3, "image1": "no-such-file.png", "image2": RIGHT}
+        found = list(epiline.estimate_pairs(iter(given)))
+        self.assertEqual([result["id"] for result in found], list(range(6)))
+        self.assertEqual(found[:3] + found[4:], self.expected[:3] + self.expected[4:])
+        self.assertEqual((found[3]["failure"], found[3]["image1"]), ("input", "no-such-file.png"))
+
+    def test_few_pairs_are_in_flight_and_closing_cancels_the_rest(self):
+        taken = []
+
+        def endless():
+            while True:
+                taken.append(len(taken))
+                yield {"id": taken[-1], "image1": LEFT}
+
+        for stop in (lambda run: run.close(), lambda run: run.throw(KeyboardInterrupt)):
+            taken.clear()
+            held = Held()
+            run = epiline.estimate_pairs(endless(), executor=held, in_flight=3)
+            self.assertEqual(taken, [], "nothing is read before the first result is asked for")
+            self.assertEqual([next(run)["id"] for _ in range(10)], list(range(10)))
+            self.assertEqual(held.most, 3)
+            self.assertLessEqual(len(taken), 13)
+            with contextlib.suppress(KeyboardInterrupt):
+                stop(run)
+            self.assertTrue(all(future.cancelled() for future in held.futures[10:]))
+            self.assertEqual(sum(future.cancelled() for future in held.futures), len(taken) - 10)
+
+    def test_wrong_arguments_of_a_run_are_named(self):
+        with self.assertRaisesRegex(epiline.InputError, "in_flight is at least 1"):
+            epiline.estimate_pairs([], in_flight=0)
+        with self.assertRaisesRegex(epiline.InputError, "executor is an executor"):
+            epiline.estimate_pairs([], executor=4)
+
+    def test_processes_give_the_results_of_threads(self):
+        with processes() as executor:
+            self.assertEqual(list(epiline.estimate_pairs(rows(6), executor=executor)), self.expected)
+
+    def test_a_row_that_cannot_be_sent_is_an_error_of_its_own(self):
+        given = rows(3)
+        given[1]["parameters"] = {"patches": lambda: 1}
+        with processes() as executor:
+            found = list(epiline.estimate_pairs(given, executor=executor))
+        self.assertEqual([result["failure"] for result in found], [None, "worker", None])
+
+    @unittest.skipIf(sys.platform == "win32", "processes are ended by signals")
+    def test_a_killed_process_loses_no_pair(self):
+        made = []
+
+        def made_again():
+            made.append(processes())
+            return made[-1]
+
+        found = []
+        for result in epiline.estimate_pairs(rows(6), executor=made_again, in_flight=4):
+            found.append(result)
+            if len(found) == 1:
+                os.kill(next(iter(made[0]._processes)), signal.SIGKILL)
+        self.assertEqual(found, self.expected)
+        self.assertEqual(len(made), 2)
+
+    def test_a_pair_that_ends_its_process_is_an_error_of_its_own(self):
+        given = rows(6)
+        given[2] = {"id": 2, "image1": Poison(), "image2": RIGHT}
+        found = list(epiline.estimate_pairs(given, executor=processes, in_flight=4))
+        self.assertEqual(found[:2] + found[3:], self.expected[:2] + self.expected[3:])
+        self.assertEqual((found[2]["id"], found[2]["failure"]), (2, "lost"))
+        self.assertIn("ended twice", found[2]["error"])
+
+    def test_an_executor_that_broke_ends_the_run_after_all_complete_results(self):
+        given = rows(4)
+        given[2] = {"id": 2, "image1": Poison(), "image2": RIGHT}
+        found = []
+        with processes() as executor, self.assertRaisesRegex(concurrent.futures.BrokenExecutor, "Give a function"):
+            for result in epiline.estimate_pairs(given, executor=executor, in_flight=1):
+                found.append(result)
+        self.assertEqual(found, self.expected[:2])
+
+
+def thrown(frames=100, size=(120, 160)):
+    """Return two sequences of thrown balls, and the geometry of their cameras."""
+    rng = np.random.default_rng(3)
+    height, width = size
+    K = np.array([[150, 0, width / 2], [0, 150, height / 2], [0, 0, 1.0]])
+    turn = lambda a: np.array([[np.cos(a), 0, np.sin(a)], [0, 1, 0], [-np.sin(a), 0, np.cos(a)]])  # noqa: E731
+    # The cameras look at the middle of the scene, 5 away, from 50 degrees apart.
+    cameras = []
+    for angle in (0.0, 0.9):
+        R = turn(angle) @ np.array([[1, 0, 0], [0, np.cos(0.1), -np.sin(0.1)], [0, np.sin(0.1), np.cos(0.1)]])
+        cameras.append((R, np.array([0, 0, 5.0])))
+    R, t = cameras[1][0] @ cameras[0][0].T, cameras[1][1] - cameras[1][0] @ cameras[0][0].T @ cameras[0][1]
+    cross = np.array([[0, -t[2], t[1]], [t[2], 0, -t[0]], [-t[1], t[0], 0]])
+    F = np.linalg.inv(K).T @ cross @ R @ np.linalg.inv(K)
+    time = np.arange(frames)
+    y, x = np.mgrid[:height, :width]
+    backgrounds = [texture(height, width, seed=k) * 0.4 + 40 for k in (1, 2)]
+    both = [np.repeat(background[None], frames, axis=0) for background in backgrounds]
+    for _ in range(6):
+        speed, phase = rng.uniform(0.02, 0.2, (3, 2)), rng.uniform(0, 6.3, (3, 2))
+        path = (np.sin(speed[:, :, None] * time + phase[:, :, None]) * [[[0.9], [0.5]]] * 0.8).sum(axis=1).T
+        for (R, t), sequence in zip(cameras, both):
+            seen = path @ R.T + t
+            for k in range(frames):
+                u, v = K[:2, :2].diagonal() * seen[k, :2] / seen[k, 2] + K[:2, 2]
+                sequence[k][(x - u) ** 2 + (y - v) ** 2 < (150 * 0.18 / seen[k, 2]) ** 2] = 230
+    noisy = [np.round(sequence + rng.normal(0, 1, sequence.shape)).clip(0, 255).astype(np.uint8) for sequence in both]
+    scene = rng.uniform(-1.2, 1.2, (60, 3))
+    places = [(scene @ R.T + t) @ K.T for R, t in cameras]
+    return *noisy, F, [place[:, :2] / place[:, 2:] for place in places]
+
+
+class Barcodes(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.left, cls.right, cls.F, cls.points = thrown()
+        cls.found = epiline.barcode(cls.left, cls.right, offset=0)
+
+    def test_the_geometry_of_moving_objects(self):
+        distances = epiline.epipolar_distance(self.found.F, *self.points)
+        self.assertLess(np.median(distances), 4, self.found.summary())
+        self.assertEqual(self.found.offset, 0)
+        self.assertEqual(json.loads(self.found.to_json())["frame_offset"], 0)
+
+    def test_the_result_is_that_of_the_program(self):
+        with tempfile.TemporaryDirectory() as folder:
+            paths = []
+            for name, sequence in (("left", self.left), ("right", self.right)):
+                os.mkdir(os.path.join(folder, name))
+                files = [os.path.join(folder, name, f"{k:04}.pgm") for k in range(len(sequence))]
+                paths.append([save(frame, path) for frame, path in zip(sequence, files)])
+            folders = [os.path.join(folder, name) for name in ("left", "right")]
+            status, record, told = program("barcode", *folders, "--json", "-")
+            self.assertEqual(status, 0, told)
+            np.testing.assert_array_equal(np.array(record["fundamental"]), self.found.F)
+            by_folders = epiline.barcode(*folders, offset=0, threads=1)
+            np.testing.assert_array_equal(by_folders.F, self.found.F)
+            self.assertEqual([os.fspath(path) for path in by_folders._paths()], folders)
+            by_files = epiline.barcode(iter(paths[0]), paths[1], offset=0)
+            np.testing.assert_array_equal(by_files.F, self.found.F)
+
+    def test_the_offset_is_found(self):
+        colours = np.repeat(self.right[6:, :, :, None], 3, axis=3)
+        found = epiline.barcode(self.left[: len(colours)], colours)
+        self.assertEqual(found.offset, -6, found.remarks)
+        self.assertLess(np.median(epiline.epipolar_distance(found.F, *self.points)), 4)
+        unequal = epiline.barcode(self.left, self.right[6:], offset=-6)
+        self.assertTrue(any("100 and 94 frames" in remark for remark in unequal.remarks), unequal.remarks)
+
+    def test_clicks_take_part(self):
+        pairs = np.hstack(self.points)[:2]
+        found = epiline.barcode(self.left, self.right, offset=0, pairs=pairs)
+        np.testing.assert_array_equal(json.loads(found.to_json())["pairs"], pairs)
+
+    def test_wrong_sequences_are_named(self):
+        still = np.repeat(self.left[:1], 20, axis=0)
+        for frames, told in (
+            (still, "nothing moves in frames1"),
+            (self.left[:10], "frames1 has 10 frames, but at least 16"),
+            ([], "frames1 has 0 frames"),
+            ([*self.left[:3], np.zeros((9, 9), np.uint8)], "frame 3 of frames1 is 9×9 px"),
+            ([self.left[0], 5], "frame 1 of frames1 is a path or a NumPy array, not int"),
+            (self.left[0], r"\(N, H, W\)"),
+            (7, "frames1 is a path, an array or a list of images, not int"),
+            ("no-such-folder", "no-such-folder"),
+        ):
+            with self.subTest(told), self.assertRaisesRegex(epiline.InputError, told):
+                epiline.barcode(frames, self.right)
+        with self.assertRaisesRegex(epiline.InputError, "frames in common"):
+            epiline.barcode(self.left, self.right, offset=95)
+        with self.assertRaisesRegex(epiline.InputError, "the window opens sequences"):
+            self.found.show()
+
+    def test_ctrl_c_of_a_callback_stops_the_search(self):
+        def stop(stage, seconds):
+            raise KeyboardInterrupt
+
+        with self.assertRaises(KeyboardInterrupt):
+            epiline.barcode(self.left, self.right, progress=stop)
+
+
 class Points(unittest.TestCase):
     def test_a_geometry_of_points(self):
         points1, points2, F, *_ = scene()
@@ -369,18 +732,82 @@ class Package(unittest.TestCase):
         done = subprocess.run([sys.executable, "-m", "epiline", "estimate", "no.png", "none.png"], capture_output=True)
         self.assertEqual(done.returncode, 2)
 
-    def test_a_plot_where_matplotlib_is(self):
-        try:
-            import matplotlib
-        except ImportError:
-            self.skipTest("matplotlib is not installed")
+    def test_the_sample_is_that_of_the_program(self):
+        for name in ("courtyard", "alley"):
+            pair = epiline.sample(name)
+            found = epiline.estimate(pair.image1, pair.image2, pair.clicks)
+            status, record, told = program("estimate", "--sample", name, "--json", "-")
+            self.assertEqual(status, 0, told)
+            np.testing.assert_array_equal(np.array(record["fundamental"]), found.F)
+            places = np.c_[RNG.uniform(-1, 1, (20, 3)), np.ones(20)]
+            seen = [places @ P.T for P in (pair.P1, pair.P2)]
+            seen = [points[:, :2] / points[:, 2:] for points in seen]
+            np.testing.assert_allclose(epiline.epipolar_distance(pair.F, *seen, "sampson"), 0, atol=1e-6)
+            for K, P in ((pair.K1, pair.P1), (pair.K2, pair.P2)):
+                R = np.linalg.inv(K) @ P[:, :3]
+                np.testing.assert_allclose(R @ R.T, np.eye(3) * (R @ R.T)[0, 0], atol=1e-9 * (R @ R.T)[0, 0])
+        with self.assertRaisesRegex(epiline.InputError, "Choose one of courtyard, alley"):
+            epiline.sample("yard")
+
+
+class Drawings(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.found = epiline.estimate(LEFT, RIGHT)
+
+    def test_without_matplotlib_there_is_the_table_alone(self):
+        with unittest.mock.patch.dict(sys.modules, {"matplotlib": None, "matplotlib.figure": None}):
+            self.assertIsNone(self.found._repr_png_())
+            self.assertRegex(self.found._repr_html_(), f"^<table>.*{self.found.verdict}.*</table>$")
+
+    def test_points_have_no_picture(self):
+        points1, points2, *_ = scene()
+        self.assertIsNone(epiline.estimate_fundamental(points1, points2)._repr_png_())
+
+    def test_lines_are_those_of_the_geometry(self):
+        lines = self.found._lines()
+        self.assertEqual([number for number, _ in lines], list(range(1, 10)))
+        for _, (part1, part2) in lines:
+            line = epiline.epilines(part1[:1], self.found.F)[0]
+            np.testing.assert_allclose(np.array(part2) @ line[:2] + line[2], 0, atol=1e-6)
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "matplotlib is not installed")
+    def test_a_drawing_leaves_no_figure_open(self):
+        import matplotlib
+
         matplotlib.use("Agg")
-        ax = epiline.estimate(LEFT, RIGHT).plot()
-        self.assertGreater(len(ax.lines), 2)
+        from matplotlib import pyplot
+
+        picture = self.found._repr_png_()
+        self.assertEqual(picture[:8], b"\x89PNG\r\n\x1a\n")
+        self.assertIn(base64.b64encode(picture).decode(), self.found._repr_html_())
+        self.assertEqual(pyplot.get_fignums(), [])
+        ax = self.found.plot()
+        # Matches of both images, and nine lines in each.
+        self.assertEqual(len(ax.lines), 2 + 2 * 9)
+        self.assertEqual([text.get_text() for text in ax.texts], [str(k) for k in range(1, 10) for _ in (1, 2)])
+        pyplot.close(ax.figure)
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "matplotlib is not installed")
+    def test_epipoles_inside_are_marked(self):
+        import matplotlib
+
+        matplotlib.use("Agg")
+        from matplotlib import pyplot
+
+        pair = epiline.sample("alley")
+        found = epiline.estimate(pair.image1, pair.image2, pair.clicks)
+        _, ax = pyplot.subplots()
+        self.assertIs(found.plot(ax), ax)
+        marked = [line.get_xydata()[0] for line in ax.lines if line.get_marker() == "o"]
+        expected = found.epipoles[:, :2] / found.epipoles[:, 2:] + [[0, 0], [pair.image1.shape[1], 0]]
+        np.testing.assert_allclose(marked, expected)
+        pyplot.close(ax.figure)
 
 
 def load_tests(loader, tests, pattern):
-    tests.addTests(doctest.DocTestSuite(epiline))
+    for name in ("epiline", *(f"epiline.{part}" for part in ("_geometry", "_rows", "_sample", "_search"))):
+        tests.addTests(doctest.DocTestSuite(importlib.import_module(name)))
     return tests
 
 

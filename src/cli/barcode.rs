@@ -11,12 +11,11 @@ use super::console::tell;
 use super::estimate::watched;
 use super::overrides::Overrides;
 use super::result_output::{Beside, ResultArguments};
-use crate::estimate::{CancelFlag, Method, Preset};
+use crate::estimate::{CancelFlag, Preset};
 use crate::geometry::PointPair;
 use crate::io::{SequenceFile, read_sequence};
 use crate::motion::{BackgroundParameters, MOST_OFFSET, MotionError, Silhouettes, clear_offset, find_offset};
-use crate::similarity::LineMeasure;
-use crate::study::{Question, Study};
+use crate::study::{Question, Study, barcode_parameters};
 use crate::synthetic::{BallScene, ThrownBalls};
 
 /// Maximum number of offsets reported.
@@ -72,8 +71,7 @@ pub(super) fn run(arguments: &BarcodeArguments) -> Result<(), CliError> {
     let output = arguments.result.prepare(&inputs)?;
     let mut parameters = arguments.overrides.parameters(arguments.preset)?;
     parameters.seed = arguments.seed.unwrap_or(parameters.seed);
-    parameters.similarity.measure = LineMeasure::Barcodes;
-    parameters.method = if arguments.pairs.len() < 2 { Method::LinesAlone } else { Method::TwoPoint };
+    let parameters = barcode_parameters(parameters, arguments.pairs.len());
 
     let (study, found, offset) = on_threads(arguments.threads, || -> Result<_, CliError> {
         let files = sequences(arguments)?;

@@ -10,7 +10,6 @@ use super::arguments::size;
 use super::console::tell;
 use crate::camera::{FocalLength, LengthUnit, ViewPair};
 use crate::estimate::Match;
-use crate::foreign::shown_path;
 use crate::geometry::{Frame, PointPair};
 use crate::image::Picture;
 use crate::io::{CalibratedCamera, Calibration, CameraReading, focal_length_from_exif};
@@ -122,8 +121,7 @@ impl CalibrationArguments {
             _ => None,
         };
         let paths: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
-        let found = Calibration::read_files(&paths)?.open_pair(names);
-        let pair = found.map_err(|e| CliError::Arguments(format!("{}: {e}", shown_path(&files[0]))))?;
+        let pair = Calibration::read_pair(&paths, names)?;
         tell_notes(&CalibratedCamera::notes_of(&pair));
         Ok(Some(pair))
     }

@@ -38,7 +38,7 @@ impl<'a> Monitor<'a> {
     }
 
     /// Returns the flag that long loops check.
-    pub(crate) fn cancel(&self) -> &CancelFlag {
+    pub fn cancel(&self) -> &CancelFlag {
         &self.cancel
     }
 }

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | Cameras take part in a search if both focal lengths are known, not guessed. | [`Study::solve`] |
 //! | A click beyond the range of a lens is refused, and a match beyond it is left out. | [`clicks_in`], [`matches_in`] |
+//! | Two clicks propose geometries of two sequences. With fewer, all lines do. | [`barcode_parameters`] |
 //! | Where only a plane is certain, the pose has no uncertainty. | [`PoseOutcome`] |
 //! | The pose of a calibration gives the length of the baseline to the pose of `F`. | [`stereo_pose`] |
 //! | A finding against a geometry is confirmed by a second search. | [`ShownGeometry::judged`] |
@@ -24,6 +25,7 @@ mod error;
 mod judge;
 mod points;
 mod pose;
+mod sequences;
 mod solve;
 #[cfg(test)]
 mod tests;
@@ -37,4 +39,5 @@ pub use error::StudyError;
 pub use judge::ShownGeometry;
 pub use points::PointStudy;
 pub use pose::{PoseOutcome, stereo_pose};
+pub use sequences::barcode_parameters;
 pub use solve::{Question, Study};

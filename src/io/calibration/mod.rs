@@ -111,6 +111,13 @@ impl Calibration {
         Self::found_in(paths)?.map_err(|problem| ReadError::content(paths[0], problem.to_string()))
     }
 
+    /// Reads the cameras of an image pair from one or two files: those named, or the first two. The model of a lens
+    /// may be open; [`CalibratedCamera::settled`] decides it by the images.
+    pub fn read_pair(paths: &[&Path], names: Option<[&str; 2]>) -> Result<[CalibratedCamera; 2], ReadError> {
+        let found = Self::read_files(paths)?.open_pair(names);
+        found.map_err(|problem| ReadError::content(paths[0], problem))
+    }
+
     /// Reads a file as [`Calibration::read`] does. `None` if the file names no camera.
     pub fn find(path: &Path) -> Option<Result<Self, ReadError>> {
         match Self::found_in(&[path]).ok()? {
