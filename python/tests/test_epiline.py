@@ -449,7 +449,7 @@ class Rows(unittest.TestCase):
             ({"image1": LEFT, "image2": RIGHT, "pair": []}, "input", "a row has no value pair"),
             ({"image1": uniform, "image2": RIGHT}, "input", "uniform"),
             ({"image1": LEFT, "image2": RIGHT, "matches": {"x": [1]}}, "input", "no matches among the arrays x"),
-            ({"image1": LEFT, "image2": RIGHT, "seed": "one"}, "input", "wrong kind: argument 'seed'"),
+            ({"image1": LEFT, "image2": RIGHT, "seed": "one"}, "input", "a value of the row has the wrong kind"),
             ([LEFT, RIGHT], "input", "a row is a dictionary"),
         ):
             with self.subTest(told):
