@@ -17,8 +17,9 @@ use crate::geometry::{
     symmetric_epipolar_distance,
 };
 use crate::presentation::{
-    camera_doubts, epipole_in_words, interpretation_in_words, origin_in_words, pictures_in_words,
-    probability_in_words, reason_in_words, story_in_words, warning_in_words,
+    NEAR_MATCHES, camera_doubts, epipole_in_words, interpretation_in_words, is_open_elsewhere,
+    origin_in_words, pictures_in_words, probability_in_words, reason_in_words, story_in_words,
+    warning_in_words,
 };
 
 /// Content of a result file. As JSON it is also a geometry file ([`Format::Json`]).
@@ -405,8 +406,8 @@ fn epipoles_in_words(found: &Estimate, images: &[ImageNote; 2]) -> String {
         let _ = writeln!(text, "Epipole in image {}: {place}{interval}", k + 1);
     }
     if let Some(LineBands { typical, worst }) = found.line_bands(frames) {
-        if found.determined(frames) == Some(Determined::NearMatches) {
-            text.push_str("Epipolar lines are right near the matches, and open elsewhere\n");
+        if is_open_elsewhere(found, frames) {
+            let _ = writeln!(text, "{NEAR_MATCHES}");
         }
         let _ = writeln!(
             text,
@@ -440,8 +441,8 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2], pictures: &Pic
         for reason in &trust.reasons {
             let _ = writeln!(text, "  {}", reason_in_words(reason));
         }
-        let side = images.iter().map(|image| image.frame.longer_side()).fold(0.0, f64::max);
-        if let Some(probability) = probability_in_words(assessment, side) {
+        let frames = images.each_ref().map(|image| image.frame);
+        if let Some(probability) = probability_in_words(found, frames) {
             let _ = writeln!(text, "{probability}");
         }
     }

@@ -10,8 +10,8 @@ use crate::app::model::document::{Document, GIVEN_FIT, Given, Role, pair_name};
 use crate::estimate::{self, CLICK_DEVIATIONS, Estimate, PairNames, PairNumbers, Trust, Warning};
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
 use crate::presentation::{
-    self, ResultContext, facts, likely_in_words, mostly_misplaced, named_error_in_words,
-    named_reason_in_words, named_warning_in_words, sentence, sorted_reasons,
+    self, NEAR_MATCHES, ResultContext, facts, is_open_elsewhere, likely_in_words, mostly_misplaced,
+    named_error_in_words, named_reason_in_words, named_warning_in_words, sentence, sorted_reasons,
 };
 
 pub use crate::presentation::{
@@ -143,7 +143,11 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
                 Tone::Bad => "Unreliable",
                 _ => "Doubtful",
             };
-            let checks = if assessment.trust.is_some() { ". All checks passed." } else { "" };
+            let is_open = document.frames().is_some_and(|frames| is_open_elsewhere(estimate, frames));
+            let checks = match assessment.trust {
+                Some(_) if !is_open => ". All checks passed.",
+                _ => "",
+            };
             let sentence = warnings.first().cloned();
             let given = document.given.as_ref().map_or(String::new(), |given| {
                 let (fit, all) = (given.fitting(estimate.fundamental()), given.matches.len());
@@ -151,8 +155,10 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
             });
             let alone = assessment.of_given.then(|| "the given matches alone".to_owned());
             let from = alone.unwrap_or_else(|| used(document));
-            let stop = if checks.is_empty() && !given.is_empty() { "." } else { checks };
-            let sentence = sentence.unwrap_or_else(|| format!("Found from {from}{stop}{given}"));
+            let is_more = is_open || !given.is_empty();
+            let stop = if checks.is_empty() && is_more { "." } else { checks };
+            let open = if is_open { format!("{NEAR_MATCHES}. ") } else { String::new() };
+            let sentence = sentence.unwrap_or_else(|| format!("{open}Found from {from}{stop}{given}"));
             (word, sentence)
         }
     };
