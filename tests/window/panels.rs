@@ -319,7 +319,7 @@ fn the_steps_are_followed_by_one_key_and_draw_over_the_pictures() {
         assert_eq!(drawn(&window), 0, "{step}");
     }
     press(&mut window, Key::N);
-    window.get_by_label_contains("Two candidates fix two maps: H takes lines through the left epipole");
+    window.get_by_label_contains("G takes H l back, where it is G H l.");
     assert_eq!(drawn(&window), 1, "H l");
     press(&mut window, Key::N);
     assert_eq!(drawn(&window), 0, "with its step the drawing goes");
