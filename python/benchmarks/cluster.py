@@ -27,11 +27,8 @@ import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 
-import dask.distributed
 import numpy as np
 import psutil
-import ray
-import ray.data
 
 import epiline
 
@@ -180,6 +177,9 @@ def on_threads(rows, workers):
 
 
 def on_dask(rows, workers, kill):
+    # Workers import this file, so it does not import both systems.
+    import dask.distributed
+
     options = {"n_workers": workers, "threads_per_worker": 1, "dashboard_address": None}
     with dask.distributed.LocalCluster(silence_logs=logging.CRITICAL, **options) as cluster:
         with dask.distributed.Client(cluster) as client:
@@ -193,6 +193,9 @@ def on_dask(rows, workers, kill):
 
 
 def on_ray(rows, workers, kill):
+    import ray
+    import ray.data
+
     ray.init(num_cpus=workers, include_dashboard=False, object_store_memory=2**28, log_to_driver=False)
     try:
         ray.data.DataContext.get_current().enable_progress_bars = False
