@@ -230,7 +230,9 @@ class Pictures(unittest.TestCase):
 
     def test_ctrl_c_stops_a_search(self):
         code = (
-            "import sys, threading, _thread, numpy as np, epiline\n"
+            "import signal, numpy as np, epiline\n"
+            # A shell starts processes in the background without this handler.
+            "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
             "picture = np.random.default_rng(0).integers(0, 255, (1500, 2000), np.uint8)\n"
             "print('begun', flush=True)\n"
             "try:\n    epiline.estimate(picture, np.roll(picture, 7, 1))\nexcept KeyboardInterrupt:\n    print('stopped')\n"
