@@ -18,7 +18,7 @@ const CONTRADICTED: f64 = 3.0;
 pub(super) fn of_clicks_alone(
     clicks: &[PointPair],
     found: &FundamentalMatrix,
-    is_chance: bool,
+    is_chance: impl FnOnce() -> bool,
     click_sigma: f64,
 ) -> Option<FundamentalMatrix> {
     if clicks.len() < CLICKS_ALONE {
@@ -27,7 +27,7 @@ pub(super) fn of_clicks_alone(
     let observations: Vec<Observation> =
         clicks.iter().map(|pair| Observation { pair: *pair, sigma: click_sigma }).collect();
     let fitted = fit_fundamental(&eight_point(clicks).ok()?, &observations, ROBUST_CLICKS)?.fundamental;
-    if is_chance {
+    if is_chance() {
         return Some(fitted);
     }
     let off_found = clicks.iter().map(|pair| sampson_distance(found, pair));
@@ -68,7 +68,7 @@ mod tests {
         let mut clicks = scene.pairs(12);
         let error = |f: &FundamentalMatrix| scene.error(f);
         let alone =
-            |clicks: &[PointPair], found: &FundamentalMatrix| of_clicks_alone(clicks, found, false, 1.0);
+            |clicks: &[PointPair], found: &FundamentalMatrix| of_clicks_alone(clicks, found, || false, 1.0);
         assert!(error(&alone(&clicks, &wrong).unwrap()) < 1e-3);
         assert!(alone(&clicks, &truth).is_none(), "nothing contradicts them");
         assert!(alone(&clicks, &scene.disturbed(0.5)).is_none(), "within what clicks are off");
@@ -92,7 +92,7 @@ mod tests {
         // A fit to eight clicks passes through all of them, right or wrong.
         assert!(median(off(&eight_point(&clicks).unwrap())) < 1.5);
         assert!(median(off(&scene.fundamental())) > CONTRADICTED);
-        assert!(of_clicks_alone(&clicks, &scene.fundamental(), false, 1.0).is_none());
+        assert!(of_clicks_alone(&clicks, &scene.fundamental(), || false, 1.0).is_none());
     }
 
     #[test]

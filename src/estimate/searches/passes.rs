@@ -209,9 +209,10 @@ impl Passes<'_> {
 fn overruled_by_clicks(best: Judged, input: SearchInput, record: &mut SearchRecord) -> Judged {
     let (observed, click_sigma) = (input.clicks.observed(), input.parameters.click_sigma);
     // Given matches are no matches of the images, and may be right where these show nothing.
-    let is_chance = !best.assessment.of_given
-        && unguided_agreement(&best.patches, &best.fundamental, input.prepared.frames()).log_false_alarms
-            >= 0.0;
+    let is_chance = || {
+        let agreement = || unguided_agreement(&best.patches, &best.fundamental, input.prepared.frames());
+        !best.assessment.of_given && agreement().log_false_alarms >= 0.0
+    };
     let Some(f) = of_clicks_alone(&observed, &best.fundamental, is_chance, click_sigma) else { return best };
     let viewed = ViewedPair::new(SearchInput { clicks: &best.clicks, ..input }, best.patches);
     let support = viewed.patches.measure(&f);
