@@ -20,7 +20,9 @@ pub mod cli {
 /// The window.
 #[cfg(feature = "inspector")]
 pub mod app {
-    pub use crate::app::{Inspector, Opening, Services, Start, install_theme, model};
+    pub use crate::app::{
+        AppError, HandOverError, Inspector, Opening, Services, Start, hand_over, install_theme, model, run,
+    };
 }
 
 #[cfg(feature = "files")]

@@ -6,8 +6,7 @@ import base64
 import html as escape
 import importlib
 import io
-import json
-import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -24,10 +23,14 @@ MOST_COLUMNS = 1600
 # Opens the window, and removes its files afterwards.
 WINDOW = """
 import shutil, sys
-from epiline._epiline import run
-status = run(["epiline", *sys.argv[2:]])
-shutil.rmtree(sys.argv[1], ignore_errors=True)
-sys.exit(status)
+from epiline import InputError
+from epiline._epiline import show
+try:
+    show(sys.argv[2])
+except InputError as problem:
+    sys.exit(f"epiline: {problem}")
+finally:
+    shutil.rmtree(sys.argv[1], ignore_errors=True)
 """
 COLOURS = {"reliable": "#1FC798", "doubtful": "#F0A320", "unreliable": "#F0655B", "different scenes": "#B871F2"}
 
@@ -127,21 +130,11 @@ def html(found: _epiline.Estimate) -> str:
 
 
 def show(found: _epiline.Estimate) -> None:
-    """Open the window on the images and clicks of a result, in a process of its own."""
-    pictures = _pictures(found)
-    if found.is_undistorted:
-        raise InputError("the window opens images as they are, and this result belongs to images without distortion")
-    if found.offset is not None and None in found._paths():
-        raise InputError("the window opens sequences as folders or videos, and these are arrays. Write the frames to files")
+    """Open the window on a result, in a process of its own."""
     folder = tempfile.mkdtemp(prefix="epiline-")
-    paths = []
-    for name, picture, path in zip(("left", "right"), pictures, found._paths()):
-        if path is None:
-            path = os.path.join(folder, f"{name}.ppm")
-            height, width = picture.shape[:2]
-            with open(path, "wb") as file:
-                file.write(f"P6 {width} {height} 255\n".encode() + picture.tobytes())
-        paths.append(os.fspath(path))
-    pairs = json.loads(found.to_json())["pairs"]
-    clicks = [f"--pair={','.join(map(repr, pair))}" for pair in pairs]
-    subprocess.Popen([sys.executable, "-c", WINDOW, folder, *paths, *clicks], start_new_session=True)
+    try:
+        session = found._hand_over(folder)
+    except Exception:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+    subprocess.Popen([sys.executable, "-c", WINDOW, folder, session], start_new_session=True)

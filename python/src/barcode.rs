@@ -66,7 +66,9 @@ fn sequence_of(frames: &Bound<'_, PyAny>, name: &str, threads: &Threads) -> PyRe
         first.get_or_insert(picture);
     }
     let few = || MotionError::TooFewFrames { name: name.to_owned(), found: 0, least: FEWEST_FRAMES };
-    let first = first.ok_or_else(|| told(few().into()))?;
+    let mut first = first.ok_or_else(|| told(few().into()))?;
+    // The file of one frame is not that of the sequence.
+    first.path = None;
     Ok(SequenceFile { sequence, first, notes: Vec::new() })
 }
 
@@ -119,16 +121,18 @@ pub fn barcode(
             None => offset_of(both.each_ref(), monitor)?,
         };
         let together = Silhouettes::overlapping(both.each_ref(), offset)?.map(Arc::new);
-        let study = Study::of_pictures(files.map(|file| file.first)).with_silhouettes(together);
+        let originals = files.map(|file| Arc::new(file.first));
+        let study = Study::of_pictures(originals.clone()).with_silhouettes(together);
         let question = Question { clicks: &clicks, given: None, parameters: &parameters };
         let found = study.solve(&question, monitor).map_err(Failure::Search)?;
-        Ok((study, found, offset, remark))
+        Ok((study, originals, found, offset, remark))
     };
-    let (study, found, offset, remark) =
+    let (study, originals, found, offset, remark) =
         watched(py, &threads, progress, search)?.map_err(|failure| failure.raised(py))?;
     remarks.extend(remark);
     let source = Source::Pictures {
         study: Box::new(study),
+        originals,
         clicks,
         given: Vec::new(),
         parameters: Box::new(parameters),

@@ -1,7 +1,7 @@
 //! Results of searches and of fits to points.
 
 use std::path::PathBuf;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use epiline::camera::{PicturesOf, PoseFit};
 use epiline::estimate::{
@@ -9,6 +9,7 @@ use epiline::estimate::{
 };
 use epiline::geometry::{Frame, Point, PointPair, Segment, fan, sampson_distance};
 use epiline::image::Picture;
+use epiline::internals::app::{hand_over, model::session::Work};
 use epiline::internals::cli::with_parameter;
 use epiline::io::{ImageNote, PointResultFile, ResultFile, points_in_words, result_in_words};
 use epiline::presentation::reason_in_words;
@@ -39,8 +40,10 @@ type Ends = [[f64; 2]; 2];
 pub enum Source {
     Pictures {
         study: Box<Study>,
+        /// The pictures with their distortion.
+        originals: [Arc<Picture>; 2],
         clicks: Vec<PointPair>,
-        given: Vec<PointPair>,
+        given: Vec<Match>,
         parameters: Box<Parameters>,
         /// Time offset of two sequences.
         offset: Option<i32>,
@@ -88,13 +91,14 @@ impl Estimate {
     fn written(&self) -> Result<String, serde_json::Error> {
         let pose = self.pose.as_ref().and_then(PoseOutcome::fit);
         match &self.source {
-            Source::Pictures { study, clicks, given, parameters, offset } => {
+            Source::Pictures { study, clicks, given, parameters, offset, .. } => {
                 let images = study.pictures().map(ImageNote::from);
                 let pictures_of = self.pictures_of();
                 let mut file = ResultFile::new(&self.found, clicks, &images, parameters, &pictures_of)
                     .at_offset(*offset);
                 if !given.is_empty() {
-                    file = file.with_given(given);
+                    let given: Vec<PointPair> = given.iter().map(|found| found.pair).collect();
+                    file = file.with_given(&given);
                 }
                 if let Some(cameras) = &self.cameras {
                     file = file.with_notes(&cameras.notes).calibrated(&cameras.views, pose, cameras.baseline);
@@ -260,12 +264,21 @@ impl Estimate {
         self.remarks.clone()
     }
 
-    /// Returns the files of the pictures; `None` for a picture of an array.
-    fn _paths(&self) -> Vec<Option<PathBuf>> {
-        match &self.source {
-            Source::Pictures { study, .. } => study.pictures().map(|picture| picture.path.clone()).into(),
-            Source::Points { .. } => Vec::new(),
+    /// Writes the question of the result into a folder, as a session that the window opens. Returns its path.
+    fn _hand_over(&self, py: Python<'_>, folder: PathBuf) -> PyResult<PathBuf> {
+        let Source::Pictures { originals, clicks, given, parameters, offset, .. } = &self.source else {
+            return Err(input(py, "the result is of points without images, so there is nothing to show"));
+        };
+        if offset.is_some() && originals.iter().any(|picture| picture.path.is_none()) {
+            let problem = "the window opens sequences as folders or videos, and these are arrays. Write the frames to files";
+            return Err(input(py, problem));
         }
+        let cameras =
+            self.cameras.as_ref().map(|known| known.views.views.each_ref().map(|view| *view.camera()));
+        let question = Question { clicks, given: Some(given), parameters };
+        let work = Work::of_question(&question, cameras, offset.unwrap_or(0));
+        let pictures = originals.each_ref().map(AsRef::as_ref);
+        py.detach(|| hand_over(pictures, work, &folder)).map_err(|error| input(py, error.to_string()))
     }
 
     /// Returns the pictures of the result as bytes of height × width × RGB, for drawings.
@@ -323,8 +336,8 @@ impl Estimate {
         slf.py().import("epiline._views")?.getattr("plot")?.call1((slf, ax))
     }
 
-    /// Open the window on the images and clicks of the result, in a process of its own. The window searches again, without
-    /// given matches and cameras.
+    /// Open the window on the result, in a process of its own. The window makes the search again, from the same images,
+    /// clicks, given matches, cameras and parameters.
     fn show(slf: &Bound<'_, Self>) -> PyResult<()> {
         slf.py().import("epiline._views")?.getattr("show")?.call1((slf,)).map(|_| ())
     }
@@ -374,7 +387,8 @@ pub fn estimate(
     let mut clicks = pairs.map(|rows| pairs_of(py, &rows)).transpose()?.unwrap_or_default();
     let (mut given, mut remarks) = given_of(py, matches)?;
     parameters.method = Method::usual(clicks.len(), parameters.search);
-    let mut study = Study::of_pictures(pictures_of(image1, image2, &threads)?);
+    let originals = pictures_of(image1, image2, &threads)?.map(Arc::new);
+    let mut study = Study::of_pictures(originals.clone());
     let of_study = |error: StudyError| input(py, error.to_string());
     let cameras = match cameras {
         Some(cameras) => {
@@ -400,11 +414,11 @@ pub fn estimate(
     let (unused, found) = watched(py, &threads, progress, solve)?;
     let found = found.map_err(|error| of_estimate(py, &error))?;
     remarks.extend(unused.map(|error| format!("the matches are not used: {error}")));
-    let given = given.iter().flatten().map(|found| found.pair).collect();
     let source = Source::Pictures {
         study: Box::new(study),
+        originals,
         clicks,
-        given,
+        given: given.unwrap_or_default(),
         parameters: Box::new(parameters),
         offset: None,
     };

@@ -19,13 +19,24 @@ mod sample;
 mod search;
 
 use std::ffi::OsString;
+use std::path::PathBuf;
 
+use epiline::internals::app::model::session::{OpenSession, SessionOwner};
+use epiline::internals::app::{Opening, Start};
 use pyo3::prelude::*;
 
 /// Runs the program `epiline` with arguments, the first of which is its name. Returns the exit status.
 #[pyfunction]
 fn run(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     py.detach(|| epiline::internals::cli::main_with(arguments))
+}
+
+/// Opens the window on a session that `Estimate._hand_over` wrote. Returns when the window is closed.
+#[pyfunction]
+fn show(py: Python<'_>, session: PathBuf) -> PyResult<()> {
+    let session = OpenSession { owner: SessionOwner::Caller, ..session.into() };
+    let start = Start { opening: Opening::Session(session), ..Start::default() };
+    py.detach(|| epiline::internals::app::run(start)).map_err(|error| errors::input(py, error.to_string()))
 }
 
 #[pymodule]
@@ -49,5 +60,6 @@ fn _epiline(module: &Bound<PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(rectify::rectify, module)?)?;
     module.add_function(wrap_pyfunction!(sample::sample, module)?)?;
     module.add_function(wrap_pyfunction!(run, module)?)?;
+    module.add_function(wrap_pyfunction!(show, module)?)?;
     Ok(())
 }

@@ -82,6 +82,23 @@ def program(*arguments):
     return done.returncode, None, done.stderr
 
 
+def handed_over(found):
+    """Return the document of the session that the window would open, the paths of its pictures, and F of the same search."""
+    with tempfile.TemporaryDirectory() as folder:
+        with open(found._hand_over(folder), encoding="utf-8") as file:
+            session = json.load(file)
+        paths = [os.path.normpath(os.path.join(folder, image["path"])) for image in session["images"]]
+        document = session["content"]["document"]
+        if not all(map(os.path.isfile, paths)):
+            return document, paths, None
+        matches = document.get("given", {}).get("matches")
+        if matches:
+            columns = np.array(matches)
+            matches = columns[:, :2], columns[:, 2:4], columns[:, 5]
+        again = epiline.estimate(*paths, document["pairs"] or None, matches=matches, seed=document["parameters"]["seed"])
+        return document, paths, again.F
+
+
 def save(picture, path):
     """Write a grey or a coloured picture of 8 bits. Return the path."""
     kind = b"P5" if picture.ndim == 2 else b"P6"
@@ -136,6 +153,19 @@ class Pictures(unittest.TestCase):
             found = epiline.estimate(LEFT, RIGHT, matches=matches)
             self.assertEqual(len(json.loads(found.to_json())["given_matches"]), 40)
         self.assertTrue(any("keypoints0" in remark for remark in found.remarks))
+
+    def test_the_window_makes_the_same_search(self):
+        pairs = np.hstack([self.found.points1, self.found.points2])[:30]
+        deep = [np.uint16(200) * picture for picture in (LEFT, RIGHT)]
+        weighted = pairs[:, :2], pairs[:, 2:], np.linspace(0.2, 0.9, 30)
+        for images, arguments in (
+            ((LEFT, RIGHT), {"pairs": [[100, 20, 109, 20], [60, 130, 90, 130]], "seed": 3}),
+            (deep, {"matches": weighted}),
+        ):
+            found = epiline.estimate(*images, **arguments)
+            document, _, F = handed_over(found)
+            np.testing.assert_array_equal(F, found.F)
+            self.assertEqual(document.get("unclicked", False), "pairs" not in arguments)
 
     def test_three_rows_are_three_matches(self):
         rows = [[100, 20, 109, 20], [60, 130, 90, 130], [200, 60, 222, 60]]
@@ -369,6 +399,10 @@ class Cameras(unittest.TestCase):
     def test_a_fork_removes_the_distortion_with_threads_of_its_own(self):
         expected = epiline.estimate(LEFT, RIGHT, cameras=[BENT, BENT])
         self.assertTrue(expected.is_undistorted)
+        with tempfile.TemporaryDirectory() as folder, open(expected._hand_over(folder), encoding="utf-8") as file:
+            session = json.load(file)
+        self.assertEqual([image["width"] for image in session["images"]], [SIZE[1]] * 2)
+        self.assertEqual(len(session["content"]["cameras"]), 2)
         with concurrent.futures.ProcessPoolExecutor(1) as executor:
             row = {"image1": LEFT, "image2": RIGHT, "cameras": [BENT, BENT]}
             self.assertEqual(executor.submit(epiline.estimate_row, row).result(120)["F"], expected.F.tolist())
@@ -598,7 +632,7 @@ class Barcodes(unittest.TestCase):
             np.testing.assert_array_equal(np.array(record["fundamental"]), self.found.F)
             by_folders = epiline.barcode(*folders, offset=0, threads=1)
             np.testing.assert_array_equal(by_folders.F, self.found.F)
-            self.assertEqual([os.fspath(path) for path in by_folders._paths()], folders)
+            self.assertEqual(handed_over(by_folders)[1], folders)
             by_files = epiline.barcode(iter(paths[0]), paths[1], offset=0)
             np.testing.assert_array_equal(by_files.F, self.found.F)
 

@@ -26,7 +26,7 @@ mod view;
 
 pub use inspector::Inspector;
 pub use shell::AppError;
-pub use tasks::{Opening, Services};
+pub use tasks::{HandOverError, Opening, Services, hand_over};
 
 use crate::geometry::PointPair;
 

@@ -38,7 +38,7 @@ pub(super) fn run(arguments: WindowArguments) -> Result<(), CliError> {
         [left, right] => Opening::Files(left.clone(), right.clone()),
         [folder] if folder.is_dir() => Opening::Folder(folder.clone()),
         [file] if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) => {
-            Opening::Session(file.clone())
+            Opening::Session(file.clone().into())
         }
         _ => {
             let problem = "one file was given that is not a session (.json). Give two images LEFT and RIGHT, a session, or \

@@ -46,7 +46,7 @@ fn save_as(window: &mut Window, path: &Path) {
 }
 
 fn session(path: PathBuf) -> Window {
-    window(Start { opening: Opening::Session(path), ..Start::default() }, services())
+    window(Start { opening: Opening::Session(path.into()), ..Start::default() }, services())
 }
 
 #[test]

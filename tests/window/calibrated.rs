@@ -99,8 +99,10 @@ fn a_pair_of_a_folder_keeps_its_folder_and_its_lens() {
     // A session knows the lens of a pair that is not open.
     let session = elsewhere.0.path().join("s.json");
     save_as(&mut window, &session);
-    let mut again =
-        crate::support::window(Start { opening: Opening::Session(session), ..Start::default() }, services());
+    let mut again = crate::support::window(
+        Start { opening: Opening::Session(session.into()), ..Start::default() },
+        services(),
+    );
     press(&mut again, Key::PageUp);
     assert!(open(&again) == Some([0, 1]) && lens(&again) && again.state().document().pairs == placed);
 }
@@ -156,7 +158,7 @@ fn a_session_keeps_the_calibration_and_another_size_is_refused() {
     let mut first = calibrated(&files);
     let path = files.0.path().join("work.json");
     save_as(&mut first, &path);
-    let again = window(Start { opening: Opening::Session(path), ..Start::default() }, services());
+    let again = window(Start { opening: Opening::Session(path.into()), ..Start::default() }, services());
     assert!(again.state().messages().next().is_none(), "{:?}", again.state().messages().collect::<Vec<_>>());
     assert_eq!(again.state().model().open.cameras(), first.state().model().open.cameras());
     for (found, given) in again.state().model().pairs_in_pictures().iter().zip(&pairs()) {

@@ -261,7 +261,9 @@ fn images_and_what_belongs_to_them_are_dropped_together() {
     );
     assert_eq!(window.state().document().pairs, pairs);
     let start = Start {
-        opening: Opening::Session(file(&files, "F.json", "{\"F\": [[1, 0, 0], [0, 1, 0], [0, 0, 0]]}")),
+        opening: Opening::Session(
+            file(&files, "F.json", "{\"F\": [[1, 0, 0], [0, 1, 0], [0, 0, 0]]}").into(),
+        ),
         ..Start::default()
     };
     let window = crate::support::window(start, services());
@@ -300,8 +302,10 @@ fn an_imported_geometry_takes_part_in_the_comparison_and_is_saved() {
     press_with(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
     type_into(&mut window, "File", &path);
     press(&mut window, Key::Enter);
-    let again =
-        crate::support::window(Start { opening: Opening::Session(path), ..Start::default() }, services());
+    let again = crate::support::window(
+        Start { opening: Opening::Session(path.into()), ..Start::default() },
+        services(),
+    );
     assert_eq!(again.state().document().imported, window.state().document().imported);
     assert!(again.state().document().imported.is_some());
 }
@@ -359,7 +363,7 @@ fn matches_of_another_program_are_searched_with_shown_and_kept() {
     assert_eq!((comparison.measured, comparison.points.len()), (PointSet::Given, 400));
     let session = files.0.path().join("s.json");
     save_as(&mut window, &session);
-    let start = Start { opening: Opening::Session(session), ..Start::default() };
+    let start = Start { opening: Opening::Session(session.into()), ..Start::default() };
     assert_eq!(pairs(&crate::support::window(start, self::services())), Some(before));
     run_command(&mut window, "Remove the given matches");
     assert_eq!((asked.lock().unwrap().last(), given(&window)), (Some(&None), None));

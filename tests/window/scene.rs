@@ -229,7 +229,8 @@ fn typed_focal_lengths_give_a_scene_and_leave_the_geometry() {
     assert_eq!(fundamental(&window), before);
     let path = files.0.path().join("work.json");
     save_as(&mut window, &path);
-    let mut again = self::window(Start { opening: Opening::Session(path), ..Start::default() }, exact());
+    let mut again =
+        self::window(Start { opening: Opening::Session(path.into()), ..Start::default() }, exact());
     settle(&mut again);
     assert!(again.state().model().open.views().is_some());
 }

@@ -146,7 +146,7 @@ fn a_session_of_sequences_comes_back() {
     save_as(&mut window, &path);
     let open = |path: &Path| {
         crate::support::window(
-            Start { opening: Opening::Session(path.to_owned()), ..Start::default() },
+            Start { opening: Opening::Session(path.to_owned().into()), ..Start::default() },
             services(),
         )
     };

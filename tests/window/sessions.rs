@@ -6,9 +6,16 @@ use std::path::{Path, PathBuf};
 
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
+use epiline::camera::{CameraModel, Lens};
+use epiline::estimate::{Match, Parameters};
 use epiline::geometry::{Point, PointPair};
+use epiline::image::Picture;
 use epiline::internals::app::model::document::{Document, Side};
-use epiline::internals::app::{Opening, Services, Start};
+use epiline::internals::app::model::recents::Recents;
+use epiline::internals::app::model::session::{OpenSession, SessionOwner, Work};
+use epiline::internals::app::{Opening, Services, Start, hand_over};
+use epiline::study::Question;
+use nalgebra::Matrix3;
 
 /// What a person made: everything but which pictures and which point is selected.
 fn made(window: &Window) -> Document {
@@ -32,7 +39,7 @@ fn worked(files: &Files) -> Window {
 }
 
 fn reopened(path: PathBuf) -> Window {
-    window(Start { opening: Opening::Session(path), ..Start::default() }, services())
+    window(Start { opening: Opening::Session(path.into()), ..Start::default() }, services())
 }
 
 #[test]
@@ -56,6 +63,41 @@ fn a_session_comes_back_as_it_was_saved() {
     let mut other = sample();
     drop_files(&mut other, &[path]);
     assert_eq!(made(&other), made(&window));
+}
+
+#[test]
+fn a_search_of_another_program_is_made_again_and_belongs_to_no_file() {
+    let files = Files::new();
+    let picture = |name| Picture::open(&files.image(name, 64, 48)).unwrap();
+    // One picture is a file, the other only pixels.
+    let mut pictures = [picture("a.png"), picture("b.png")];
+    pictures[1].path = None;
+    let of = |pair, prior| Match { pair, sigma: 1.5, prior };
+    let given = [of(PointPair::new(5.0, 6.0, 7.0, 8.0), 0.5), of(PointPair::new(9.0, 6.0, 9.0, 8.0), 0.9)];
+    let parameters = Parameters { seed: 7, ..Parameters::default() };
+    let camera =
+        CameraModel::new(&Matrix3::new(90.0, 0.0, 31.5, 0.0, 90.0, 23.5, 0.0, 0.0, 1.0), Lens::IDEAL);
+    let clicks = pairs();
+    for (clicks, cameras) in [(&clicks[..], None), (&[], camera.map(|camera| [camera; 2]))] {
+        let question = Question { clicks, given: Some(&given), parameters: &parameters };
+        let work = Work::of_question(&question, cameras, 0);
+        let path = hand_over(pictures.each_ref(), work, files.0.path()).unwrap();
+        let session = OpenSession { owner: SessionOwner::Caller, ..path.clone().into() };
+        let start = Start { opening: Opening::Session(session), ..Start::default() };
+        let mut window = window(start, services());
+        let document = window.state().document();
+        assert_eq!((&document.pairs[..], document.parameters.seed), (clicks, 7));
+        assert_eq!(document.given.as_ref().unwrap().matches[..], given);
+        assert_eq!(window.state().model().open.takes_focal_lengths(), cameras.is_none());
+        assert!(window.state().estimate().is_some(), "the search begins by itself");
+        assert!(
+            !window.state().model().has_unsaved_work() && *window.state().recents() == Recents::default()
+        );
+        // The file of the caller is not saved to.
+        std::fs::remove_file(path).unwrap();
+        press_with(&mut window, Modifiers::COMMAND, Key::S);
+        assert!(window.query_by_label("Save session").is_some());
+    }
 }
 
 #[test]

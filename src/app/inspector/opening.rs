@@ -8,7 +8,7 @@ use crate::app::model::album::Album;
 use crate::app::model::document::{Imported, TruthSource};
 use crate::app::model::history::History;
 use crate::app::model::picture::Opened;
-use crate::app::model::session::{OpenSession, has_session_extension};
+use crate::app::model::session::{OpenSession, SessionOwner, has_session_extension};
 use crate::app::model::truth::KnownTruth;
 use crate::app::model::{Document, Model, Side, StageId};
 use crate::app::tasks::{LoadedPair, NewCalibration, Opening, OpeningFailure, Wanted};
@@ -275,7 +275,7 @@ impl Inspector {
     fn note_recent(&mut self, pair: &LoadedPair) {
         let recents = &mut self.model.recents;
         if let Some(restored) = &pair.restored {
-            if !restored.session.recovers {
+            if restored.session.owner == SessionOwner::Person {
                 recents.note(&[&restored.session.path]);
             }
         } else if let Some(folder) = pair.folder.as_ref().and_then(|(folder, _)| folder.image(0).parent()) {
@@ -345,7 +345,7 @@ impl Inspector {
     }
 
     pub(super) fn open_session(&mut self, session: OpenSession) {
-        self.open(Wanted::Session(session));
+        self.open(Wanted::Opening(Opening::Session(session)));
         self.view.dialogs.relocate = None;
     }
 

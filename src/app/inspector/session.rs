@@ -10,7 +10,7 @@ use crate::app::model::history::History;
 use crate::app::model::left_behind::LeftBehind;
 use crate::app::model::look::Tool;
 use crate::app::model::messages::{MessageAction, MessageKind};
-use crate::app::model::session::{Restored, Work, suggested_path};
+use crate::app::model::session::{Restored, SessionOwner, Work, suggested_path};
 use crate::app::tasks::saver::{self, Written};
 use crate::app::view::SaveDialog;
 use crate::io::Autosave;
@@ -188,20 +188,25 @@ impl Inspector {
         for (pane, view) in self.view.panes.iter_mut().zip(work.views.into_iter().flatten()) {
             pane.set_view(view);
         }
-        if session.recovers {
-            // A relative path could refer to another file now.
-            model.session.path = work.belongs_to.take().filter(|path| path.is_absolute());
-            model.open.done.tell("Restored unsaved work");
-            // The copy left behind may go only after this window has made its own.
-            self.copy_work();
-            self.tasks.saver.wait(PATIENCE);
-            if self.tasks.autosave.as_ref().is_some_and(|autosave| autosave.path().exists()) {
-                self.settle_left_behind(&session.path);
+        match session.owner {
+            SessionOwner::Autosave => {
+                // A relative path could refer to another file now.
+                model.session.path = work.belongs_to.take().filter(|path| path.is_absolute());
+                model.open.done.tell("Restored unsaved work");
+                // The copy left behind may go only after this window has made its own.
+                self.copy_work();
+                self.tasks.saver.wait(PATIENCE);
+                if self.tasks.autosave.as_ref().is_some_and(|autosave| autosave.path().exists()) {
+                    self.settle_left_behind(&session.path);
+                }
+                self.offer_left_behind();
             }
-            self.offer_left_behind();
-        } else {
-            model.open.done.tell(format!("Opened {}", session.path.display()));
-            model.session.belongs_to(session.path, work);
+            // Nothing is lost yet, and the file will not stay.
+            SessionOwner::Caller => model.session.saved = Some(work),
+            SessionOwner::Person => {
+                model.open.done.tell(format!("Opened {}", session.path.display()));
+                model.session.belongs_to(session.path, work);
+            }
         }
         for note in notes {
             self.model.messages.tell(note);

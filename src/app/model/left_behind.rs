@@ -6,7 +6,7 @@ use std::time::{Duration, SystemTime};
 use super::command::SessionCommand;
 use super::document::counted;
 use super::messages::MessageAction;
-use super::session::{OpenSession, Work};
+use super::session::{OpenSession, SessionOwner, Work};
 use crate::io::SessionFile;
 
 /// A copy of unsaved work.
@@ -50,7 +50,7 @@ impl LeftBehind {
 
     /// Returns the buttons that restore and delete the work.
     pub fn actions(&self) -> Vec<MessageAction> {
-        let session = OpenSession { recovers: true, ..OpenSession::from(self.path.clone()) };
+        let session = OpenSession { owner: SessionOwner::Autosave, ..OpenSession::from(self.path.clone()) };
         let delete = SessionCommand::DiscardLeftBehind(self.path.clone());
         vec![
             MessageAction { label: "Restore", command: SessionCommand::Open(session).into() },

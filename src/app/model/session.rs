@@ -7,7 +7,7 @@ use std::time::{Instant, SystemTime};
 use serde::{Deserialize, Serialize};
 
 use super::album::Album;
-use super::document::{Document, PointRef, TruthSource};
+use super::document::{Document, Given, PointRef, TruthSource};
 use super::focus::LineSource;
 use super::look::Look;
 use super::pane_view::PaneView;
@@ -15,8 +15,10 @@ use super::picture::Opened;
 use super::sample::{SAMPLE_SEQUENCES, sample_of};
 use crate::camera::CameraModel;
 use crate::camera::PicturesOf;
+use crate::estimate::Method;
 use crate::geometry::Frame;
 use crate::io::{ImageReference, ImageSource, SessionFile, has_extension, relative, resolve};
+use crate::study::Question;
 
 /// Maximum number of pairs of a session, far more than anybody clicks. Each is drawn and listed.
 const MOST_PAIRS: usize = 1000;
@@ -50,6 +52,28 @@ impl Work {
     /// Returns whether two states have the same work. The way of looking at it does not count.
     pub fn is_same_work(&self, document: &Document, pins: impl Iterator<Item = LineSource>) -> bool {
         self.document.is_same_work(document) && pins.eq(self.pins.iter().copied())
+    }
+
+    /// Returns the work of a search that another program asked for. All points are in the views of `cameras`.
+    pub fn of_question(question: &Question, cameras: Option<[CameraModel; 2]>, offset: i32) -> Self {
+        let given = question.given.filter(|given| !given.is_empty());
+        let document = Document {
+            pairs: question.clicks.to_vec(),
+            unclicked: question.clicks.len() < Method::TwoPoint.pairs_needed(),
+            parameters: question.parameters.clone(),
+            offset,
+            given: given.map(|given| Given::new("the caller".to_owned(), given.to_vec())),
+            ..Document::default()
+        };
+        Self {
+            document,
+            pins: Vec::new(),
+            views: None,
+            look: Look::default(),
+            album: None,
+            cameras,
+            belongs_to: None,
+        }
     }
 
     /// Returns the session file of this work, for writing at `path`. `None` if a picture is neither
@@ -112,8 +136,19 @@ pub struct OpenSession {
     /// Images that replace the images named by the session.
     pub images: [Option<PathBuf>; 2],
     pub accepts_changed: bool,
-    /// Whether the file is the program's own copy of unsaved work.
-    pub recovers: bool,
+    pub owner: SessionOwner,
+}
+
+/// Owner of a session file.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum SessionOwner {
+    /// A person, who saved it.
+    #[default]
+    Person,
+    /// This program: a copy of unsaved work.
+    Autosave,
+    /// Another program, which hands its question over and removes the file.
+    Caller,
 }
 
 impl From<PathBuf> for OpenSession {

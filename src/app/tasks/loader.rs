@@ -13,7 +13,6 @@ use super::session_opening::open_session;
 use super::task::{Task, Waiting};
 use super::waker::Waker;
 use crate::app::model::picture::Opened;
-use crate::app::model::session::OpenSession;
 use crate::camera::CameraModel;
 use crate::cancel::CancelFlag;
 use crate::io::PictureFolder;
@@ -25,7 +24,6 @@ pub enum Wanted {
     Opening(Opening),
     /// Two views of a folder, with the cameras of the work on them. Images that are already open are not read again.
     Views(Arc<PictureFolder>, [usize; 2], Option<Box<[CameraModel; 2]>>),
-    Session(OpenSession),
     /// Open pictures, with their calibrated cameras.
     Calibrated(Box<([Opened; 2], NewCalibration)>),
 }
@@ -37,12 +35,11 @@ impl Wanted {
             Self::Opening(Opening::SampleSequences) => sample_sequences(&reading),
             Self::Opening(Opening::Files(left, right)) => open_files([&left, &right], &mut reading),
             Self::Opening(Opening::Folder(path)) => open_folder(&path, &mut reading),
-            Self::Opening(Opening::Session(path)) => open_session(path.into(), &mut reading),
+            Self::Opening(Opening::Session(session)) => open_session(session, &mut reading),
             Self::Views(folder, views, cameras) => {
                 let pair = open_views(&folder, views, &mut reading)?;
                 Ok(LoadedPair { pictures: calibrated(pair.pictures, cameras.as_deref())?, ..pair })
             }
-            Self::Session(session) => open_session(session, &mut reading),
             Self::Calibrated(both) => {
                 let (pictures, calibration) = *both;
                 if let Some(cameras) = &calibration.cameras {

@@ -1,6 +1,7 @@
 //! Work outside the thread of the window. Each kind of work has its own thread.
 
 mod estimating;
+mod handing_over;
 mod loader;
 mod opening;
 mod picking;
@@ -15,6 +16,7 @@ mod writing;
 use std::path::Path;
 
 pub use estimating::Estimating;
+pub use handing_over::{HandOverError, hand_over};
 pub use loader::{Loader, Wanted};
 pub use opening::{LoadedPair, NewCalibration, Opening, OpeningFailure};
 pub use picking::Picked;

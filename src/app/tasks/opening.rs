@@ -8,7 +8,7 @@ use crate::app::model::open_pair::OpenFolder;
 use crate::app::model::picture::Opened;
 use crate::app::model::recording::Recording;
 use crate::app::model::sample::{FIRST, OpenedSample, sample_pair, sample_recordings};
-use crate::app::model::session::{Relocation, Restored};
+use crate::app::model::session::{OpenSession, Relocation, Restored};
 use crate::app::model::truth::KnownTruth;
 use crate::camera::{CameraModel, RelativePose};
 use crate::cancel::CancelFlag;
@@ -27,7 +27,7 @@ pub enum Opening {
     /// Two files, left and right, or two folders of frames.
     Files(PathBuf, PathBuf),
     Folder(PathBuf),
-    Session(PathBuf),
+    Session(OpenSession),
 }
 
 impl Default for Opening {

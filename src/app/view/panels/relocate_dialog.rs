@@ -7,7 +7,7 @@ use egui::{Button, Key, Label, TextEdit};
 use super::dialog::{dialog, named, path_of};
 use super::{command_button, finish_button};
 use crate::app::model::command::PickPurpose;
-use crate::app::model::session::{Lost, OpenSession, Relocation};
+use crate::app::model::session::{Lost, OpenSession, Relocation, SessionOwner};
 use crate::app::model::{Command, SessionCommand, Side};
 
 /// The missing images and the typed paths.
@@ -53,7 +53,7 @@ impl RelocateDialog {
     pub fn show(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) -> bool {
         dialog(ctx, "Find the images", 560.0, |ui| {
             let session = &self.relocation.session;
-            let what = if session.recovers {
+            let what = if session.owner == SessionOwner::Autosave {
                 "The unsaved work".to_owned()
             } else {
                 format!("The session {}", session.path.display())
