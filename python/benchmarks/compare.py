@@ -10,7 +10,8 @@ at its best threshold; this package has none. Packages that are not installed ar
 
 The table has the pose error, the larger of rotation and direction of the baseline in degrees, as AUC up to 1°, 5° and 10°
 through the true K; for known matches the mean share within 1 to 10 px (mAA), and the share of fits whose mean distance is
-below 1 px. Seconds are medians of a fit.
+below 1 px. Seconds are medians of a fit. A second table has what this package says of its fits, and how many of these are
+right: a pose within 5°, or a mAA above one half.
 Needs NumPy and OpenCV.
 """
 
@@ -90,11 +91,18 @@ def of_kornia(points1, points2, sizes, scores, threshold, seed):
     return None if found is None else np.reshape(found.model, (3, 3))
 
 
+# Results of this package by verdict and by what the matches determine.
+said = collections.defaultdict(list)
+
+
 def of_epiline(points1, points2, sizes, scores, threshold, seed):
     try:
-        return epiline.estimate_fundamental(points1, points2, sizes=sizes, confidences=scores, seed=seed).F
+        found = epiline.estimate_fundamental(points1, points2, sizes=sizes, confidences=scores, seed=seed)
     except epiline.EpilineError:
         return None
+    # The one that says how sure it is.
+    said[found.verdict, found.determined].append(found.F)
+    return found.F
 
 
 METHODS = {
@@ -156,6 +164,11 @@ def accuracy(F, rows):
     return float(np.mean(within)), bool(distances.mean() < 1)
 
 
+def is_right(truth, value):
+    """Return whether a pose is right to 5°, or half of the share of known matches within 1 to 10 px is there."""
+    return value < 5 if truth == "pose" else value[0] > 0.5
+
+
 def figures(truth, results):
     """Return the figures of a method at its best threshold: results by threshold, a list of one number for each fit."""
     score = (lambda values: auc(values, 5)) if truth == "pose" else (lambda values: np.mean(values, axis=0)[0])
@@ -181,6 +194,7 @@ def main():
         stems = [stem for stem in stems if os.path.exists(stem + "_K.txt") or os.path.exists(stem + ".txt")]
         results = collections.defaultdict(lambda: collections.defaultdict(list))
         seconds = collections.defaultdict(list)
+        certainty = collections.defaultdict(lambda: collections.defaultdict(list))
         truth = None
         for stem in stems[:: arguments.every]:
             images = [cv2.imread(next(iter(glob.glob(glob.escape(stem) + side + ".*"))), 0) for side in "AB"]
@@ -198,6 +212,7 @@ def main():
                 truth, known = "matches", np.loadtxt(stem + ".txt", ndmin=2)
                 check = lambda F: accuracy(F, known)
             for kind, (points1, points2, scores) in kinds.items():
+                said.clear()
                 for method, found in METHODS.items():
                     for threshold in found[1] if found else ():
                         for seed in range(arguments.seeds):
@@ -205,6 +220,8 @@ def main():
                             F = found[0](points1, points2, sizes, scores, threshold, seed) if len(points1) > 8 else None
                             seconds[kind, method].append(time.perf_counter() - begun)
                             results[kind, method][threshold].append(check(F))
+                for words, matrices in said.items():
+                    certainty[kind][words] += [is_right(truth, check(F)) for F in matrices]
         columns = ["AUC@1°", "@5°", "@10°"] if truth == "pose" else ["mAA 10 px", "below 1 px, %"]
         print(f"\n{folder}, {len(stems[:: arguments.every])} pairs\n")
         print("| matches | method | threshold, px | " + " | ".join(columns) + " | s |")
@@ -216,6 +233,13 @@ def main():
             print(f"| {kind} | {method} | {threshold or ''} | {numbers} | {time_:.3f} |", flush=True)
             written.append({"set": folder, "matches": kind, "method": method, "threshold": threshold,
                             "figures": dict(zip(columns, made)), "seconds": time_})
+        print("\n| matches | verdict of Epiline | determined | fits | right |\n|---|---|---|---|---|")
+        for kind, by_words in sorted(certainty.items()):
+            for (verdict, determined), right in sorted(by_words.items(), key=str):
+                share = f"{100 * np.mean(right):.0f} %"
+                print(f"| {kind} | {verdict} | {determined or 'nothing'} | {len(right)} | {share} |", flush=True)
+                written.append({"set": folder, "matches": kind, "verdict": verdict, "determined": determined,
+                                "fits": len(right), "right": float(np.mean(right))})
     if arguments.json:
         with open(arguments.json, "w", encoding="utf-8") as file:
             json.dump(written, file, indent=1)

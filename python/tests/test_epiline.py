@@ -95,7 +95,8 @@ def handed_over(found):
         if matches:
             columns = np.array(matches)
             matches = columns[:, :2], columns[:, 2:4], columns[:, 5]
-        again = epiline.estimate(*paths, document["pairs"] or None, matches=matches, seed=document["parameters"]["seed"])
+        pairs = [[*pair["point1"], *pair["point2"]] for pair in document["pairs"]]
+        again = epiline.estimate(*paths, pairs or None, matches=matches, seed=document["parameters"]["seed"])
         return document, paths, again.F
 
 

@@ -45,7 +45,7 @@ fn the_window_stays_live_while_computing_and_shows_only_the_newest_result() {
         }
     });
     let mut window = window(Start::default(), services);
-    window.get_by_label("Show me").click();
+    window.get_by_label("Show me how the lines are found").click();
     window.step();
     window.step();
     assert!(window.state().is_busy());

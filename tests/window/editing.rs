@@ -14,7 +14,7 @@ fn the_sample_opens_and_the_window_says_what_to_do() {
     let window = sample();
     assert!(window.state().document().pictures.is_some());
     window.get_by_label_contains("Every point of one picture lies on a line in the other.");
-    window.get_by_label("Show me");
+    window.get_by_label("Show me how the lines are found");
 }
 
 #[test]
@@ -42,7 +42,7 @@ fn the_sentence_follows_the_clicks() {
 #[test]
 fn show_me_places_two_pairs_and_undo_takes_them_back() {
     let mut window = sample();
-    tap(&mut window, "Show me");
+    tap(&mut window, "Show me how the lines are found");
     assert_eq!(window.state().document().pairs.len(), 2);
     assert!(window.state().estimate().is_some());
     undo(&mut window);

@@ -18,7 +18,7 @@ fn files_of_the_command_line_open_with_their_pairs() {
     let window = window(Start { opening, pairs: pairs.clone(), ..Start::default() }, services());
     assert_eq!(window.state().document().pairs, pairs[..1]);
     assert!(window.state().messages().any(|text| text.contains("outside the images: 1 of the point pairs")));
-    assert!(window.query_by_label("Show me").is_none());
+    assert!(window.query_by_label("Show me how the lines are found").is_none());
 }
 
 #[test]

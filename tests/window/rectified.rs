@@ -32,7 +32,7 @@ fn finding(fundamental: FundamentalMatrix) -> Services {
 fn rectified() -> (Window, Rectification) {
     let sample = Sample::Courtyard.load();
     let mut window = window(Start::default(), finding(sample.fundamental));
-    tap(&mut window, "Show me");
+    tap(&mut window, "Show me how the lines are found");
     press(&mut window, Key::Num6);
     let frames = sample.pictures.each_ref().map(epiline::image::Picture::frame);
     let found =
@@ -51,7 +51,7 @@ fn where_the_epipole_is_not_determined_disparities_are_called_no_depth() {
         Ok(found)
     });
     let mut window = window(Start::default(), services);
-    tap(&mut window, "Show me");
+    tap(&mut window, "Show me how the lines are found");
     press(&mut window, Key::Num6);
     window.get_by_label_contains("The epipole is not determined: rows match, but disparities are not depth.");
     assert!(window.query_by_label_contains("because").is_none());
@@ -251,7 +251,7 @@ fn an_epipole_inside_forbids_planar_and_polar_is_one_press_away() {
     let inside = Vector3::new(320.0, 240.0, 1.0);
     let forward = FundamentalMatrix::from_rank_two(inside.cross_matrix()).unwrap();
     let mut window = window(Start::default(), finding(forward));
-    tap(&mut window, "Show me");
+    tap(&mut window, "Show me how the lines are found");
     press(&mut window, Key::Num6);
     window.get_by_label_contains("Polar, because the epipole lies inside the left image");
     tap(&mut window, "Planar");

@@ -118,7 +118,7 @@ fn a_click_that_closes_the_menu_places_nothing() {
 fn the_library_repairs_a_pair_of_the_sample() {
     let real = Services { estimate: services().estimate, suggest: services().suggest, ..Services::default() };
     let mut window = window(Start::default(), real);
-    tap(&mut window, "Show me");
+    tap(&mut window, "Show me how the lines are found");
     let truth = point(&window, Q_RIGHT);
     let q = screen(&window, Q_RIGHT);
     click(&mut window, q);

@@ -40,7 +40,7 @@ fn time(window: &Window) -> Option<f64> {
 fn show_me_ends_in_a_replay_and_the_space_bar_pauses_it() {
     let mut window = window(Start::default(), rich_services());
     window.state_mut().set_look(Look::default());
-    window.get_by_label("Show me").click();
+    window.get_by_label("Show me how the lines are found").click();
     let begun = Instant::now();
     while !is_playing(&window) {
         assert!(begun.elapsed().as_secs() < 60, "no replay");

@@ -339,7 +339,7 @@ fn a_session_never_takes_the_name_of_an_image() {
 fn clicks_on_the_sample_are_kept_too_when_other_images_are_opened() {
     let (files, copies) = (Files::new(), tempfile::tempdir().unwrap());
     let mut window = window(Start::default(), with_copies(copies.path()));
-    tap(&mut window, "Show me");
+    tap(&mut window, "Show me how the lines are found");
     let both = [files.image("a.png", 64, 48), files.image("b.png", 50, 70)];
     drop_files(&mut window, &both);
     assert!(window.state().model().left_behind.is_empty(), "what the program placed is no loss");

@@ -110,7 +110,7 @@ fn a_vgg_folder_opens_its_first_pair_and_steps_to_the_others() {
     let views = ["set.000", "set.001"].map(str::to_owned);
     let source = TruthSource::Folder { folder: files.0.path().to_owned(), views };
     assert_eq!(document(&window).truth, Some(source));
-    assert!(window.query_by_label("Show me").is_none());
+    assert!(window.query_by_label("Show me how the lines are found").is_none());
     let legends = |window: &Window| window.query_all_by_label_contains("× true matches").count();
     assert_eq!(legends(&window), 2, "both pictures tell what the crosses are");
     press(&mut window, Key::G);

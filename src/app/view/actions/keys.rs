@@ -44,7 +44,7 @@ pub fn with_keys() -> Vec<Action> {
             .when(|model| model.open.crosshair.is_some()),
         action(
             Command::ShowMe,
-            "Show me",
+            "Show me how the lines are found",
             "Place two point pairs on the sample and show the geometry they give.",
         )
         .key(NONE, Key::S)

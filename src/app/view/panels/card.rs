@@ -3,7 +3,7 @@
 
 use egui::collapsing_header::CollapsingState;
 use egui::{
-    Align, Button, Color32, Id, Label, Layout, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui,
+    Align, Button, Color32, FontId, Id, Label, Layout, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui,
     UiBuilder, Visuals, vec2,
 };
 
@@ -27,6 +27,8 @@ use crate::geometry::FundamentalMatrix;
 const BETWEEN: f32 = 2.0;
 /// Rows of the main reason above the figures. Its tooltip has the rest.
 const REASON: usize = 3;
+/// Height of the start, screen points.
+const START: f32 = 130.0;
 
 /// Shows the card in all available space. The details scroll.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -52,52 +54,83 @@ fn fundamental(ui: &mut Ui, model: &Model) {
     ui.add(Label::new(RichText::new(rows.join("\n")).monospace()).extend()).on_hover_text(convention);
 }
 
-/// Shows the next step before anything was placed.
+/// Shows the next step before anything was placed, in the middle of the dock.
 fn start(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    ui.set_max_width(ui.available_width().min(560.0));
-    ui.add_space(4.0);
+    let is_lesson = model.lesson().is_some();
     let mut text = guide(model);
     let clicks = model.document.pictures.is_some() && model.document.too_small().is_none();
-    if clicks && model.lesson().is_none() {
+    if clicks && !is_lesson {
         text += " Two such pairs give the epipolar geometry.";
     }
-    ui.add(Label::new(RichText::new(text).size(15.0).color(ui.visuals().strong_text_color())).wrap());
-    if model.lesson().is_some() {
-        ui.weak("Or click a point, then the same point in the other picture. Two such pairs give the epipolar geometry.");
+    let mut offers = Vec::new();
+    if model.document.pictures.is_none() {
+        if !model.activity.loading {
+            offers.extend([Command::ShowOpenDialog, Command::OpenSample(FIRST)]);
+        }
+    } else {
+        offers.extend(model.open.show_me.map(|_| Command::ShowMe));
+        if is_lesson {
+            offers.push(Command::ShowOpenDialog);
+        } else if model.can_find_without_clicks() {
+            offers.push(Command::FindWithoutClicks);
+        }
     }
-    ui.add_space(6.0);
-    ui.horizontal_wrapped(|ui| {
-        if model.document.pictures.is_none() {
-            if model.activity.loading {
-                busy::show(ui);
-                return;
-            }
-            let open = main_button(ui, Command::ShowOpenDialog.name());
-            finish_button(ui, open, Command::ShowOpenDialog, commands);
-            command_button(ui, Command::OpenSample(FIRST), true, commands);
-            return;
+    ui.add_space((ui.available_height() - START).max(0.0) * 0.4);
+    ui.vertical_centered(|ui| {
+        ui.add(Label::new(RichText::new(text).size(17.0).color(ui.visuals().strong_text_color())).wrap());
+        ui.add_space(10.0);
+        if model.activity.loading && model.document.pictures.is_none() {
+            busy::show(ui);
         }
-        if model.open.show_me.is_some() {
-            let show_me = main_button(ui, Command::ShowMe.name());
-            finish_button(ui, show_me, Command::ShowMe, commands);
+        let stands_out = model.open.show_me.is_some() || model.document.pictures.is_none();
+        let offers: Vec<_> = offers.into_iter().map(|command| (command.name(), command)).collect();
+        centred(ui, 15.0, &offers, stands_out, commands);
+        if is_lesson {
+            ui.add_space(10.0);
+            ui.add(Label::new(RichText::new("Or click a point on the left, then the same point on the right. Two such pairs give the lines.").weak()).wrap());
         }
-        if model.can_find_without_clicks() {
-            command_button(ui, Command::FindWithoutClicks, true, commands);
-        }
+        unsaved_work(ui, model, commands);
     });
-    unsaved_work(ui, model, commands);
 }
 
 /// Offers the newest unsaved work. The dialog for opening images lists all of it.
 fn unsaved_work(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(newest) = model.left_behind.first() else { return };
-    ui.add_space(6.0);
+    ui.add_space(10.0);
     ui.add(Label::new(newest.told()).wrap());
-    ui.horizontal(|ui| {
-        for action in newest.actions() {
-            let button = ui.button(action.label);
-            finish_button(ui, button, action.command, commands);
+    let offers: Vec<_> = newest.actions().into_iter().map(|action| (action.label, action.command)).collect();
+    centred(ui, 14.0, &offers, false, commands);
+}
+
+/// Shows buttons with text of this size side by side in the middle, or one below the other. The first one may stand out.
+fn centred(ui: &mut Ui, size: f32, offers: &[(&str, Command)], stands_out: bool, commands: &mut Vec<Command>) {
+    let font = FontId::proportional(size);
+    let padding = ui.spacing().button_padding.x.max(size);
+    let wide = |(text, _): &(&str, Command)| {
+        ui.painter().layout_no_wrap((*text).to_owned(), font.clone(), Color32::WHITE).size().x + 2.0 * padding
+    };
+    let widths: Vec<f32> = offers.iter().map(wide).collect();
+    let all = widths.iter().sum::<f32>() + ui.spacing().item_spacing.x * offers.len().saturating_sub(1) as f32;
+    let before = (ui.available_width() - all) * 0.5;
+    let mut show = |ui: &mut Ui| {
+        for (number, ((text, command), width)) in offers.iter().zip(&widths).enumerate() {
+            let palette = theme::palette(ui.visuals());
+            let text = RichText::new(*text).font(font.clone());
+            let button = if number == 0 && stands_out {
+                Button::new(text.color(palette.on_accent)).fill(palette.accent)
+            } else {
+                Button::new(text)
+            };
+            let button = ui.add(button.min_size(vec2(*width, 2.1 * size)));
+            finish_button(ui, button, command.clone(), commands);
         }
+    };
+    if before < 0.0 {
+        return show(ui);
+    }
+    ui.horizontal(|ui| {
+        ui.add_space(before);
+        show(ui);
     });
 }
 
