@@ -228,7 +228,6 @@ impl Inspector {
             Command::PlaceDock(edge) => model.look.dock = DockLook { edge, folded: false, ..model.look.dock },
             Command::SizeDock(edge, share) => model.look.dock.set_share(edge, share),
             Command::ToggleAlone => model.open.alone = !model.open.alone,
-            Command::ToggleDrawer => model.look.drawer = !model.look.drawer,
             Command::ToggleUnreliableLines => model.open.lines_anyway = !model.open.lines_anyway,
             Command::PlaceAtMark => {
                 if let Some(Some(next)) = model.open.next_click {

@@ -130,7 +130,6 @@ pub enum Command {
     /// pictures leave.
     SizeDock(DockEdge, Option<f32>),
     ToggleAlone,
-    ToggleDrawer,
     /// Draw the lines of an unreliable geometry all the same, or hide them again.
     ToggleUnreliableLines,
     /// Place the left point of a new pair where one more pair would help most.

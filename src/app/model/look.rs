@@ -41,8 +41,6 @@ pub struct Look {
     /// Whether the replay shows only the last moment of each step.
     pub still_steps: bool,
     pub dock: DockLook,
-    /// Whether the images of the folder are shown in a drawer over the stage.
-    pub drawer: bool,
     /// Whether the images are stacked; `None` chooses what shows them larger.
     #[serde(rename = "stacking")]
     pub stacked: Option<bool>,
@@ -61,7 +59,6 @@ impl Default for Look {
             speed: Speed::default(),
             still_steps: false,
             dock: DockLook::default(),
-            drawer: false,
             stacked: None,
             compared: Subject::default(),
             rectified: RectifiedLook::default(),

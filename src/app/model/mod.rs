@@ -12,7 +12,6 @@
 //! | [`focus`] | hovered and selected things |
 //! | [`look`], [`ids`], [`dock`] | visible things, kept between runs; place of the dock |
 //! | [`measuring`], [`crosshair`] | a distance and a direction in one image; points placed by the keyboard |
-//! | [`thumbnails`] | small pictures of the images of the folder |
 //! | [`recording`] | two sequences in place of two pictures: frames and time offset |
 //! | [`tones`] | brightness and colours of the pictures on the screen |
 //! | [`scene`] | scene points of a calibrated pair, and a view of them |
@@ -66,7 +65,6 @@ pub mod shared;
 pub mod shown;
 pub mod step;
 pub mod suggesting;
-pub mod thumbnails;
 pub mod tones;
 pub mod truth;
 mod turning;
@@ -93,7 +91,6 @@ use picture::Opened;
 use recents::Recents;
 use rectified::WritingProgress;
 use session::{SessionState, Work};
-use thumbnails::Thumbnails;
 use truth::KnownTruth;
 
 use crate::estimate::{Estimate, Preset};
@@ -135,7 +132,6 @@ pub struct Model {
     pub imports: std::collections::VecDeque<PendingImport>,
     /// Views of the folder that are being opened.
     pub wanted: Option<[usize; 2]>,
-    pub thumbnails: Thumbnails,
     pub recents: Recents,
     /// Copies of unsaved work that can be restored, newest first.
     pub left_behind: Vec<LeftBehind>,

@@ -244,13 +244,6 @@ pub fn with_keys() -> Vec<Action> {
         )
         .key(NONE, Key::H)
         .key(NONE, Key::F11),
-        action(
-            Command::ToggleDrawer,
-            "Images of the folder",
-            "Show all images of the folder in a drawer over the pictures, or hide them.",
-        )
-        .key(NONE, Key::A)
-        .when(Model::has_strip),
         tab(TabId::Step, Key::Num1, "The hypotheses of the search, or the chart of the step that is shown."),
         tab(TabId::Profiles, Key::Num2, "Intensities along one line pair, and the matching of its samples."),
         tab(TabId::Residuals, Key::Num3, "Distances of points from their epipolar lines."),

@@ -2,8 +2,8 @@
 
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{
-    Button, Color32, Painter, PopupCloseBehavior, Pos2, Rect, Response, RichText, Shape, Stroke, StrokeKind,
-    Ui, Vec2, pos2, vec2,
+    Button, Color32, Painter, PopupCloseBehavior, Pos2, Response, RichText, Shape, Stroke, Ui, Vec2, pos2,
+    vec2,
 };
 
 use crate::app::view::theme;
@@ -18,7 +18,6 @@ pub enum Icon {
     Measure,
     Fit,
     Tones,
-    Images,
     Search,
 }
 
@@ -91,12 +90,6 @@ impl Icon {
                     centre + HALF * 0.85 * Vec2::angled(angle)
                 });
                 painter.add(Shape::convex_polygon(half.collect(), color, Stroke::NONE));
-            }
-            Self::Images => {
-                for (x, y) in [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)] {
-                    let cell = Rect::from_center_size(at(x, y), vec2(HALF * 0.75, HALF * 0.75));
-                    painter.rect_stroke(cell, 1.0, stroke, StrokeKind::Middle);
-                }
             }
             Self::Search => {
                 let eye = at(-0.2, -0.2);

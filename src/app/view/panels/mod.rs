@@ -6,7 +6,6 @@ mod card;
 mod dialog;
 pub mod dock;
 mod export;
-mod film_strip;
 mod focal_dialog;
 mod icons;
 mod menus;
@@ -37,7 +36,6 @@ use crate::app::view::keyboard::key_text;
 use crate::app::view::theme;
 
 pub use export::FileExport;
-pub use film_strip::FilmStrip;
 pub use focal_dialog::FocalDialog;
 pub use menus::{copy_fundamental_menu, pair_menu, pin_menu, place_menu};
 pub use open_dialog::OpenDialog;

@@ -24,7 +24,7 @@ const STAGE: f32 = 80.0;
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let area = ui.max_rect();
     ui.spacing_mut().item_spacing.x = 3.0;
-    let middle = area.width() >= ROOM_FOR_MIDDLE && !model.has_strip();
+    let middle = area.width() >= ROOM_FOR_MIDDLE && model.folder().is_none();
     ui.horizontal_centered(|ui| {
         icons(ui, model, commands);
         if let Some((folder, pair)) = model.folder() {

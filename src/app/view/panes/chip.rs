@@ -109,7 +109,7 @@ impl Chip {
 }
 
 /// Shortens a name in the middle to its beginning and its end, `most` characters in all.
-pub fn shortened(name: &str, most: usize) -> String {
+fn shortened(name: &str, most: usize) -> String {
     let end = name.chars().count().saturating_sub(most / 2);
     name.chars().take(most - most / 2).chain(['…']).chain(name.chars().skip(end)).collect()
 }
