@@ -8,7 +8,6 @@ use crate::app::model::document::counted;
 use crate::app::model::exchange::ViewPart;
 use crate::app::model::history::EditKey;
 use crate::app::model::look::Tool;
-use crate::app::model::measuring::Measuring;
 use crate::app::model::messages::MessageKind;
 use crate::app::model::pane_view::QuarterTurns;
 use crate::app::model::point_table::PointsCommand;
@@ -137,18 +136,8 @@ impl Inspector {
             Command::Inspect(number) => model.open.focus.inspect(number),
             Command::Unpin(number) => model.open.focus.unpin(number),
             Command::UnpinAll => model.open.focus.unpin_all(),
-            Command::ToggleTool(tool) => {
-                model.tool = if model.tool == tool { Tool::Points } else { tool };
-                if model.tool == Tool::Measure {
-                    model.look.stage = StageId::Pictures;
-                }
-            }
-            Command::Measure(side, point) => {
-                model.open.measuring = Some(Measuring::after_click(model.open.measuring, side, point));
-            }
-            Command::MeasureFrom(side, point) => {
-                model.tool = Tool::Measure;
-                model.open.measuring = Some(Measuring::from(side, point));
+            Command::TogglePinTool => {
+                model.tool = if model.tool == Tool::Inspect { Tool::Points } else { Tool::Inspect };
             }
             Command::CopyPosition(point) => {
                 let text = format!("{:.2}, {:.2}", point.x, point.y);
@@ -208,13 +197,7 @@ impl Inspector {
             Command::ShowStage(StageId::Rectified) if !model.can_rectify() => {
                 model.open.done.tell(NO_RECTIFIED);
             }
-            Command::ShowStage(stage) => {
-                model.look.stage = stage;
-                // Measurements are of the pictures as opened.
-                if stage != StageId::Pictures && model.tool == Tool::Measure {
-                    model.tool = Tool::Points;
-                }
-            }
+            Command::ShowStage(stage) => model.look.stage = stage,
             Command::LookAtScene(orbit) => model.open.orbit = orbit,
             Command::ShowMatch(number) => self.show_match(number),
             Command::ShowTab(tab) => {
@@ -305,15 +288,11 @@ impl Inspector {
             // The message is dismissed.
         } else if model.open.crosshair.take().is_some() {
             // The crosshair is away.
-        } else if model.tool == Tool::Measure && model.open.measuring.take().is_some() {
-            // The measurement is removed.
         } else if model.tool != Tool::Points {
-            // A tool places no points, so it must not remove one either.
+            // The pin tool places no points, so it must not remove one either.
             model.tool = Tool::Points;
         } else if model.document.half.is_some() {
             model.edit(|document| document.remove(document.pairs.len()));
-        } else if model.open.measuring.take().is_some() {
-            // A measurement outlasts its tool.
         } else {
             model.select(None);
         }
@@ -323,9 +302,6 @@ impl Inspector {
     /// placed.
     fn fit_after_double_click(&mut self, side: Side) {
         let model = &mut self.model;
-        if model.tool == Tool::Measure {
-            model.open.measuring = None;
-        }
         if model.open.placed.take().is_some_and(|placed| placed == model.document)
             && let Some(before) = model.history.revert()
         {

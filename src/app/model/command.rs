@@ -10,7 +10,6 @@ use super::document::{PointRef, Role, Side};
 use super::exchange::{ExportKind, ExportOrder};
 use super::focus::{LineSource, Target};
 use super::ids::{OverlayId, StageId, TabId};
-use super::look::Tool;
 use super::point_table::PointsCommand;
 use super::recording::PlayerCommand;
 use super::rectified::RectifiedCommand;
@@ -93,10 +92,8 @@ pub enum Command {
     /// Remove a pinned line pair, by its place in the list.
     Unpin(usize),
     UnpinAll,
-    /// Take up a tool, or lay it down.
-    ToggleTool(Tool),
-    Measure(Side, Point),
-    MeasureFrom(Side, Point),
+    /// Take up the pin tool, or lay it down.
+    TogglePinTool,
     CopyPosition(Point),
     CopyView,
     ToggleLink,

@@ -19,8 +19,6 @@ pub enum Tool {
     Points,
     /// A click pins the pair of epipolar lines through its position.
     Inspect,
-    /// A click marks an end of a measured distance.
-    Measure,
 }
 
 /// Visible overlays, stage and tab, and the place of the dock.

@@ -11,7 +11,7 @@
 //! answers |
 //! | [`focus`] | hovered and selected things |
 //! | [`look`], [`ids`], [`dock`] | visible things, kept between runs; place of the dock |
-//! | [`measuring`], [`crosshair`] | a distance and a direction in one image; points placed by the keyboard |
+//! | [`crosshair`] | points placed by the keyboard |
 //! | [`recording`] | two sequences in place of two pictures: frames and time offset |
 //! | [`tones`] | brightness and colours of the pictures on the screen |
 //! | [`scene`] | scene points of a calibrated pair, and a view of them |
@@ -41,7 +41,6 @@ pub mod ids;
 pub mod inspection;
 pub mod left_behind;
 pub mod look;
-pub mod measuring;
 pub mod messages;
 pub mod open_pair;
 pub mod pane_view;
@@ -216,7 +215,7 @@ impl Model {
         self.history.close_step();
     }
 
-    /// Removes the selected pinned line pair (inspect tool) or point pairs (other tools).
+    /// Removes the selected pinned line pair (inspect tool) or point pairs.
     pub fn delete_selected(&mut self) {
         if self.tool == Tool::Inspect {
             if let Some(number) = self.open.focus.inspected_number() {

@@ -9,7 +9,6 @@ use super::crosshair::Crosshair;
 use super::document::{Document, Side};
 use super::focus::Focus;
 use super::inspection::Inspection;
-use super::measuring::Measuring;
 use super::messages::LastDone;
 use super::picture::{Opened, Pictures};
 use super::recording::Player;
@@ -87,7 +86,6 @@ pub struct OpenPair {
     pub player: Player,
     /// First pair of the next range that is chosen in the list.
     pub first_chosen: Option<usize>,
-    pub measuring: Option<Measuring>,
     /// Position of the cursor: written in one frame, read in the next.
     pub hover: Option<Hover>,
     pub crosshair: Option<Crosshair>,

@@ -4,7 +4,6 @@ use egui::{Key, Modifiers};
 
 use super::action::{Action, action, tab};
 use crate::app::model::crosshair::CrosshairCommand;
-use crate::app::model::look::Tool;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::replay::ReplayCommand;
@@ -180,21 +179,12 @@ pub fn with_keys() -> Vec<Action> {
     ];
     let display = vec![
         action(
-            Command::ToggleTool(Tool::Inspect),
+            Command::TogglePinTool,
             "Pin tool",
             "Pin the epipolar lines through each place you click. Escape returns to placing points.",
         )
         .key(NONE, Key::I)
         .listed(|_| "Pin tool: pin line pairs")
-        .when(|model| model.document.pictures.is_some()),
-        action(
-            Command::ToggleTool(Tool::Measure),
-            "Measure tool",
-            "Measure distance, direction and intensities between two places of one image. Escape returns to \
-             placing points.",
-        )
-        .key(NONE, Key::D)
-        .listed(|_| "Measure tool: distance and direction")
         .when(|model| model.document.pictures.is_some()),
         action(
             Command::ToggleLink,

@@ -69,12 +69,6 @@ pub fn place_menu(ui: &mut Ui, model: &Model, side: Side, point: Point, commands
         ("Pin the lines here", has_lines, "Keep the epipolar lines through this place on the images.", pin),
         ("Copy coordinates", true, "Copy x and y of this place, px.", Command::CopyPosition(pixel)),
         (
-            "Measure from here",
-            true,
-            "Measure distance and direction from this place to the next click.",
-            Command::MeasureFrom(side, point),
-        ),
-        (
             "Turn clockwise by 90°",
             true,
             "Turn the image on the screen clockwise. Its coordinates stay as they are.",

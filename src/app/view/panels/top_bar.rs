@@ -1,4 +1,4 @@
-//! The bar above the pictures: files, undo, tools, the switch of the stage, overlays, export, help.
+//! The bar above the pictures: files, undo, the pin tool, the switch of the stage, overlays, export, help.
 
 use egui::containers::menu::MenuButton;
 use egui::{Button, Rect, RichText, Ui, UiBuilder, vec2};
@@ -68,9 +68,7 @@ fn icons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     button(ui, Icon::Undo, Command::Undo, model.can_undo(), false);
     button(ui, Icon::Redo, Command::Redo, model.history.can_redo(), false);
     ui.separator();
-    for (icon, tool) in [(Icon::Pin, Tool::Inspect), (Icon::Measure, Tool::Measure)] {
-        button(ui, icon, Command::ToggleTool(tool), any, model.tool == tool);
-    }
+    button(ui, Icon::Pin, Command::TogglePinTool, any, model.tool == Tool::Inspect);
     button(ui, Icon::Fit, Command::FitAll, any, false);
     if any {
         tones::show(ui, model, commands);

@@ -7,7 +7,6 @@ mod hover;
 mod hypotheses;
 mod lines;
 mod matches;
-mod measure;
 mod next_click;
 mod pinned;
 mod pointed;
@@ -23,7 +22,6 @@ mod true_matches;
 mod uncertainty;
 
 pub use crosshair::draw as draw_crosshair;
-pub use measure::draw as draw_measurement;
 pub use pinned::number_at as pinned_at;
 pub use suggestion::places as suggested_places;
 pub use table::OVERLAYS;
