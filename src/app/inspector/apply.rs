@@ -151,7 +151,7 @@ impl Inspector {
                 model.look.linked = !model.look.linked;
                 self.view.link(model, Side::Left);
             }
-            Command::Tones(command) => model.open.adjust_tones(command),
+            Command::ToggleStretch => model.open.toggle_stretch(),
             Command::Player(PlayerCommand::FindOffset) => {
                 if let Some(recordings) = model.recordings() {
                     self.tasks.aligning.ask(recordings);

@@ -15,7 +15,6 @@ use super::recording::PlayerCommand;
 use super::rectified::RectifiedCommand;
 use super::replay::ReplayCommand;
 use super::session::OpenSession;
-use super::tones::TonesCommand;
 use crate::camera::{FocalLength, Orbit};
 use crate::estimate::{Method, Parameters, Preset};
 use crate::geometry::{Point, Vector};
@@ -97,7 +96,8 @@ pub enum Command {
     CopyPosition(Point),
     CopyView,
     ToggleLink,
-    Tones(TonesCommand),
+    /// Show both pictures from black to white, or as in their files.
+    ToggleStretch,
     Player(PlayerCommand),
     Replay(ReplayCommand),
     ToggleStacked,
@@ -209,7 +209,6 @@ commands_about!(
     Player(PlayerCommand),
     Replay(ReplayCommand),
     Crosshair(CrosshairCommand),
-    Tones(TonesCommand),
     Points(PointsCommand),
     Session(SessionCommand),
     Exchange(ExchangeCommand)

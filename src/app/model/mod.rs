@@ -13,7 +13,6 @@
 //! | [`look`], [`ids`], [`dock`] | visible things, kept between runs; place of the dock |
 //! | [`crosshair`] | points placed by the keyboard |
 //! | [`recording`] | two sequences in place of two pictures: frames and time offset |
-//! | [`tones`] | brightness and colours of the pictures on the screen |
 //! | [`scene`] | scene points of a calibrated pair, and a view of them |
 //! | [`shown`] | the geometry shown by the whole window |
 //! | [`command`] | all commands |
@@ -64,7 +63,6 @@ pub mod shared;
 pub mod shown;
 pub mod step;
 pub mod suggesting;
-pub mod tones;
 pub mod truth;
 mod turning;
 mod unclicked;

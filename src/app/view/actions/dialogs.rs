@@ -7,7 +7,6 @@ use crate::app::model::exchange::ExportOrder;
 use crate::app::model::point_table::PointsCommand;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::session::OpenSession;
-use crate::app::model::tones::TonesCommand;
 use crate::app::model::{Command, ExchangeCommand, LineSource, OverlayId, Role, SessionCommand};
 use crate::camera::FocalLength;
 
@@ -31,7 +30,6 @@ pub fn in_dialogs() -> Vec<Action> {
             "Use these focal lengths. The points stay as they are. Lengths known to ± 0 % also guide the search.",
         ),
         action(Command::DeletePair(0), "Delete", "Remove this pair from both images."),
-        action(TonesCommand::Adjust(None), "Adjust", "Choose which image the controls change."),
         action(PointsCommand::Delete, "Delete chosen", "Remove the chosen pairs from both images."),
         action(PointsCommand::SetRole(Role::Used), "Use chosen", "Use the chosen pairs for the estimate."),
         action(

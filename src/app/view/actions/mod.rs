@@ -29,7 +29,6 @@ fn is_alike(one: &Command, other: &Command) -> bool {
         (Command::Session(one), Command::Session(other)) => discriminant(one) == discriminant(other),
         (Command::Exchange(one), Command::Exchange(other)) => discriminant(one) == discriminant(other),
         (Command::Rectified(one), Command::Rectified(other)) => discriminant(one) == discriminant(other),
-        (Command::Tones(one), Command::Tones(other)) => discriminant(one) == discriminant(other),
         (Command::Player(one), Command::Player(other)) => discriminant(one) == discriminant(other),
         (Command::Replay(one), Command::Replay(other)) => discriminant(one) == discriminant(other),
         (Command::SetRole(_, one), Command::SetRole(_, other))

@@ -9,7 +9,6 @@ use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::{RectifiedCommand, RectifiedLayout};
 use crate::app::model::replay::ReplayCommand;
-use crate::app::model::tones::TonesCommand;
 use crate::app::model::verdict::USE_LENS;
 use crate::app::model::{Command, ExchangeCommand, MethodStep, Model, Side};
 use crate::estimate::{Method, Preset, Search};
@@ -228,15 +227,19 @@ pub fn by_name() -> Vec<Action> {
             .listed(|_| "Remove all point pairs")
             .when(|model| !model.document.pairs.is_empty() || model.document.half.is_some()),
         action(
-            TonesCommand::Stretch,
-            "Stretch",
-            "Map the darkest pixels to black and the brightest to white, to see dark or low-contrast areas.",
+            Command::ToggleStretch,
+            "Stretch brightness",
+            "Show the darkest pixels of each image black and the brightest white, or both images as in their files. \
+             Computations are not affected.",
         )
-        .listed(|_| "Brightness: stretch from black to white")
+        .listed(|model| {
+            if model.open.stretched.is_some() {
+                "Brightness: as in the files"
+            } else {
+                "Stretch brightness from black to white"
+            }
+        })
         .when(|model| model.document.pictures.is_some()),
-        action(TonesCommand::Reset, "Reset", "Show both images as in their files.")
-            .listed(|_| "Brightness: reset")
-            .when(|model| model.open.tones.of.iter().any(|own| !own.is_plain())),
         action(
             PointsCommand::Copy,
             "Copy",

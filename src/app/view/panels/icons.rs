@@ -16,7 +16,7 @@ pub enum Icon {
     Redo,
     Pin,
     Fit,
-    Tones,
+    Brightness,
     Search,
 }
 
@@ -76,7 +76,7 @@ impl Icon {
                     line(&[(0.4 * x, 0.9 * y), (0.9 * x, 0.9 * y), (0.9 * x, 0.4 * y)]);
                 }
             }
-            Self::Tones => {
+            Self::Brightness => {
                 painter.circle_stroke(centre, HALF * 0.85, stroke);
                 let half = (0..=16u8).map(|k| {
                     let angle = std::f32::consts::PI * (f32::from(k) / 16.0 - 0.5);

@@ -26,7 +26,6 @@ mod table;
 pub mod tabs;
 mod terms;
 pub mod timeline;
-mod tones;
 mod top_bar;
 
 use egui::{Button, Response, RichText, Ui};

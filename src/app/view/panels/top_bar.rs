@@ -5,7 +5,7 @@ use egui::{Button, Rect, RichText, Ui, UiBuilder, vec2};
 
 use super::dialog::named;
 use super::icons::{ICON, Icon, icon_button, menu_button};
-use super::{copy_fundamental_menu, finish_button, menu_entry, overlays_menu, pair_chooser, tones};
+use super::{copy_fundamental_menu, finish_button, menu_entry, overlays_menu, pair_chooser};
 use crate::app::model::look::Tool;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::{Command, ExchangeCommand, Model, SessionCommand, StageId};
@@ -70,9 +70,7 @@ fn icons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.separator();
     button(ui, Icon::Pin, Command::TogglePinTool, any, model.tool == Tool::Inspect);
     button(ui, Icon::Fit, Command::FitAll, any, false);
-    if any {
-        tones::show(ui, model, commands);
-    }
+    button(ui, Icon::Brightness, Command::ToggleStretch, any, model.open.stretched.is_some());
 }
 
 /// Returns the stages of the switch. Sequences have no scene.

@@ -64,8 +64,8 @@ impl Chip {
             if let Some(scale) = self.scale {
                 let _ = write!(text, "  {:.0} %", scale * 100.0);
             }
-            if !model.open.tones.of[self.side.index()].is_plain() {
-                text += "  brightness changed";
+            if model.open.stretched.is_some() {
+                text += "  brightness stretched";
             }
         }
         let font = FontId::proportional(theme::CAPTION);

@@ -225,15 +225,14 @@ impl ImagePane {
         };
         self.press(ui, &response, &canvas, commands);
         let image = self.image.as_mut()?;
-        let changing = ui.input(|input| input.pointer.any_down());
-        let rendition = model.open.tones.of[side.index()];
+        let rendition = model.open.rendition(side);
         let piled = moment.and_then(|moment| moment.piled);
         match model.shown_frames() {
             Some(frames) => {
                 let marked = model.open.player.silhouettes || piled.is_some();
                 image.texture.show_frame(frames[side.index()], marked, rendition);
             }
-            None => image.texture.set_rendition(rendition, changing),
+            None => image.texture.set_rendition(rendition),
         }
         let tint = moment.map_or(egui::Color32::WHITE, |_| theme::DIMMED);
         image.texture.draw_tinted(&painter, &transform, tint);

@@ -12,7 +12,7 @@ use crate::app::model::rectified::{
 use crate::app::model::{Command, Model, Side, Target};
 use crate::app::view::panes::{PictureTexture, Transform, halves, zoom_asked};
 use crate::app::view::theme;
-use crate::image::{Channel, Rendition};
+use crate::image::Rendition;
 
 /// Distance within which the cursor grabs the line of a wipe, screen points.
 const WIPE_REACH: f32 = 7.0;
@@ -207,10 +207,10 @@ impl Kept {
     const COUNT: usize = 5;
 
     fn uploaded(self, ctx: &egui::Context, drawn: &DrawnPair) -> Option<PictureTexture> {
-        let grey = Rendition { channel: Channel::Grey, ..Rendition::default() };
+        let grey = Rendition { grey: true, ..Rendition::default() };
         let picture = |k: usize, rendition| {
             let mut texture = PictureTexture::new(ctx, &drawn.pictures[k]);
-            texture.set_rendition(rendition, false);
+            texture.set_rendition(rendition);
             texture
         };
         Some(match self {
