@@ -58,7 +58,7 @@ impl Inspector {
             Command::Redo => self.travel(ctx, false),
             Command::DeleteSelected => model.delete_selected(),
             Command::DeletePair(pair) => model.edit(|document| document.remove(pair)),
-            Command::SetRole(pair, role) => model.set_role([pair], role),
+            Command::SetRole(pair, role) => model.set_role(pair, role),
             Command::Points(command) => self.apply_to_points(ctx, command),
             Command::Refine(pair) => {
                 if let Some(question) = model.repair_question(pair) {
@@ -234,10 +234,6 @@ impl Inspector {
     fn apply_to_points(&mut self, ctx: &egui::Context, command: PointsCommand) {
         let model = &mut self.model;
         match command {
-            PointsCommand::Choose(pair, how) => model.choose_pair(pair, how),
-            PointsCommand::ChooseAll => model.choose_all_pairs(),
-            PointsCommand::SetRole(role) => model.set_role(model.document.chosen.clone(), role),
-            PointsCommand::Delete => model.delete_chosen(),
             PointsCommand::Rename(pair, name) => model.rename_pair(pair, &name),
             PointsCommand::Copy if model.document.pairs.is_empty() => {}
             PointsCommand::Copy => {

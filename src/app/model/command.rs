@@ -45,7 +45,7 @@ pub enum Command {
     KeepMatches,
     Undo,
     Redo,
-    /// Remove the selected pairs, or the pair of the selected point.
+    /// Remove the selected pair, or the selected pinned lines.
     DeleteSelected,
     DeletePair(usize),
     SetRole(usize, Role),

@@ -3,7 +3,7 @@
 //! | module | contents |
 //! |---|---|
 //! | [`document`], [`history`] | the edited state; undo and redo |
-//! | [`point_table`] | the list of point pairs: selection, copying and pasting |
+//! | [`point_table`] | the list of point pairs: names, copying and pasting |
 //! | [`open_pair`] | state that belongs to the open pictures |
 //! | [`album`] | work on the other pairs of the folder |
 //! | [`computation`] | progress and result of the estimate |
@@ -209,18 +209,15 @@ impl Model {
     /// Selects a point. This is no step of the history, but ends a run of moves.
     pub fn select(&mut self, at: Option<PointRef>) {
         self.document.selection = at.filter(|at| self.document.point(*at).is_some());
-        self.document.chosen.clear();
         self.history.close_step();
     }
 
-    /// Removes the selected pinned line pair (inspect tool) or point pairs.
+    /// Removes the selected pinned line pair (pin tool) or point pair.
     pub fn delete_selected(&mut self) {
         if self.tool == Tool::Inspect {
             if let Some(number) = self.open.focus.inspected_number() {
                 self.open.focus.unpin(number);
             }
-        } else if !self.document.chosen.is_empty() {
-            self.delete_chosen();
         } else if let Some(at) = self.document.selection {
             self.edit(|document| document.remove(at.pair));
         }

@@ -84,8 +84,6 @@ pub struct OpenPair {
     pub stretched: Option<[Rendition; 2]>,
     /// Visible frames of sequences.
     pub player: Player,
-    /// First pair of the next range that is chosen in the list.
-    pub first_chosen: Option<usize>,
     /// Position of the cursor: written in one frame, read in the next.
     pub hover: Option<Hover>,
     pub crosshair: Option<Crosshair>,

@@ -243,7 +243,7 @@ pub fn by_name() -> Vec<Action> {
         action(
             PointsCommand::Copy,
             "Copy",
-            "Copy the chosen pairs, or all, as a table for a spreadsheet (Ctrl+C).",
+            "Copy all point pairs as a table for a spreadsheet (Ctrl+C).",
         )
         .listed(|_| "Copy the point pairs as a table")
         .when(|model| !model.document.pairs.is_empty()),
@@ -255,9 +255,6 @@ pub fn by_name() -> Vec<Action> {
         )
         .listed(|_| "Paste point pairs")
         .when(|model| model.document.pictures.is_some()),
-        action(PointsCommand::ChooseAll, "Choose all", "Choose all point pairs of the table (Ctrl+A).")
-            .listed(|_| "Choose all point pairs")
-            .when(|model| !model.document.pairs.is_empty()),
         action(Command::Stop, "Stop", "Stop the computation. A first result is kept.")
             .listed(|_| "Stop the computation")
             .when(|model| model.open.computation.is_running()),

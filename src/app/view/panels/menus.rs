@@ -4,7 +4,6 @@ use egui::{Button, RichText, Ui};
 
 use super::menu_entry;
 use super::tabs::describe_lines;
-use crate::app::model::point_table::CHOSEN_EDITS;
 use crate::app::model::{Command, ExchangeCommand, LineSource, Model, Role, Side, TabId, pair_name};
 use crate::geometry::Point;
 use crate::io::Notation;
@@ -12,15 +11,7 @@ use crate::io::Notation;
 /// Shows the menu of a complete or incomplete pair.
 pub fn pair_menu(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     let document = &model.document;
-    let chosen = document.chosen.len();
-    let together = chosen > 1 && document.chosen.contains(&pair);
-    ui.weak(if together { format!("{chosen} chosen pairs") } else { format!("Pair {}", pair_name(pair)) });
-    if together {
-        for command in CHOSEN_EDITS {
-            menu_entry(ui, command.into(), true, commands);
-        }
-        return;
-    }
+    ui.weak(format!("Pair {}", pair_name(pair)));
     if pair < document.pairs.len() {
         menu_entry(ui, Command::Refine(pair), model.repair_question(pair).is_some(), commands);
         menu_entry(ui, Command::MoveToMatch(pair), model.better_place(pair).is_some(), commands);

@@ -170,7 +170,6 @@ impl Canvas<'_> {
         let is_crowded = document.pairs.len() >= CROWD && !self.is_figure;
         let stands_out = || {
             document.selection.is_some_and(|selected| selected.pair == pair)
-                || document.chosen.contains(&pair)
                 || self.model.open.focus.hovered() == Some(Target::Pair(pair))
                 || self.model.outvoted(pair).is_some()
         };
