@@ -128,7 +128,8 @@ mod tests {
         let text = serde_json::to_string(&look).unwrap();
         assert_eq!(serde_json::from_str::<Look>(&text).unwrap(), look);
         let partial = r#"{"overlays": {"Points": false, "Of another version": true}, "map": false, "linked": true,
-                "tab": "Residuals", "dock": {"edge": "right", "folded": true}}"#;
+                "tab": "Residuals", "dock": {"edge": "right", "folded": true}, "drawer": true,
+                "rectified": {"layout": "wipe"}}"#;
         assert_eq!(serde_json::from_str::<Look>(partial).unwrap(), look);
         let unknown = serde_json::from_str::<Look>(r#"{"tab": "Of another version"}"#);
         assert_eq!(unknown.unwrap(), Look::default());

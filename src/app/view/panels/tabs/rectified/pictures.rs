@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use egui::{Color32, CursorIcon, Id, Painter, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo};
+use egui::{Color32, CursorIcon, Id, Painter, Rect, Response, Role, Sense, Ui, WidgetInfo};
 
 use super::sheet::{SheetCanvas, SheetRow};
 use crate::app::model::rectified::{
@@ -13,9 +13,6 @@ use crate::app::model::{Command, Model, Side, Target};
 use crate::app::view::panes::{PictureTexture, Transform, halves, zoom_asked};
 use crate::app::view::theme;
 use crate::image::Rendition;
-
-/// Distance within which the cursor grabs the line of a wipe, screen points.
-const WIPE_REACH: f32 = 7.0;
 
 struct SheetPlace {
     sheet: RectifiedSheet,
@@ -41,11 +38,10 @@ impl RectifiedSheet {
         }
     }
 
-    fn name(self, layout: RectifiedLayout) -> &'static str {
+    fn name(self) -> &'static str {
         match self {
             Self::Left => "rectified left picture",
             Self::Right => "rectified right picture",
-            Self::Both if layout == RectifiedLayout::Wipe => "wipe of the rectified pair",
             Self::Both => "anaglyph of the rectified pair",
             Self::Disparity => "disparities of the rectified pair",
         }
@@ -56,7 +52,7 @@ pub fn show(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Co
     let places: Vec<SheetPlace> = arranged(ui, model, drawn)
         .into_iter()
         .map(|(sheet, rect)| {
-            let name = sheet.name(model.look.rectified.layout);
+            let name = sheet.name();
             let response = ui.interact(rect, ui.scope_id().with(name), Sense::click_and_drag());
             response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
             SheetPlace { sheet, rect, response }
@@ -65,11 +61,7 @@ pub fn show(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Co
     ui.advance_cursor_after_rect(ui.available_rect_before_wrap());
     let frame = drawn.frame();
     for place in &places {
-        let divides =
-            model.look.rectified.layout == RectifiedLayout::Wipe && wipe(ui, place.rect, model, commands);
-        if let Some(command) = look(ui, place, model, drawn).filter(|_| !divides) {
-            commands.push(command);
-        }
+        commands.extend(look(ui, place, model, drawn));
         if place.response.clicked() && !place.response.double_clicked() {
             commands.extend(registering(place, model, drawn));
         }
@@ -92,7 +84,7 @@ pub fn show(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Co
         let painter = ui.painter_at(place.rect);
         painter.rect_filled(place.rect, 0.0, theme::palette(ui.visuals()).canvas);
         let transforms = Side::BOTH.map(|side| transform_of(model, drawn, place.rect, side));
-        paint(&painter, model, drawn, place.sheet, &transforms);
+        paint(&painter, drawn, place.sheet, &transforms);
         let canvas =
             SheetCanvas { painter: &painter, transforms: &transforms, sheet: place.sheet, drawn, model };
         canvas.draw(row.as_ref());
@@ -110,29 +102,14 @@ fn transform_of(model: &Model, drawn: &DrawnPair, rect: Rect, side: Side) -> Tra
     view.transform(frame, rect)
 }
 
-fn paint(
-    painter: &Painter,
-    model: &Model,
-    drawn: &DrawnPair,
-    sheet: RectifiedSheet,
-    transforms: &[Transform; 2],
-) {
+fn paint(painter: &Painter, drawn: &DrawnPair, sheet: RectifiedSheet, transforms: &[Transform; 2]) {
     let ctx = painter.ctx();
-    let plain = |painter: &Painter, kept: Kept, side: Side| {
+    let plain = |kept: Kept, side: Side| {
         with_texture(ctx, drawn, kept, |texture| texture.draw(painter, &transforms[side.index()]));
     };
     match sheet {
-        RectifiedSheet::Left => plain(painter, Kept::Left, Side::Left),
-        RectifiedSheet::Right => plain(painter, Kept::Right, Side::Right),
-        RectifiedSheet::Both if model.look.rectified.layout == RectifiedLayout::Wipe => {
-            let rect = transforms[0].rect;
-            let (left, right) = rect.split_left_right_at_fraction(model.open.viewing.wipe);
-            plain(&painter.with_clip_rect(left), Kept::Left, Side::Left);
-            plain(&painter.with_clip_rect(right), Kept::Right, Side::Right);
-            for (width, color) in [(4.0, theme::HALO), (1.6, theme::SELECTED)] {
-                painter.vline(left.max.x, rect.y_range(), Stroke::new(width, color));
-            }
-        }
+        RectifiedSheet::Left => plain(Kept::Left, Side::Left),
+        RectifiedSheet::Right => plain(Kept::Right, Side::Right),
         RectifiedSheet::Both => {
             // The colours are added to the background.
             painter.rect_filled(transforms[0].rect, 0.0, Color32::BLACK);
@@ -155,22 +132,6 @@ fn paint(
             with_texture(ctx, drawn, Kept::Disparity, |texture| texture.draw(painter, &coarse));
         }
     }
-}
-
-/// Shows the line of a wipe. Returns whether it is dragged.
-fn wipe(ui: &Ui, rect: Rect, model: &Model, commands: &mut Vec<Command>) -> bool {
-    let x = rect.min.x + rect.width() * model.open.viewing.wipe;
-    let area = Rect::from_x_y_ranges(x - WIPE_REACH..=x + WIPE_REACH, rect.y_range());
-    let line = ui.interact(area, ui.scope_id().with("wipe line"), Sense::drag());
-    line.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "line of the wipe"));
-    if line.hovered() || line.dragged() {
-        ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
-    }
-    if let Some(position) = line.interact_pointer_pos().filter(|_| line.dragged()) {
-        let part = (position.x - rect.min.x) / rect.width().max(1.0);
-        commands.push(RectifiedCommand::Wipe(part).into());
-    }
-    line.dragged()
 }
 
 /// Returns the command that aligns the pictures at the clicked point pair or disparity.
@@ -262,7 +223,7 @@ fn arranged(ui: &Ui, model: &Model, drawn: &DrawnPair) -> Vec<(RectifiedSheet, R
             let stacked = drawn.is_turned(&model.look.rectified);
             [RectifiedSheet::Left, RectifiedSheet::Right].into_iter().zip(halves(area, stacked)).collect()
         }
-        RectifiedLayout::Anaglyph | RectifiedLayout::Wipe => vec![(RectifiedSheet::Both, area)],
+        RectifiedLayout::Anaglyph => vec![(RectifiedSheet::Both, area)],
         RectifiedLayout::Disparity => vec![(RectifiedSheet::Disparity, area)],
         RectifiedLayout::Blink => {
             let (side, left) = model.open.viewing.blink.shown(ui.input(|input| input.time));

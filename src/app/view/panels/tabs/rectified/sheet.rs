@@ -198,7 +198,6 @@ impl SheetCanvas<'_> {
             (RectifiedLayout::Blink, RectifiedSheet::Left) => "Left",
             (RectifiedLayout::Blink, _) => "Right",
             (RectifiedLayout::Anaglyph, _) => "Left red, right cyan",
-            (RectifiedLayout::Wipe, _) => "Left image | right image",
             (RectifiedLayout::Disparity, _) if self.drawn.disparity.is_none() => "No disparities yet",
             (RectifiedLayout::Disparity, _) => "Left disparities",
             (RectifiedLayout::SideBySide, RectifiedSheet::Left) => "Left, rectified",
