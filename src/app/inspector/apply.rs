@@ -12,7 +12,7 @@ use crate::app::model::messages::MessageKind;
 use crate::app::model::pane_view::QuarterTurns;
 use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
-use crate::app::model::{Command, Document, LineSource, OverlayId, Side, StageId, pair_name};
+use crate::app::model::{Command, Document, LineSource, Side, StageId, pair_name};
 use crate::app::tasks::{Opening, Wanted};
 use crate::app::view::{Destination, WantedView};
 use crate::geometry::symmetric_epipolar_distance;
@@ -77,8 +77,7 @@ impl Inspector {
                 ctx.set_theme(if dark { ThemePreference::Light } else { ThemePreference::Dark });
             }
             Command::JudgeRows => {
-                let (text, is_near) = model.judged_rows();
-                model.look.overlays[OverlayId::RowOffsets as usize] |= is_near;
+                let text = model.judged_rows();
                 model.messages.say(MessageKind::Answer, text, Vec::new());
             }
             Command::Stop => self.tasks.estimating.stop(&mut model.open.computation),

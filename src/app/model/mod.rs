@@ -154,8 +154,6 @@ impl Model {
         self.history = History::default();
         self.open = OpenPair::new(pictures, known, show_me);
         self.wanted = None;
-        // The map answers a question about one pair. Strokes would cover one that was never rectified.
-        self.look.overlays[OverlayId::RowOffsets as usize] = false;
         self.album = None;
         let SessionState { copied, last_copy, .. } = std::mem::take(&mut self.session);
         self.session = SessionState { copied, last_copy, ..SessionState::default() };
@@ -283,9 +281,8 @@ impl Model {
         self.document.pairs.iter().map(|pair| self.open.pixels_of(pair)).collect()
     }
 
-    /// Returns a sentence on whether the pictures are rectified, by the matches of the result, and whether the
-    /// offsets of their rows are small enough for a map.
-    pub fn judged_rows(&self) -> (String, bool) {
+    /// Returns a sentence on whether the pictures are rectified, by the matches of the result.
+    pub fn judged_rows(&self) -> String {
         let matches: Vec<PointPair> = self.matched_pairs().map(|pair| self.open.pixels_of(&pair)).collect();
         let found = self.result();
         let distinctive = found.iter().flat_map(|found| found.assessment.distinctive.iter());
@@ -296,17 +293,16 @@ impl Model {
         let Some(judgement) = frame.and_then(|frame| judge_rows(&by, frame, ROW_LIMIT)) else {
             let text = "There are too few matches to compare rows. Click two point pairs, or find the geometry \
                         without clicks; then ask again.";
-            return (text.to_owned(), false);
+            return text.to_owned();
         };
         if judgement.doubt.is_none() && judgement.is_far_off() {
-            let text = format!(
+            return format!(
                 "These pictures were not rectified: rows of matching points differ by {:.0} px. The stage \
                  Rectified (6) shows them with common rows.",
                 judgement.typical
             );
-            return (text, false);
         }
-        (rows_in_words(&judgement), true)
+        rows_in_words(&judgement)
     }
 
     fn pins(&self) -> impl Iterator<Item = LineSource> + '_ {

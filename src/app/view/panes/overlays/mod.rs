@@ -13,7 +13,6 @@ mod pointed;
 mod points;
 pub mod replay;
 mod residuals;
-mod rows;
 mod samples;
 mod suggestion;
 mod table;
