@@ -12,15 +12,13 @@ const SAMPLED: usize = 200_000;
 /// Appearance of one picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rendition {
-    /// Whether the picture is shown in grey, as all computations see it.
-    pub grey: bool,
     /// Values shown as black and as white, 0 to 1.
     pub range: [f32; 2],
 }
 
 impl Default for Rendition {
     fn default() -> Self {
-        Self { grey: false, range: [0.0, 1.0] }
+        Self { range: [0.0, 1.0] }
     }
 }
 
@@ -34,16 +32,16 @@ impl Rendition {
         sampled.sort_unstable_by(f32::total_cmp);
         let at = |part: f32| sampled.get(((sampled.len() - 1) as f32 * part) as usize).copied();
         let range = at(CLIPPED).zip(at(1.0 - CLIPPED)).filter(|(black, white)| white > black);
-        Self { range: range.map_or([0.0, 1.0], <[f32; 2]>::from), ..Self::default() }
+        Self { range: range.map_or([0.0, 1.0], <[f32; 2]>::from) }
     }
 
     /// Returns whether the picture is unchanged.
-    pub fn is_plain(&self) -> bool {
-        *self == Self::default()
+    pub fn is_plain(self) -> bool {
+        self == Self::default()
     }
 
     /// Returns red, green, blue and alpha of each pixel, with premultiplied colours.
-    pub fn render(&self, pixels: &DynamicImage) -> Vec<u8> {
+    pub fn render(self, pixels: &DynamicImage) -> Vec<u8> {
         match pixels {
             DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
                 self.each(1.0, pixels.to_rgba32f().as_raw().as_chunks().0)
@@ -60,13 +58,11 @@ impl Rendition {
     }
 
     /// Renders pixels with values up to `full`.
-    fn each<T: Copy + Into<f32>>(&self, full: f32, pixels: &[[T; 4]]) -> Vec<u8> {
+    fn each<T: Copy + Into<f32>>(self, full: f32, pixels: &[[T; 4]]) -> Vec<u8> {
         let [black, white] = self.range;
         let (factor, mut bytes) = (255.0 / (white - black).max(1e-6), Vec::with_capacity(4 * pixels.len()));
         for pixel in pixels {
-            let [red, green, blue, alpha] = pixel.map(|value| value.into() / full);
-            let grey = 0.2126 * red + 0.7152 * green + 0.0722 * blue;
-            let colours = if self.grey { [grey; 3] } else { [red, green, blue] };
+            let [colours @ .., alpha] = pixel.map(|value| value.into() / full);
             let alpha = alpha.clamp(0.0, 1.0);
             let shown = |value: f32| ((value - black) * factor).clamp(0.0, 255.0) * alpha;
             bytes.extend(colours.map(|colour| shown(colour).round() as u8));
@@ -95,13 +91,6 @@ mod tests {
                 "{own:?}"
             );
         }
-    }
-
-    #[test]
-    fn grey_weighs_the_channels() {
-        let pixels = DynamicImage::from(image::RgbImage::from_pixel(1, 1, image::Rgb([40, 100, 200])));
-        let grey = Rendition { grey: true, ..Rendition::default() };
-        assert_eq!(grey.render(&pixels)[..3], [94, 94, 94]);
     }
 
     #[test]

@@ -125,7 +125,7 @@ fn a_place_in_a_rectified_picture_marks_its_row_in_both_and_names_its_pixel() {
         let Some(Target::Rectified { side: hovered, at }) = window.state().focus().hovered() else {
             panic!("nothing is pointed at");
         };
-        assert_eq!(hovered, Some(side));
+        assert_eq!(hovered, side);
         for other in [LEFT, RIGHT] {
             let rect = picture(&window, other);
             let expected = place(rect, found.size, at).y;
@@ -193,13 +193,13 @@ fn both_pictures_zoom_and_move_together_and_a_double_click_shows_them_whole() {
 }
 
 #[test]
-fn pictures_take_turns_by_key_or_are_both_in_one_and_the_choice_is_kept() {
+fn pictures_take_turns_by_key_and_the_choice_is_kept() {
     let (mut window, _) = rectified();
-    tap(&mut window, "Anaglyph");
-    window.get_by_label("anaglyph of the rectified pair");
+    tap(&mut window, "Disparity");
+    window.get_by_label("disparities of the rectified pair");
     assert!(window.query_by_label(LEFT).is_none());
     let look = window.state().look().clone();
-    assert_eq!(look.rectified.layout, RectifiedLayout::Anaglyph);
+    assert_eq!(look.rectified.layout, RectifiedLayout::Disparity);
     let text = serde_json::to_string(&look).unwrap();
     let kept = serde_json::from_str::<epiline::internals::app::model::look::Look>(&text).unwrap();
     assert_eq!(kept.rectified, look.rectified);

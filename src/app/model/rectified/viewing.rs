@@ -15,19 +15,17 @@ const GUIDE_GAP: f64 = 30.0;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RectifiedLayout {
-    // Settings of earlier versions may name a wipe.
+    // Settings of earlier versions may name other layouts.
     #[default]
-    #[serde(alias = "wipe")]
+    #[serde(alias = "wipe", alias = "anaglyph")]
     SideBySide,
     /// The pictures in one place, in turn.
     Blink,
-    /// Both pictures at once, in red and cyan.
-    Anaglyph,
     Disparity,
 }
 
 impl RectifiedLayout {
-    pub const ALL: [(Self, &'static str, &'static str); 4] = [
+    pub const ALL: [(Self, &'static str, &'static str); 3] = [
         (
             Self::SideBySide,
             "Side by side",
@@ -38,12 +36,6 @@ impl RectifiedLayout {
             "Blink",
             "Both pictures in one place, in turn. Things may only jump sideways: a jump up or down \
              means that rows do not agree.",
-        ),
-        (
-            Self::Anaglyph,
-            "Anaglyph",
-            "Both pictures at once: the left one in red, the right one in cyan, for glasses of \
-             these colours. Coloured edges above and below things mean that rows do not agree.",
         ),
         (
             Self::Disparity,

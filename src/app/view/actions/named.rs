@@ -22,8 +22,7 @@ pub fn by_name() -> Vec<Action> {
     let methods = "Choose how many point pairs the published search uses. Three pairs are faster and more \
                    stable than two.";
     let presets = "Robust is best on real images. As published follows the paper exactly (--preset paper).";
-    let layouts =
-        "Show the rectified pictures side by side, alternating, in red and cyan, or as disparities.";
+    let layouts = "Show the rectified pictures side by side, alternating, or as disparities.";
     let layout = |layout| {
         action(RectifiedCommand::LayOut(layout), "Layout of the rectified pair", layouts)
             .when(|model| model.open.rectified.is_some())
@@ -324,7 +323,6 @@ pub fn by_name() -> Vec<Action> {
         .listed(|_| "Rectify: polar method"),
         layout(RectifiedLayout::SideBySide).listed(|_| "Rectified pair side by side"),
         layout(RectifiedLayout::Blink).listed(|_| "Rectified pair alternating (blink)"),
-        layout(RectifiedLayout::Anaglyph).listed(|_| "Rectified pair as anaglyph, red and cyan"),
         layout(RectifiedLayout::Disparity).listed(|_| "Rectified pair: disparities"),
         action(
             RectifiedCommand::Shift(0.0),

@@ -100,8 +100,7 @@ impl PictureTexture {
         self.draw_tinted(painter, transform, Color32::WHITE);
     }
 
-    /// Draws the visible part, multiplied by a colour. A tint without alpha is added to the pixels
-    /// below.
+    /// Draws the visible part, multiplied by a colour.
     pub fn draw_tinted(&mut self, painter: &Painter, transform: &Transform, tint: Color32) {
         let size = [self.picture.pixels.width() as usize, self.picture.pixels.height() as usize];
         if let Some(film) = &self.film {
