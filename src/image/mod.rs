@@ -72,7 +72,7 @@ pub(crate) use plane::interpolate_all;
 pub use pyramid::Pyramid;
 #[cfg(feature = "inspector")]
 #[doc(hidden)]
-pub use rendition::{Channel, Rendition};
+pub use rendition::Rendition;
 pub use sampling::Profile;
 #[cfg(feature = "pictures")]
 pub(crate) use warp::{PixelMap, warp};

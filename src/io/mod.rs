@@ -79,7 +79,7 @@ pub use read::{IMAGE_EXTENSIONS, Problem, ReadError, has_extension, has_image_ex
 pub use rectified::{RectifiedError, RectifiedFiles, RectifiedOptions};
 pub use result_file::{ResultFile, result_in_words};
 pub use sequence_file::{
-    MOST_FRAMES, SequenceError, SequenceFile, VIDEO_EXTENSIONS, first_frame, is_sequence, read_sequence,
+    MOST_FRAMES, SequenceError, SequenceFile, VIDEO_EXTENSIONS, is_sequence, read_sequence,
 };
 #[doc(hidden)]
 pub use session::{

@@ -1,4 +1,4 @@
-//! A folder of images as a list: thumbnails, any two as a pair, and points that are kept per pair.
+//! A folder of images: any two as a pair, and points that are kept per pair.
 
 use crate::support::*;
 
@@ -50,59 +50,19 @@ fn session(path: PathBuf) -> Window {
 }
 
 #[test]
-fn the_images_of_a_folder_are_shown_small_and_any_two_open() {
-    let files = folder(4);
-    std::fs::write(files.0.path().join("shot5.png"), "not an image").unwrap();
-    let mut window = opened(&files, services());
-    assert!(window.query_by_label("Image shot3").is_none(), "the drawer is closed at first");
-    let stage = pane(&window, Side::Left);
-    tap(&mut window, "Images of the folder");
-    assert_eq!(pane(&window, Side::Left), stage, "it covers the pictures and moves nothing");
-    let model = window.state().model();
-    for view in 0..4 {
-        let small = model.thumbnails.of(view).flatten().expect("it was made");
-        assert_eq!(small.size, [60, 40]);
-    }
-    assert!(matches!(model.thumbnails.of(4), Some(None)), "one that cannot be read is known as such");
-    tap(&mut window, "Show shot4 on the left");
+fn any_two_images_of_a_folder_open_and_the_bar_has_room_for_their_choice() {
+    let mut window = opened(&folder(4), services());
+    tap(&mut window, "The left view");
+    tap(&mut window, "shot4");
     assert_eq!(names(&window), ["shot4.png", "shot2.png"]);
-    tap(&mut window, "Image shot3");
+    tap(&mut window, "The right view");
+    tap(&mut window, "shot3");
     assert_eq!(names(&window), ["shot4.png", "shot3.png"]);
-    // The one on the other side changes places with it.
-    tap(&mut window, "Show shot4 on the right");
-    assert_eq!(names(&window), ["shot3.png", "shot4.png"]);
-    press(&mut window, Key::A);
-    assert!(window.query_by_label("Image shot3").is_none());
-    press(&mut window, Key::A);
-    window.get_by_label("Image shot3");
     assert_eq!(window.state().messages().count(), 0);
-    // The bar has room for the choice of the pair.
     window.set_size(egui::vec2(1024.0, 640.0));
     settle(&mut window);
     let [scene, overlays] = ["3-D", "Overlays"].map(|name| window.get_by_label(name).rect());
     assert!(scene.max.x <= overlays.min.x, "{scene:?} {overlays:?}");
-}
-
-#[test]
-fn dialogs_lie_above_the_drawer() {
-    let files = folder(4);
-    let mut window = opened(&files, services());
-    press(&mut window, Key::A);
-    press_with(&mut window, Modifiers::COMMAND, Key::O);
-    let place = |text: &str| {
-        let is_it =
-            |shape: &egui::Shape| matches!(shape, egui::Shape::Text(own) if own.galley.text().contains(text));
-        window.output().shapes.iter().rposition(|clipped| is_it(&clipped.shape)).unwrap()
-    };
-    assert!(place("shot4") < place("Open these"), "what is painted later lies above");
-}
-
-#[test]
-fn two_images_need_no_list() {
-    let mut window = opened(&folder(2), services());
-    assert!(window.query_by_label("Image shot1").is_none());
-    press(&mut window, Key::A);
-    assert!(window.query_by_label("Image shot1").is_none());
 }
 
 #[test]
@@ -121,6 +81,9 @@ fn points_stay_with_their_pair_while_others_are_looked_at() {
     let second = made(&window);
     press(&mut window, Key::PageUp);
     assert_eq!(made(&window), first);
+    // Each entry tells what is on the pair that it opens.
+    tap(&mut window, "The right view");
+    tap(&mut window, "shot2  (1 point)");
     // The other one is offered, with what is on it.
     tap(&mut window, "Pairs with work (1)");
     tap(&mut window, "shot2 and shot3: 2 point pairs");

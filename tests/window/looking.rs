@@ -476,26 +476,17 @@ fn pinned_lines_have_numbers_and_can_be_unpinned_by_name() {
 }
 
 #[test]
-fn tones_change_what_is_shown_of_one_image_or_both_and_nothing_else() {
+fn stretched_brightness_changes_what_is_shown_and_nothing_else() {
     let mut window = sample();
     click_two_pairs(&mut window);
     let before = window.state().estimate().map(|estimate| *estimate.fundamental());
-    tap(&mut window, "Brightness");
-    for label in ["Exposure, stops", "Contrast", "Gamma"] {
-        assert!(window.query_all_by_label(label).count() > 0, "{label}");
-    }
-    window.get_by_role_and_label(egui::Role::Button, "Right").click();
-    settle(&mut window);
-    window.get_by_label("Stretch").click();
-    window.step();
-    settle(&mut window);
-    assert_eq!(window.query_all_by_label_contains("brightness changed").count(), 1, "the right one alone");
-    tap(&mut window, "Both");
-    tap(&mut window, "Blue");
-    assert_eq!(window.query_all_by_label_contains("brightness changed").count(), 2);
+    tap(&mut window, "Stretch brightness");
+    assert_eq!(window.query_all_by_label_contains("brightness stretched").count(), 2);
+    let [left, right] = window.state().model().open.stretched.unwrap();
+    assert!(left != right, "each picture has a range of its own");
     assert_eq!(window.state().estimate().map(|estimate| *estimate.fundamental()), before);
-    tap(&mut window, "Reset");
-    assert_eq!(window.query_all_by_label_contains("brightness changed").count(), 0);
+    tap(&mut window, "Stretch brightness");
+    assert_eq!(window.query_all_by_label_contains("brightness stretched").count(), 0);
 }
 
 #[test]

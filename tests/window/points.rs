@@ -1,4 +1,4 @@
-//! The list of point pairs: several rows chosen, names, sorting, and tables from and for spreadsheets; what exports say of
+//! The list of point pairs: selection, names, and tables from and for spreadsheets; what exports say of
 //! the pairs and of the geometry.
 
 use crate::support::*;
@@ -9,7 +9,7 @@ use egui::{Event, Key, Modifiers, OutputCommand, PointerButton, vec2};
 use egui_kittest::kittest::Queryable;
 use epiline::estimate::{Trust, Verdict};
 use epiline::internals::app::Start;
-use epiline::internals::app::model::document::{Role, Side};
+use epiline::internals::app::model::document::Side;
 use epiline::io::PairOrigin;
 
 const TABLE: &str =
@@ -17,27 +17,6 @@ const TABLE: &str =
 
 fn paste(window: &mut Window, text: &str) {
     window.event(Event::Paste(text.to_owned()));
-    settle(window);
-}
-
-/// Clicks the name of a pair in its row, which leaves other things of the row alone.
-fn click_row(window: &mut Window, pair: &str, held: Modifiers) {
-    let row = window.get_by_label(&format!("Row of pair {pair}")).rect();
-    let place = row.left_center() + vec2(6.0, 0.0);
-    window.hover_at(place);
-    window.event(Event::ModifiersChanged(held));
-    for pressed in [true, false] {
-        window.event(Event::PointerButton {
-            pos: place,
-            button: egui::PointerButton::Primary,
-            pressed,
-            modifiers: held,
-        });
-    }
-    for _ in 0..8 {
-        window.step();
-    }
-    window.event(Event::ModifiersChanged(Modifiers::NONE));
     settle(window);
 }
 
@@ -58,8 +37,6 @@ fn a_table_is_pasted_named_and_copied() {
     settle(&mut window);
     assert_eq!(window.state().document().name(1), "door");
     press(&mut window, Key::Enter);
-    // Nothing is chosen any more, so all pairs are copied.
-    press(&mut window, Key::Escape);
     window.event(Event::Copy);
     window.step();
     let copied = window.output().platform_output.commands.iter().find_map(|command| match command {
@@ -76,20 +53,19 @@ fn a_table_is_pasted_named_and_copied() {
 }
 
 #[test]
-fn several_rows_are_chosen_and_edited_together() {
+fn a_row_selects_its_pair_which_the_delete_key_removes() {
     let mut window = sample();
     paste(&mut window, TABLE);
-    click_row(&mut window, "p", Modifiers::NONE);
-    assert_eq!(window.state().document().chosen.iter().copied().collect::<Vec<_>>(), [0]);
-    click_row(&mut window, "r", Modifiers::SHIFT);
-    click_row(&mut window, "q", Modifiers::COMMAND);
-    window.get_by_label("2 chosen");
-    tap(&mut window, "Check only chosen");
-    let roles: Vec<_> = (0..3).map(|pair| window.state().document().role(pair)).collect();
-    assert_eq!(roles, [Role::Check, Role::Used, Role::Check]);
+    tap(&mut window, "Row of pair p");
+    assert_eq!(window.state().document().selected_pair(), Some(0));
+    window.get_by_label("Name of pair p");
+    // Another click folds it.
+    tap(&mut window, "Row of pair p");
+    assert!(window.query_by_label("Name of pair p").is_none());
+    tap(&mut window, "Row of pair p");
     press(&mut window, Key::Delete);
     assert_eq!(window.state().document().name(0), "step");
-    assert_eq!(window.state().document().pairs.len(), 1);
+    assert_eq!(window.state().document().pairs.len(), 2);
     undo(&mut window);
     assert_eq!(window.state().document().pairs.len(), 3);
 }

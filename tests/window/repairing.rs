@@ -107,7 +107,7 @@ fn a_click_that_closes_the_menu_places_nothing() {
     // Beside the points there is the menu of the place.
     right_click(&mut window, elsewhere);
     assert!(window.query_by_label("Refine").is_none());
-    window.get_by_label("Measure from here");
+    window.get_by_label("Copy coordinates");
     click(&mut window, elsewhere);
     assert!(window.state().document().half.is_none());
     click(&mut window, elsewhere);

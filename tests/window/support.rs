@@ -472,5 +472,7 @@ pub fn show_parameters(window: &mut Window, step: &str) {
 
 /// Unfolds a pair of the list.
 pub fn unfold(window: &mut Window, pair: &str) {
-    tap(window, &format!("Row of pair {pair}"));
+    if window.query_by_label(&format!("Name of pair {pair}")).is_none() {
+        tap(window, &format!("Row of pair {pair}"));
+    }
 }

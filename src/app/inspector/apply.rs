@@ -8,12 +8,11 @@ use crate::app::model::document::counted;
 use crate::app::model::exchange::ViewPart;
 use crate::app::model::history::EditKey;
 use crate::app::model::look::Tool;
-use crate::app::model::measuring::Measuring;
 use crate::app::model::messages::MessageKind;
 use crate::app::model::pane_view::QuarterTurns;
 use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
-use crate::app::model::{Command, Document, LineSource, OverlayId, Side, StageId, pair_name};
+use crate::app::model::{Command, Document, LineSource, Side, StageId, pair_name};
 use crate::app::tasks::{Opening, Wanted};
 use crate::app::view::{Destination, WantedView};
 use crate::geometry::symmetric_epipolar_distance;
@@ -59,7 +58,7 @@ impl Inspector {
             Command::Redo => self.travel(ctx, false),
             Command::DeleteSelected => model.delete_selected(),
             Command::DeletePair(pair) => model.edit(|document| document.remove(pair)),
-            Command::SetRole(pair, role) => model.set_role([pair], role),
+            Command::SetRole(pair, role) => model.set_role(pair, role),
             Command::Points(command) => self.apply_to_points(ctx, command),
             Command::Refine(pair) => {
                 if let Some(question) = model.repair_question(pair) {
@@ -78,8 +77,7 @@ impl Inspector {
                 ctx.set_theme(if dark { ThemePreference::Light } else { ThemePreference::Dark });
             }
             Command::JudgeRows => {
-                let (text, is_near) = model.judged_rows();
-                model.look.overlays[OverlayId::RowOffsets as usize] |= is_near;
+                let text = model.judged_rows();
                 model.messages.say(MessageKind::Answer, text, Vec::new());
             }
             Command::Stop => self.tasks.estimating.stop(&mut model.open.computation),
@@ -137,18 +135,8 @@ impl Inspector {
             Command::Inspect(number) => model.open.focus.inspect(number),
             Command::Unpin(number) => model.open.focus.unpin(number),
             Command::UnpinAll => model.open.focus.unpin_all(),
-            Command::ToggleTool(tool) => {
-                model.tool = if model.tool == tool { Tool::Points } else { tool };
-                if model.tool == Tool::Measure {
-                    model.look.stage = StageId::Pictures;
-                }
-            }
-            Command::Measure(side, point) => {
-                model.open.measuring = Some(Measuring::after_click(model.open.measuring, side, point));
-            }
-            Command::MeasureFrom(side, point) => {
-                model.tool = Tool::Measure;
-                model.open.measuring = Some(Measuring::from(side, point));
+            Command::TogglePinTool => {
+                model.tool = if model.tool == Tool::Inspect { Tool::Points } else { Tool::Inspect };
             }
             Command::CopyPosition(point) => {
                 let text = format!("{:.2}, {:.2}", point.x, point.y);
@@ -162,7 +150,7 @@ impl Inspector {
                 model.look.linked = !model.look.linked;
                 self.view.link(model, Side::Left);
             }
-            Command::Tones(command) => model.open.adjust_tones(command),
+            Command::ToggleStretch => model.open.toggle_stretch(),
             Command::Player(PlayerCommand::FindOffset) => {
                 if let Some(recordings) = model.recordings() {
                     self.tasks.aligning.ask(recordings);
@@ -208,13 +196,7 @@ impl Inspector {
             Command::ShowStage(StageId::Rectified) if !model.can_rectify() => {
                 model.open.done.tell(NO_RECTIFIED);
             }
-            Command::ShowStage(stage) => {
-                model.look.stage = stage;
-                // Measurements are of the pictures as opened.
-                if stage != StageId::Pictures && model.tool == Tool::Measure {
-                    model.tool = Tool::Points;
-                }
-            }
+            Command::ShowStage(stage) => model.look.stage = stage,
             Command::LookAtScene(orbit) => model.open.orbit = orbit,
             Command::ShowMatch(number) => self.show_match(number),
             Command::ShowTab(tab) => {
@@ -228,7 +210,6 @@ impl Inspector {
             Command::PlaceDock(edge) => model.look.dock = DockLook { edge, folded: false, ..model.look.dock },
             Command::SizeDock(edge, share) => model.look.dock.set_share(edge, share),
             Command::ToggleAlone => model.open.alone = !model.open.alone,
-            Command::ToggleDrawer => model.look.drawer = !model.look.drawer,
             Command::ToggleUnreliableLines => model.open.lines_anyway = !model.open.lines_anyway,
             Command::PlaceAtMark => {
                 if let Some(Some(next)) = model.open.next_click {
@@ -252,10 +233,6 @@ impl Inspector {
     fn apply_to_points(&mut self, ctx: &egui::Context, command: PointsCommand) {
         let model = &mut self.model;
         match command {
-            PointsCommand::Choose(pair, how) => model.choose_pair(pair, how),
-            PointsCommand::ChooseAll => model.choose_all_pairs(),
-            PointsCommand::SetRole(role) => model.set_role(model.document.chosen.clone(), role),
-            PointsCommand::Delete => model.delete_chosen(),
             PointsCommand::Rename(pair, name) => model.rename_pair(pair, &name),
             PointsCommand::Copy if model.document.pairs.is_empty() => {}
             PointsCommand::Copy => {
@@ -306,15 +283,11 @@ impl Inspector {
             // The message is dismissed.
         } else if model.open.crosshair.take().is_some() {
             // The crosshair is away.
-        } else if model.tool == Tool::Measure && model.open.measuring.take().is_some() {
-            // The measurement is removed.
         } else if model.tool != Tool::Points {
-            // A tool places no points, so it must not remove one either.
+            // The pin tool places no points, so it must not remove one either.
             model.tool = Tool::Points;
         } else if model.document.half.is_some() {
             model.edit(|document| document.remove(document.pairs.len()));
-        } else if model.open.measuring.take().is_some() {
-            // A measurement outlasts its tool.
         } else {
             model.select(None);
         }
@@ -324,9 +297,6 @@ impl Inspector {
     /// placed.
     fn fit_after_double_click(&mut self, side: Side) {
         let model = &mut self.model;
-        if model.tool == Tool::Measure {
-            model.open.measuring = None;
-        }
         if model.open.placed.take().is_some_and(|placed| placed == model.document)
             && let Some(before) = model.history.revert()
         {

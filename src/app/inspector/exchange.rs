@@ -200,7 +200,6 @@ impl Inspector {
             RectifiedCommand::ToggleGuides => model.look.rectified.hides_guides ^= true,
             RectifiedCommand::View(view) => model.open.viewing.view = view,
             RectifiedCommand::Shift(shift) => model.open.viewing.shift = shift,
-            RectifiedCommand::Wipe(at) => model.open.viewing.wipe = at.clamp(0.0, 1.0),
             RectifiedCommand::Swap if model.wants_rectified() => {
                 // From other layouts, the first press shows the left picture and the next the right
                 // one.

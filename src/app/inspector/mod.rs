@@ -157,7 +157,6 @@ impl Inspector {
             self.apply(&ctx, command);
         }
         self.model.open.follow_imported(&self.model.document);
-        self.tasks.thumbnailing.follow(self.view.strip.wanted(&self.model));
         self.tasks.follow(&mut self.model, self.view.dialogs.export.open);
         self.keep_copy(&ctx);
         self.view.name_window(&ctx, self.model.title());

@@ -65,10 +65,6 @@ impl Inspector {
         let set_aside = !turns && self.set_aside();
         self.note_recent(&pair);
         self.replace_pictures(ctx, &pair.pictures);
-        if !turns {
-            self.tasks.thumbnailing.forget();
-        }
-        self.model.thumbnails.follow(pair.folder.as_ref().map(|(folder, _)| folder));
         let is_of_file = |known: &KnownTruth| matches!(known.source, TruthSource::Folder { .. });
         let is_new = pair.restored.is_none() && pair.folder.is_none();
         let lies_beside = is_new && pair.known.as_ref().is_some_and(is_of_file);
@@ -140,8 +136,6 @@ impl Inspector {
         let pictures = [right, left];
         let set_aside = self.model.album.is_some() && self.set_aside();
         self.replace_pictures(ctx, &pictures);
-        self.tasks.thumbnailing.forget();
-        self.model.thumbnails.follow(None);
         let document = std::mem::take(&mut self.model.document);
         let history = std::mem::take(&mut self.model.history);
         self.model.open(pictures, None, false, None);

@@ -10,13 +10,11 @@ use super::document::{PointRef, Role, Side};
 use super::exchange::{ExportKind, ExportOrder};
 use super::focus::{LineSource, Target};
 use super::ids::{OverlayId, StageId, TabId};
-use super::look::Tool;
 use super::point_table::PointsCommand;
 use super::recording::PlayerCommand;
 use super::rectified::RectifiedCommand;
 use super::replay::ReplayCommand;
 use super::session::OpenSession;
-use super::tones::TonesCommand;
 use crate::camera::{FocalLength, Orbit};
 use crate::estimate::{Method, Parameters, Preset};
 use crate::geometry::{Point, Vector};
@@ -47,7 +45,7 @@ pub enum Command {
     KeepMatches,
     Undo,
     Redo,
-    /// Remove the selected pairs, or the pair of the selected point.
+    /// Remove the selected pair, or the selected pinned lines.
     DeleteSelected,
     DeletePair(usize),
     SetRole(usize, Role),
@@ -93,14 +91,13 @@ pub enum Command {
     /// Remove a pinned line pair, by its place in the list.
     Unpin(usize),
     UnpinAll,
-    /// Take up a tool, or lay it down.
-    ToggleTool(Tool),
-    Measure(Side, Point),
-    MeasureFrom(Side, Point),
+    /// Take up the pin tool, or lay it down.
+    TogglePinTool,
     CopyPosition(Point),
     CopyView,
     ToggleLink,
-    Tones(TonesCommand),
+    /// Show both pictures from black to white, or as in their files.
+    ToggleStretch,
     Player(PlayerCommand),
     Replay(ReplayCommand),
     ToggleStacked,
@@ -130,7 +127,6 @@ pub enum Command {
     /// pictures leave.
     SizeDock(DockEdge, Option<f32>),
     ToggleAlone,
-    ToggleDrawer,
     /// Draw the lines of an unreliable geometry all the same, or hide them again.
     ToggleUnreliableLines,
     /// Place the left point of a new pair where one more pair would help most.
@@ -213,7 +209,6 @@ commands_about!(
     Player(PlayerCommand),
     Replay(ReplayCommand),
     Crosshair(CrosshairCommand),
-    Tones(TonesCommand),
     Points(PointsCommand),
     Session(SessionCommand),
     Exchange(ExchangeCommand)

@@ -39,8 +39,7 @@ pub enum Target {
     Replayed(Replayed),
     /// A place in the rectified pictures.
     Rectified {
-        /// The picture, by its side; `None` where both are drawn in one.
-        side: Option<Side>,
+        side: Side,
         /// The position, px of the rectified pictures as drawn.
         at: Point,
     },

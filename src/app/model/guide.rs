@@ -37,15 +37,6 @@ pub fn guide(model: &Model) -> String {
             "Pin tool: there are no epipolar lines to pin yet. Escape goes back to placing points.".into()
         };
     }
-    if model.tool == Tool::Measure {
-        let how = "click two places in one image, or drag from one to the other.";
-        let escape = if model.open.measuring.is_some() {
-            "removes the measurement"
-        } else {
-            "goes back to placing points"
-        };
-        return format!("Measure tool: {how} Escape {escape}.");
-    }
     if model.open.crosshair.is_some() {
         return "Crosshair: arrow keys move it (Shift 10 px, Alt 0.1 px), Enter places the point, Tab changes the picture, \
                 Escape gives up."

@@ -105,7 +105,6 @@ named! {
         Given = "Given matches",
         Matches = "Matches",
         MagnifiedResiduals = "Residuals ×50",
-        RowOffsets = "Row offsets ×50",
         Hypotheses = "Hypotheses",
         Epipoles = "Epipoles",
         PointedAt = "Pointed at",

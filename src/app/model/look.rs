@@ -19,8 +19,6 @@ pub enum Tool {
     Points,
     /// A click pins the pair of epipolar lines through its position.
     Inspect,
-    /// A click marks an end of a measured distance.
-    Measure,
 }
 
 /// Visible overlays, stage and tab, and the place of the dock.
@@ -41,8 +39,6 @@ pub struct Look {
     /// Whether the replay shows only the last moment of each step.
     pub still_steps: bool,
     pub dock: DockLook,
-    /// Whether the images of the folder are shown in a drawer over the stage.
-    pub drawer: bool,
     /// Whether the images are stacked; `None` chooses what shows them larger.
     #[serde(rename = "stacking")]
     pub stacked: Option<bool>,
@@ -61,7 +57,6 @@ impl Default for Look {
             speed: Speed::default(),
             still_steps: false,
             dock: DockLook::default(),
-            drawer: false,
             stacked: None,
             compared: Subject::default(),
             rectified: RectifiedLook::default(),
@@ -133,7 +128,8 @@ mod tests {
         let text = serde_json::to_string(&look).unwrap();
         assert_eq!(serde_json::from_str::<Look>(&text).unwrap(), look);
         let partial = r#"{"overlays": {"Points": false, "Of another version": true}, "map": false, "linked": true,
-                "tab": "Residuals", "dock": {"edge": "right", "folded": true}}"#;
+                "tab": "Residuals", "dock": {"edge": "right", "folded": true}, "drawer": true,
+                "rectified": {"layout": "wipe"}}"#;
         assert_eq!(serde_json::from_str::<Look>(partial).unwrap(), look);
         let unknown = serde_json::from_str::<Look>(r#"{"tab": "Of another version"}"#);
         assert_eq!(unknown.unwrap(), Look::default());

@@ -3,7 +3,7 @@
 //! | module | contents |
 //! |---|---|
 //! | [`document`], [`history`] | the edited state; undo and redo |
-//! | [`point_table`] | the list of point pairs: selection, copying and pasting |
+//! | [`point_table`] | the list of point pairs: names, copying and pasting |
 //! | [`open_pair`] | state that belongs to the open pictures |
 //! | [`album`] | work on the other pairs of the folder |
 //! | [`computation`] | progress and result of the estimate |
@@ -11,10 +11,8 @@
 //! answers |
 //! | [`focus`] | hovered and selected things |
 //! | [`look`], [`ids`], [`dock`] | visible things, kept between runs; place of the dock |
-//! | [`measuring`], [`crosshair`] | a distance and a direction in one image; points placed by the keyboard |
-//! | [`thumbnails`] | small pictures of the images of the folder |
+//! | [`crosshair`] | points placed by the keyboard |
 //! | [`recording`] | two sequences in place of two pictures: frames and time offset |
-//! | [`tones`] | brightness and colours of the pictures on the screen |
 //! | [`scene`] | scene points of a calibrated pair, and a view of them |
 //! | [`shown`] | the geometry shown by the whole window |
 //! | [`command`] | all commands |
@@ -42,7 +40,6 @@ pub mod ids;
 pub mod inspection;
 pub mod left_behind;
 pub mod look;
-pub mod measuring;
 pub mod messages;
 pub mod open_pair;
 pub mod pane_view;
@@ -66,8 +63,6 @@ pub mod shared;
 pub mod shown;
 pub mod step;
 pub mod suggesting;
-pub mod thumbnails;
-pub mod tones;
 pub mod truth;
 mod turning;
 mod unclicked;
@@ -93,7 +88,6 @@ use picture::Opened;
 use recents::Recents;
 use rectified::WritingProgress;
 use session::{SessionState, Work};
-use thumbnails::Thumbnails;
 use truth::KnownTruth;
 
 use crate::estimate::{Estimate, Preset};
@@ -135,7 +129,6 @@ pub struct Model {
     pub imports: std::collections::VecDeque<PendingImport>,
     /// Views of the folder that are being opened.
     pub wanted: Option<[usize; 2]>,
-    pub thumbnails: Thumbnails,
     pub recents: Recents,
     /// Copies of unsaved work that can be restored, newest first.
     pub left_behind: Vec<LeftBehind>,
@@ -161,8 +154,6 @@ impl Model {
         self.history = History::default();
         self.open = OpenPair::new(pictures, known, show_me);
         self.wanted = None;
-        // The map answers a question about one pair. Strokes would cover one that was never rectified.
-        self.look.overlays[OverlayId::RowOffsets as usize] = false;
         self.album = None;
         let SessionState { copied, last_copy, .. } = std::mem::take(&mut self.session);
         self.session = SessionState { copied, last_copy, ..SessionState::default() };
@@ -216,18 +207,15 @@ impl Model {
     /// Selects a point. This is no step of the history, but ends a run of moves.
     pub fn select(&mut self, at: Option<PointRef>) {
         self.document.selection = at.filter(|at| self.document.point(*at).is_some());
-        self.document.chosen.clear();
         self.history.close_step();
     }
 
-    /// Removes the selected pinned line pair (inspect tool) or point pairs (other tools).
+    /// Removes the selected pinned line pair (pin tool) or point pair.
     pub fn delete_selected(&mut self) {
         if self.tool == Tool::Inspect {
             if let Some(number) = self.open.focus.inspected_number() {
                 self.open.focus.unpin(number);
             }
-        } else if !self.document.chosen.is_empty() {
-            self.delete_chosen();
         } else if let Some(at) = self.document.selection {
             self.edit(|document| document.remove(at.pair));
         }
@@ -293,9 +281,8 @@ impl Model {
         self.document.pairs.iter().map(|pair| self.open.pixels_of(pair)).collect()
     }
 
-    /// Returns a sentence on whether the pictures are rectified, by the matches of the result, and whether the
-    /// offsets of their rows are small enough for a map.
-    pub fn judged_rows(&self) -> (String, bool) {
+    /// Returns a sentence on whether the pictures are rectified, by the matches of the result.
+    pub fn judged_rows(&self) -> String {
         let matches: Vec<PointPair> = self.matched_pairs().map(|pair| self.open.pixels_of(&pair)).collect();
         let found = self.result();
         let distinctive = found.iter().flat_map(|found| found.assessment.distinctive.iter());
@@ -306,17 +293,16 @@ impl Model {
         let Some(judgement) = frame.and_then(|frame| judge_rows(&by, frame, ROW_LIMIT)) else {
             let text = "There are too few matches to compare rows. Click two point pairs, or find the geometry \
                         without clicks; then ask again.";
-            return (text.to_owned(), false);
+            return text.to_owned();
         };
         if judgement.doubt.is_none() && judgement.is_far_off() {
-            let text = format!(
+            return format!(
                 "These pictures were not rectified: rows of matching points differ by {:.0} px. The stage \
                  Rectified (6) shows them with common rows.",
                 judgement.typical
             );
-            return (text, false);
         }
-        (rows_in_words(&judgement), true)
+        rows_in_words(&judgement)
     }
 
     fn pins(&self) -> impl Iterator<Item = LineSource> + '_ {

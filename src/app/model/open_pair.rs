@@ -9,7 +9,6 @@ use super::crosshair::Crosshair;
 use super::document::{Document, Side};
 use super::focus::Focus;
 use super::inspection::Inspection;
-use super::measuring::Measuring;
 use super::messages::LastDone;
 use super::picture::{Opened, Pictures};
 use super::recording::Player;
@@ -17,11 +16,11 @@ use super::rectified::{Rectified, Viewing};
 use super::replay::Replay;
 use super::scene::Scene;
 use super::suggesting::{LensQuestion, PlacesQuestion, Suggested};
-use super::tones::{Tones, TonesCommand};
 use super::truth::{KnownTruth, NO_TRUTH};
 use crate::camera::{CameraModel, FocalLength, Orbit, PicturesOf, ViewPair};
 use crate::estimate::{DivisionFit, Estimate};
 use crate::geometry::{Frame, Point, PointPair};
+use crate::image::Rendition;
 use crate::io::PictureFolder;
 use crate::study::{PlaceFound, Study};
 use crate::suggest::NextClick;
@@ -81,13 +80,10 @@ pub struct OpenPair {
     pub orbit: Option<Orbit>,
     /// Hovered and selected things, in all parts of the window.
     pub focus: Focus,
-    /// Brightness and colours of the pictures on the screen.
-    pub tones: Tones,
+    /// Black and white of both pictures on the screen, if they are stretched.
+    pub stretched: Option<[Rendition; 2]>,
     /// Visible frames of sequences.
     pub player: Player,
-    /// First pair of the next range that is chosen in the list.
-    pub first_chosen: Option<usize>,
-    pub measuring: Option<Measuring>,
     /// Position of the cursor: written in one frame, read in the next.
     pub hover: Option<Hover>,
     pub crosshair: Option<Crosshair>,
@@ -213,10 +209,15 @@ impl OpenPair {
         self.pictures = left.zip(right).map(Into::into).or(self.pictures.take());
     }
 
-    /// Changes brightness or colours of the pictures on the screen.
-    pub fn adjust_tones(&mut self, command: TonesCommand) {
-        let pictures = self.pictures();
-        self.tones.apply(command, pictures.as_ref());
+    /// Stretches both pictures on the screen, each over its own range, or shows them as in their files.
+    pub fn toggle_stretch(&mut self) {
+        let pictures = self.pictures().filter(|_| self.stretched.is_none());
+        self.stretched = pictures.map(|pictures| pictures.map(|picture| Rendition::stretched(&picture)));
+    }
+
+    /// Returns how a picture appears on the screen.
+    pub fn rendition(&self, side: Side) -> Rendition {
+        self.stretched.map_or_else(Rendition::default, |stretched| stretched[side.index()])
     }
 
     /// Deselects the hypothesis and hides the lines of an unreliable geometry when the result is replaced. Both

@@ -124,14 +124,9 @@ pub struct Overview {
 impl Overview {
     /// Reduces a picture to the size of a texture.
     pub fn new(picture: &Picture) -> Self {
-        Self::within(picture, OVERVIEW_SIDE)
-    }
-
-    /// Reduces a picture to a longest side.
-    pub fn within(picture: &Picture, side: u32) -> Self {
         let whole = &picture.pixels;
-        let scale = (f64::from(side) / f64::from(whole.width().max(whole.height()))).min(1.0);
-        let reduced = |v: u32| ((f64::from(v) * scale).round() as u32).clamp(1, side);
+        let scale = (f64::from(OVERVIEW_SIDE) / f64::from(whole.width().max(whole.height()))).min(1.0);
+        let reduced = |v: u32| ((f64::from(v) * scale).round() as u32).clamp(1, OVERVIEW_SIDE);
         let reduced =
             (scale < 1.0).then(|| whole.thumbnail_exact(reduced(whole.width()), reduced(whole.height())));
         let reduced = reduced.map(|reduced| picture.displayed(&reduced).into_owned());

@@ -1,6 +1,5 @@
 //! Sessions: saved work, and the state of saving and opening.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::{Instant, SystemTime};
 
@@ -219,10 +218,7 @@ fn state_on_disk(path: &Path) -> Option<(SystemTime, u64)> {
 impl Document {
     /// Returns whether two documents have the same work. Selections do not count.
     pub(super) fn is_same_work(&self, other: &Self) -> bool {
-        let work = |document: &Self| {
-            let (pictures, selection, chosen) = (None, None, BTreeSet::new());
-            Self { pictures, selection, chosen, ..document.clone() }
-        };
+        let work = |document: &Self| Self { pictures: None, selection: None, ..document.clone() };
         work(self) == work(other)
     }
 

@@ -105,11 +105,6 @@ impl Model {
         self.folder().is_some_and(|(folder, pair)| folder.neighbour(pair, forward).is_some())
     }
 
-    /// Returns whether the open folder has images besides the open pair.
-    pub fn has_strip(&self) -> bool {
-        self.folder().is_some_and(|(folder, _)| folder.names().len() > 2)
-    }
-
     /// Returns the symmetric distance of a pair from the result, px, if the verdict names the pair
     /// as off its line.
     pub fn outvoted(&self, pair: usize) -> Option<f64> {

@@ -53,14 +53,12 @@ impl Document {
 }
 
 impl Model {
-    /// Changes the role of these pairs. If too few are left under a result of patches, the images decide
+    /// Changes the role of a pair. If too few are left under a result of patches, the images decide
     /// alone: leaving out a misplaced pair must not lose the geometry that the images support.
-    pub fn set_role(&mut self, pairs: impl IntoIterator<Item = usize>, role: Role) {
+    pub fn set_role(&mut self, pair: usize, role: Role) {
         let keeps = self.result().is_some() && self.document.parameters.search == Search::Patches;
         self.edit(|document| {
-            for pair in pairs {
-                document.set_role(pair, role);
-            }
+            document.set_role(pair, role);
             document.unclicked |= keeps && document.used().count() < document.pairs_needed();
         });
     }

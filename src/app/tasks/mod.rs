@@ -9,7 +9,6 @@ pub mod saver;
 mod services;
 mod session_opening;
 mod task;
-mod thumbnails;
 mod waker;
 mod writing;
 
@@ -44,7 +43,6 @@ use crate::study::PlaceFound;
 use crate::suggest::NextClick;
 use saver::{SaveJob, Written};
 use task::{Following, Task, Waiting};
-use thumbnails::Thumbnailing;
 
 pub struct Tasks {
     pub waker: Waker,
@@ -61,7 +59,6 @@ pub struct Tasks {
     rectifying: Following<RectifyQuestion, Rectified>,
     triangulating: Following<SceneQuestion, Option<Scene>>,
     pub loader: Loader,
-    pub thumbnailing: Thumbnailing,
     pub importing: Task<ImportQuestion, Result<ImportedFile, String>>,
     pub writing: Writing,
     pub saver: Task<SaveJob, Written>,
@@ -143,7 +140,6 @@ impl Tasks {
             rectifying: Following { task: rectifying, asked: None, keeps: true },
             triangulating: Following::strict("scene", &waker, SceneQuestion::answer),
             loader: Loader::new(waker.clone()),
-            thumbnailing: Thumbnailing::new(waker.clone()),
             importing: Task::answering("import", waker.clone(), |question: ImportQuestion| {
                 Some(question.answer())
             }),
@@ -158,7 +154,6 @@ impl Tasks {
 
     /// Stores new results in the model.
     pub fn take(&mut self, model: &mut Model) {
-        self.thumbnailing.take(&mut model.thumbnails);
         let open = &mut model.open;
         self.estimating.take(&mut open.computation);
         self.inspecting.take(&mut open.inspection);
@@ -223,7 +218,6 @@ impl Tasks {
     /// Returns whether the window waits for anything besides the estimate.
     pub fn is_busy(&self) -> bool {
         self.loader.is_busy()
-            || self.thumbnailing.is_busy()
             || self.suggesting.is_busy()
             || self.advising.is_busy()
             || self.straightening.is_busy()

@@ -68,9 +68,6 @@ pub fn pressed(ctx: &egui::Context, keyboard: KeyboardState) -> Vec<Command> {
             egui::Event::Paste(text) => Some(PointsCommand::Paste(text.clone()).into()),
             _ => None,
         }));
-        if input.count_and_consume_key(Modifiers::COMMAND, Key::A) > 0 {
-            commands.push(PointsCommand::ChooseAll.into());
-        }
         let arrows = [
             (Key::ArrowLeft, Vector::new(-1.0, 0.0)),
             (Key::ArrowRight, Vector::new(1.0, 0.0)),

@@ -18,7 +18,6 @@ pub struct View {
     pub panes: [ImagePane; 2],
     pub dialogs: Dialogs,
     pub capture: Option<WantedView>,
-    pub strip: panels::FilmStrip,
     /// Area of both images in the window, screen points.
     pub images: Option<Rect>,
     /// Arrangement of dock and pictures in the last frame.
@@ -36,7 +35,6 @@ impl Default for View {
             panes: Side::BOTH.map(ImagePane::new),
             dialogs: Dialogs::default(),
             capture: None,
-            strip: panels::FilmStrip::default(),
             images: None,
             placement: None,
             arranged: None,
@@ -152,7 +150,6 @@ impl View {
             panels::dock::show(&mut inside, dock, edge, model, commands);
         }
         let hover = self.stage(ui, stage, model, commands);
-        self.drawer(ui, stage, model, commands);
         if self.dialogs.is_open() {
             // A press beside a dialog must not reach the window behind it.
             ui.interact(ui.max_rect(), egui::Id::unique("behind a dialog"), egui::Sense::click_and_drag());
@@ -234,24 +231,5 @@ impl View {
             hover = pane.show(&mut child, model, commands).or(hover);
         }
         hover
-    }
-
-    /// Shows the images of the folder over the lower edge of the stage.
-    fn drawer(&mut self, ui: &mut Ui, stage: Rect, model: &Model, commands: &mut Vec<Command>) {
-        let open = model.has_strip() && model.look.drawer && !model.open.alone;
-        let Some(folder) = model.folder().filter(|_| open) else {
-            self.strip.hide();
-            return;
-        };
-        let height = panels::FilmStrip::height(ui.ctx().content_rect().height());
-        let place = stage.with_min_y(stage.max.y - height);
-        // In the layer of the pictures, and drawn after them: dialogs lie above all of that layer.
-        let mut inside = ui.new_child(UiBuilder::new().max_rect(place).id_salt("drawer"));
-        inside.set_clip_rect(place);
-        inside.painter().rect_filled(place, 0.0, inside.visuals().panel_fill);
-        // A press on the drawer must not reach the pictures.
-        inside.interact(place, egui::Id::unique("drawer"), egui::Sense::click_and_drag());
-        let mut content = inside.new_child(UiBuilder::new().max_rect(place.shrink2(vec2(8.0, 4.0))));
-        self.strip.show(&mut content, model, folder, commands);
     }
 }

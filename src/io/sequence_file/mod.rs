@@ -96,14 +96,6 @@ pub(super) fn folder_sha256(path: &Path) -> Result<String, ReadError> {
     Ok(sha256_of_bytes(listing.as_bytes()))
 }
 
-/// Reads the first frame of a folder of frames, as recorded.
-pub fn first_frame(folder: &Path) -> Result<Picture, SequenceError> {
-    match folder::numbered(folder)?.first() {
-        Some((_, file)) => Ok(Picture::open(file)?),
-        None => Err(SequenceError::OneFrame(shown_path(folder))),
-    }
-}
-
 /// Reads a sequence. `each` receives the number of frames read so far.
 pub fn read_sequence(
     path: &Path,

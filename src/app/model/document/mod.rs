@@ -63,9 +63,6 @@ pub struct Document {
     pub given: Option<Given>,
     /// The point that keys act on.
     pub selection: Option<PointRef>,
-    /// Pairs selected in the table, for edits of all of them.
-    #[serde(skip)]
-    pub chosen: BTreeSet<usize>,
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
@@ -140,7 +137,6 @@ impl Document {
             _ => self.half = Some(HalfPair { side, point }),
         }
         self.selection = Some(PointRef { pair, side });
-        self.chosen.clear();
     }
 
     /// Places the second point of a pair at a suggested match.
@@ -177,7 +173,7 @@ impl Document {
             self.pairs.remove(pair);
             // The numbers of later pairs decrease by one.
             let moved = |number: &usize| if *number > pair { number - 1 } else { *number };
-            for numbers in [&mut self.excluded, &mut self.checks, &mut self.chosen] {
+            for numbers in [&mut self.excluded, &mut self.checks] {
                 numbers.remove(&pair);
                 *numbers = numbers.iter().map(moved).collect();
             }
@@ -192,7 +188,6 @@ impl Document {
     pub fn set_pairs(&mut self, pairs: Vec<PointPair>, origin: PairOrigin) {
         self.pairs = pairs;
         self.notes.clear();
-        self.chosen.clear();
         for pair in 0..self.pairs.len() {
             self.set_origin(pair, origin);
         }
@@ -250,14 +245,9 @@ impl Document {
         (pairs.len() >= self.pairs_needed() || self.unclicked).then_some(pairs)
     }
 
-    /// Returns the one selected pair, by its point or in the list; `None` for an unfinished pair.
+    /// Returns the selected pair; `None` for an unfinished pair.
     pub fn selected_pair(&self) -> Option<usize> {
-        let pair = match self.chosen.len() {
-            0 => self.selection.map(|at| at.pair),
-            1 => self.chosen.first().copied(),
-            _ => None,
-        };
-        pair.filter(|pair| *pair < self.pairs.len())
+        self.selection.map(|at| at.pair).filter(|pair| *pair < self.pairs.len())
     }
 
     pub fn role(&self, pair: usize) -> Role {

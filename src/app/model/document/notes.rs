@@ -1,4 +1,4 @@
-//! Names and origins of pairs, and edits of several pairs.
+//! Names and origins of pairs, and removal of several pairs.
 
 use super::{Document, PairNote, pair_name};
 use crate::io::{PairLabel, PairOrigin};

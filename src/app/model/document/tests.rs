@@ -90,10 +90,8 @@ fn notes_follow_their_pairs_and_a_moved_point_is_clicked_again() {
     document.rename(2, "door");
     document.rename(1, "q");
     assert_eq!((document.given_name(1), document.name(2).as_str()), (None, "door"));
-    document.chosen = BTreeSet::from([0, 2]);
     document.remove(0);
     assert_eq!((document.name(0).as_str(), document.name(1).as_str()), ("p", "door"));
-    assert_eq!(document.chosen, BTreeSet::from([1]));
     document.move_to(PointRef { pair: 1, side: Side::Left }, Point::new(9.0, 9.0));
     assert_eq!(document.origin(1), PairOrigin::Clicked);
     assert_eq!(document.origin(0), PairOrigin::Imported);

@@ -1,12 +1,12 @@
-//! The list of point pairs: selection, edits, and copying and pasting as spreadsheets do it.
+//! The list of point pairs: names, and copying and pasting as spreadsheets do it.
 
-mod kinds;
+mod command;
 #[cfg(test)]
 mod tests;
 
 use std::fmt::Write as _;
 
-pub use kinds::{CHOSEN_EDITS, Choosing, PointsCommand};
+pub use command::PointsCommand;
 
 use super::Model;
 use super::document::{counted, pair_name};
@@ -21,65 +21,23 @@ impl Model {
         distance.is_finite().then_some(distance)
     }
 
-    pub fn choose_pair(&mut self, pair: usize, how: Choosing) {
-        if pair >= self.document.pairs.len() {
-            return;
-        }
-        let chosen = &mut self.document.chosen;
-        match (how, self.open.first_chosen.filter(|first| *first < self.document.pairs.len())) {
-            (Choosing::Through, Some(first)) => {
-                chosen.extend(first.min(pair)..=first.max(pair));
-                return;
-            }
-            (Choosing::Toggle, _) => {
-                if !chosen.remove(&pair) {
-                    chosen.insert(pair);
-                }
-            }
-            (Choosing::Only | Choosing::Through, _) => {
-                let was_alone = chosen.len() == 1 && chosen.contains(&pair);
-                chosen.clear();
-                if !was_alone {
-                    chosen.insert(pair);
-                }
-            }
-        }
-        // One selection at a time: that of points gives way to that of rows.
-        self.document.selection = None;
-        self.open.first_chosen = Some(pair);
-        self.history.close_step();
-    }
-
-    pub fn choose_all_pairs(&mut self) {
-        self.document.chosen = (0..self.document.pairs.len()).collect();
-    }
-
-    /// Deletes all selected pairs in one step.
-    pub fn delete_chosen(&mut self) {
-        let chosen = self.document.chosen.clone();
-        self.edit(|document| document.remove_all(chosen));
-    }
-
     /// Names a pair. The letters of one name are one step.
     pub fn rename_pair(&mut self, pair: usize, name: &str) {
         self.edit_run(EditKey::Name(pair), |document| document.rename(pair, name));
     }
 
-    /// Returns the selected pairs, or all, as a table for spreadsheets.
+    /// Returns all pairs as a table for spreadsheets.
     pub fn copied_pairs(&self) -> String {
         let document = &self.document;
         let mut text = String::from("name\tx1\ty1\tx2\ty2\n");
-        let all = document.chosen.is_empty();
-        let places = self.pairs_in_pictures();
-        for pair in (0..places.len()).filter(|pair| all || document.chosen.contains(pair)) {
-            let PointPair { point1, point2 } = places[pair];
+        for (pair, PointPair { point1, point2 }) in self.pairs_in_pictures().into_iter().enumerate() {
             let name = document.name(pair);
             let _ = writeln!(text, "{name}\t{}\t{}\t{}\t{}", point1.x, point1.y, point2.x, point2.y);
         }
         text
     }
 
-    /// Adds the pairs of a table in one step, selects them and reports the result.
+    /// Adds the pairs of a table in one step, and reports the result.
     pub fn paste_pairs(&mut self, text: &str) {
         let rows = match parse_table(text) {
             Ok(rows) => rows,
@@ -114,7 +72,6 @@ impl Model {
                     document.rename(first + number, &name);
                 }
             }
-            document.chosen = (first..document.pairs.len()).collect();
         });
         self.open.done.tell(format!("Pasted {}", counted(count)));
     }

@@ -17,8 +17,6 @@ pub enum RectifiedCommand {
     View(Option<RectifiedView>),
     /// Shift the right picture to the right, px of the written pictures.
     Shift(f64),
-    /// Set the position of the wipe, as a fraction of the width.
-    Wipe(f32),
     /// Show the other picture in a blink.
     Swap,
     RunBlink,

@@ -9,6 +9,7 @@ use std::borrow::Cow;
 use image::RgbaImage;
 
 use super::RectifiedLook;
+use crate::app::model::document::Side;
 use crate::app::model::heat;
 use crate::app::model::pane_view::QuarterTurns;
 use crate::app::model::picture::{Opened, Pictures};
@@ -170,9 +171,16 @@ pub struct DrawnPair {
 pub enum RectifiedSheet {
     Left,
     Right,
-    /// Both images in one place.
-    Both,
     Disparity,
+}
+
+impl RectifiedSheet {
+    pub const COUNT: usize = 3;
+
+    /// Returns the side of the picture. The disparity map has the geometry of the left one.
+    pub fn side(self) -> Side {
+        if self == Self::Right { Side::Right } else { Side::Left }
+    }
 }
 
 impl DrawnPair {

@@ -15,19 +15,17 @@ const GUIDE_GAP: f64 = 30.0;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RectifiedLayout {
+    // Settings of earlier versions may name other layouts.
     #[default]
+    #[serde(alias = "wipe", alias = "anaglyph")]
     SideBySide,
     /// The pictures in one place, in turn.
     Blink,
-    /// Both pictures at once, in red and cyan.
-    Anaglyph,
-    /// The left picture up to a movable line, the right picture beyond it.
-    Wipe,
     Disparity,
 }
 
 impl RectifiedLayout {
-    pub const ALL: [(Self, &'static str, &'static str); 5] = [
+    pub const ALL: [(Self, &'static str, &'static str); 3] = [
         (
             Self::SideBySide,
             "Side by side",
@@ -38,18 +36,6 @@ impl RectifiedLayout {
             "Blink",
             "Both pictures in one place, in turn. Things may only jump sideways: a jump up or down \
              means that rows do not agree.",
-        ),
-        (
-            Self::Anaglyph,
-            "Anaglyph",
-            "Both pictures at once: the left one in red, the right one in cyan, for glasses of \
-             these colours. Coloured edges above and below things mean that rows do not agree.",
-        ),
-        (
-            Self::Wipe,
-            "Wipe",
-            "The left picture up to a line, the right picture beyond it. Drag the line across: \
-             edges that cross it must not jump up or down.",
         ),
         (
             Self::Disparity,
@@ -118,13 +104,11 @@ pub struct Viewing {
     pub blink: Blink,
     /// Shift of the right picture to the right, px of the written pictures.
     pub shift: f64,
-    /// Position of the wipe, as a fraction of the width.
-    pub wipe: f32,
 }
 
 impl Default for Viewing {
     fn default() -> Self {
-        Self { view: None, blink: Blink::Running, shift: 0.0, wipe: 0.5 }
+        Self { view: None, blink: Blink::Running, shift: 0.0 }
     }
 }
 

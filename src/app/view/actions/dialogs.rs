@@ -4,10 +4,8 @@ use std::path::PathBuf;
 
 use super::action::{Action, action};
 use crate::app::model::exchange::ExportOrder;
-use crate::app::model::point_table::PointsCommand;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::session::OpenSession;
-use crate::app::model::tones::TonesCommand;
 use crate::app::model::{Command, ExchangeCommand, LineSource, OverlayId, Role, SessionCommand};
 use crate::camera::FocalLength;
 
@@ -31,19 +29,6 @@ pub fn in_dialogs() -> Vec<Action> {
             "Use these focal lengths. The points stay as they are. Lengths known to ± 0 % also guide the search.",
         ),
         action(Command::DeletePair(0), "Delete", "Remove this pair from both images."),
-        action(TonesCommand::Adjust(None), "Adjust", "Choose which image the controls change."),
-        action(PointsCommand::Delete, "Delete chosen", "Remove the chosen pairs from both images."),
-        action(PointsCommand::SetRole(Role::Used), "Use chosen", "Use the chosen pairs for the estimate."),
-        action(
-            PointsCommand::SetRole(Role::Check),
-            "Check only chosen",
-            "Use the chosen pairs only to measure how well the geometry fits.",
-        ),
-        action(
-            PointsCommand::SetRole(Role::Excluded),
-            "Leave out chosen",
-            "Leave the chosen pairs out of the estimate and of all measures.",
-        ),
         action(
             Command::SetRole(0, Role::Excluded),
             "Leave out",

@@ -4,7 +4,6 @@ use egui::{Key, Modifiers};
 
 use super::action::{Action, action, tab};
 use crate::app::model::crosshair::CrosshairCommand;
-use crate::app::model::look::Tool;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::replay::ReplayCommand;
@@ -180,21 +179,12 @@ pub fn with_keys() -> Vec<Action> {
     ];
     let display = vec![
         action(
-            Command::ToggleTool(Tool::Inspect),
+            Command::TogglePinTool,
             "Pin tool",
             "Pin the epipolar lines through each place you click. Escape returns to placing points.",
         )
         .key(NONE, Key::I)
         .listed(|_| "Pin tool: pin line pairs")
-        .when(|model| model.document.pictures.is_some()),
-        action(
-            Command::ToggleTool(Tool::Measure),
-            "Measure tool",
-            "Measure distance, direction and intensities between two places of one image. Escape returns to \
-             placing points.",
-        )
-        .key(NONE, Key::D)
-        .listed(|_| "Measure tool: distance and direction")
         .when(|model| model.document.pictures.is_some()),
         action(
             Command::ToggleLink,
@@ -244,13 +234,6 @@ pub fn with_keys() -> Vec<Action> {
         )
         .key(NONE, Key::H)
         .key(NONE, Key::F11),
-        action(
-            Command::ToggleDrawer,
-            "Images of the folder",
-            "Show all images of the folder in a drawer over the pictures, or hide them.",
-        )
-        .key(NONE, Key::A)
-        .when(Model::has_strip),
         tab(TabId::Step, Key::Num1, "The hypotheses of the search, or the chart of the step that is shown."),
         tab(TabId::Profiles, Key::Num2, "Intensities along one line pair, and the matching of its samples."),
         tab(TabId::Residuals, Key::Num3, "Distances of points from their epipolar lines."),

@@ -14,7 +14,6 @@ use std::sync::LazyLock;
 use egui::KeyboardShortcut;
 
 use crate::app::model::command::Command;
-use crate::app::model::point_table::PointsCommand;
 pub use action::Action;
 pub use keys::GROUPS;
 
@@ -29,13 +28,9 @@ fn is_alike(one: &Command, other: &Command) -> bool {
         (Command::Session(one), Command::Session(other)) => discriminant(one) == discriminant(other),
         (Command::Exchange(one), Command::Exchange(other)) => discriminant(one) == discriminant(other),
         (Command::Rectified(one), Command::Rectified(other)) => discriminant(one) == discriminant(other),
-        (Command::Tones(one), Command::Tones(other)) => discriminant(one) == discriminant(other),
         (Command::Player(one), Command::Player(other)) => discriminant(one) == discriminant(other),
         (Command::Replay(one), Command::Replay(other)) => discriminant(one) == discriminant(other),
-        (Command::SetRole(_, one), Command::SetRole(_, other))
-        | (Command::Points(PointsCommand::SetRole(one)), Command::Points(PointsCommand::SetRole(other))) => {
-            one == other
-        }
+        (Command::SetRole(_, one), Command::SetRole(_, other)) => one == other,
         (Command::Points(one), Command::Points(other)) => discriminant(one) == discriminant(other),
         _ => discriminant(one) == discriminant(other),
     }

@@ -9,7 +9,6 @@ use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
 use crate::app::model::rectified::{RectifiedCommand, RectifiedLayout};
 use crate::app::model::replay::ReplayCommand;
-use crate::app::model::tones::TonesCommand;
 use crate::app::model::verdict::USE_LENS;
 use crate::app::model::{Command, ExchangeCommand, MethodStep, Model, Side};
 use crate::estimate::{Method, Preset, Search};
@@ -23,8 +22,7 @@ pub fn by_name() -> Vec<Action> {
     let methods = "Choose how many point pairs the published search uses. Three pairs are faster and more \
                    stable than two.";
     let presets = "Robust is best on real images. As published follows the paper exactly (--preset paper).";
-    let layouts = "Show the rectified pictures side by side, alternating, in red and cyan, with a wipe, or \
-                   as disparities.";
+    let layouts = "Show the rectified pictures side by side, alternating, or as disparities.";
     let layout = |layout| {
         action(RectifiedCommand::LayOut(layout), "Layout of the rectified pair", layouts)
             .when(|model| model.open.rectified.is_some())
@@ -228,19 +226,23 @@ pub fn by_name() -> Vec<Action> {
             .listed(|_| "Remove all point pairs")
             .when(|model| !model.document.pairs.is_empty() || model.document.half.is_some()),
         action(
-            TonesCommand::Stretch,
-            "Stretch",
-            "Map the darkest pixels to black and the brightest to white, to see dark or low-contrast areas.",
+            Command::ToggleStretch,
+            "Stretch brightness",
+            "Show the darkest pixels of each image black and the brightest white, or both images as in their files. \
+             Computations are not affected.",
         )
-        .listed(|_| "Brightness: stretch from black to white")
+        .listed(|model| {
+            if model.open.stretched.is_some() {
+                "Brightness: as in the files"
+            } else {
+                "Stretch brightness from black to white"
+            }
+        })
         .when(|model| model.document.pictures.is_some()),
-        action(TonesCommand::Reset, "Reset", "Show both images as in their files.")
-            .listed(|_| "Brightness: reset")
-            .when(|model| model.open.tones.of.iter().any(|own| !own.is_plain())),
         action(
             PointsCommand::Copy,
             "Copy",
-            "Copy the chosen pairs, or all, as a table for a spreadsheet (Ctrl+C).",
+            "Copy all point pairs as a table for a spreadsheet (Ctrl+C).",
         )
         .listed(|_| "Copy the point pairs as a table")
         .when(|model| !model.document.pairs.is_empty()),
@@ -252,9 +254,6 @@ pub fn by_name() -> Vec<Action> {
         )
         .listed(|_| "Paste point pairs")
         .when(|model| model.document.pictures.is_some()),
-        action(PointsCommand::ChooseAll, "Choose all", "Choose all point pairs of the table (Ctrl+A).")
-            .listed(|_| "Choose all point pairs")
-            .when(|model| !model.document.pairs.is_empty()),
         action(Command::Stop, "Stop", "Stop the computation. A first result is kept.")
             .listed(|_| "Stop the computation")
             .when(|model| model.open.computation.is_running()),
@@ -324,8 +323,6 @@ pub fn by_name() -> Vec<Action> {
         .listed(|_| "Rectify: polar method"),
         layout(RectifiedLayout::SideBySide).listed(|_| "Rectified pair side by side"),
         layout(RectifiedLayout::Blink).listed(|_| "Rectified pair alternating (blink)"),
-        layout(RectifiedLayout::Anaglyph).listed(|_| "Rectified pair as anaglyph, red and cyan"),
-        layout(RectifiedLayout::Wipe).listed(|_| "Rectified pair with a wipe"),
         layout(RectifiedLayout::Disparity).listed(|_| "Rectified pair: disparities"),
         action(
             RectifiedCommand::Shift(0.0),

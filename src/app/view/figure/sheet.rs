@@ -115,10 +115,11 @@ pub fn sheet(model: &Model, panes: [Option<PanePlace>; 2], choices: &FigureChoic
     let first = pos2(GAP, GAP);
     let second = first + if stacked { vec2(0.0, sizes[0].y + GAP) } else { vec2(sizes[0].x + GAP, 0.0) };
     let places = [first, second].map(egui::Pos2::to_vec2);
-    let places: [Placed; 2] = std::array::from_fn(|k| {
+    let places = Side::BOTH.map(|side| {
+        let k = side.index();
         let rect = Rect::from_min_size(places[k].to_pos2(), sizes[k]);
         let scale = fit[k].scale * f64::from(enlarged);
-        Placed::new(&fit[k].at(rect, scale), frames[k], model.open.tones.of[k])
+        Placed::new(&fit[k].at(rect, scale), frames[k], model.open.rendition(side))
     });
     let context = egui::Context::default();
     context.set_fonts(theme::fonts());

@@ -2,8 +2,8 @@
 
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{
-    Button, Color32, Painter, PopupCloseBehavior, Pos2, Rect, Response, RichText, Shape, Stroke, StrokeKind,
-    Ui, Vec2, pos2, vec2,
+    Button, Color32, Painter, PopupCloseBehavior, Pos2, Response, RichText, Shape, Stroke, Ui, Vec2, pos2,
+    vec2,
 };
 
 use crate::app::view::theme;
@@ -15,10 +15,8 @@ pub enum Icon {
     Undo,
     Redo,
     Pin,
-    Measure,
     Fit,
-    Tones,
-    Images,
+    Brightness,
     Search,
 }
 
@@ -73,30 +71,18 @@ impl Icon {
                 ]);
                 line(&[(0.0, 0.3), (0.0, 1.0)]);
             }
-            Self::Measure => {
-                outline(&[(-1.0, -0.45), (1.0, -0.45), (1.0, 0.45), (-1.0, 0.45)]);
-                for x in [-0.5, 0.0, 0.5] {
-                    line(&[(x, -0.45), (x, 0.05)]);
-                }
-            }
             Self::Fit => {
                 for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
                     line(&[(0.4 * x, 0.9 * y), (0.9 * x, 0.9 * y), (0.9 * x, 0.4 * y)]);
                 }
             }
-            Self::Tones => {
+            Self::Brightness => {
                 painter.circle_stroke(centre, HALF * 0.85, stroke);
                 let half = (0..=16u8).map(|k| {
                     let angle = std::f32::consts::PI * (f32::from(k) / 16.0 - 0.5);
                     centre + HALF * 0.85 * Vec2::angled(angle)
                 });
                 painter.add(Shape::convex_polygon(half.collect(), color, Stroke::NONE));
-            }
-            Self::Images => {
-                for (x, y) in [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)] {
-                    let cell = Rect::from_center_size(at(x, y), vec2(HALF * 0.75, HALF * 0.75));
-                    painter.rect_stroke(cell, 1.0, stroke, StrokeKind::Middle);
-                }
             }
             Self::Search => {
                 let eye = at(-0.2, -0.2);

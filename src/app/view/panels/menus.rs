@@ -4,7 +4,6 @@ use egui::{Button, RichText, Ui};
 
 use super::menu_entry;
 use super::tabs::describe_lines;
-use crate::app::model::point_table::CHOSEN_EDITS;
 use crate::app::model::{Command, ExchangeCommand, LineSource, Model, Role, Side, TabId, pair_name};
 use crate::geometry::Point;
 use crate::io::Notation;
@@ -12,15 +11,7 @@ use crate::io::Notation;
 /// Shows the menu of a complete or incomplete pair.
 pub fn pair_menu(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     let document = &model.document;
-    let chosen = document.chosen.len();
-    let together = chosen > 1 && document.chosen.contains(&pair);
-    ui.weak(if together { format!("{chosen} chosen pairs") } else { format!("Pair {}", pair_name(pair)) });
-    if together {
-        for command in CHOSEN_EDITS {
-            menu_entry(ui, command.into(), true, commands);
-        }
-        return;
-    }
+    ui.weak(format!("Pair {}", pair_name(pair)));
     if pair < document.pairs.len() {
         menu_entry(ui, Command::Refine(pair), model.repair_question(pair).is_some(), commands);
         menu_entry(ui, Command::MoveToMatch(pair), model.better_place(pair).is_some(), commands);
@@ -68,12 +59,6 @@ pub fn place_menu(ui: &mut Ui, model: &Model, side: Side, point: Point, commands
         (&*place, true, "Place a point here, as a click does.", Command::Place(side, point)),
         ("Pin the lines here", has_lines, "Keep the epipolar lines through this place on the images.", pin),
         ("Copy coordinates", true, "Copy x and y of this place, px.", Command::CopyPosition(pixel)),
-        (
-            "Measure from here",
-            true,
-            "Measure distance and direction from this place to the next click.",
-            Command::MeasureFrom(side, point),
-        ),
         (
             "Turn clockwise by 90°",
             true,

@@ -6,7 +6,6 @@ mod card;
 mod dialog;
 pub mod dock;
 mod export;
-mod film_strip;
 mod focal_dialog;
 mod icons;
 mod menus;
@@ -27,7 +26,6 @@ mod table;
 pub mod tabs;
 mod terms;
 pub mod timeline;
-mod tones;
 mod top_bar;
 
 use egui::{Button, Response, RichText, Ui};
@@ -37,7 +35,6 @@ use crate::app::view::keyboard::key_text;
 use crate::app::view::theme;
 
 pub use export::FileExport;
-pub use film_strip::FilmStrip;
 pub use focal_dialog::FocalDialog;
 pub use menus::{copy_fundamental_menu, pair_menu, pin_menu, place_menu};
 pub use open_dialog::OpenDialog;

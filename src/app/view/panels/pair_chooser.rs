@@ -4,12 +4,11 @@ use egui::{Button, ComboBox, ScrollArea, Ui};
 
 use super::dialog::named;
 use super::finish_button;
-use super::icons::{Icon, icon_button};
 use crate::app::model::document::counted;
 use crate::app::model::{Command, Model, Side};
 use crate::io::PictureFolder;
 
-/// Shows the choice of the pair, and the button of the drawer with all images.
+/// Shows the choice of the pair.
 pub fn show(
     ui: &mut Ui,
     model: &Model,
@@ -20,17 +19,12 @@ pub fn show(
     step(ui, folder, pair, false, commands);
     if folder.pairs_freely() {
         for side in Side::BOTH {
-            view_chooser(ui, folder, pair, side, commands);
+            view_chooser(ui, model, (folder, pair), side, commands);
         }
     } else {
-        pair_chooser(ui, folder, pair, commands);
+        pair_chooser(ui, model, (folder, pair), commands);
     }
     step(ui, folder, pair, true, commands);
-    if model.has_strip() {
-        let drawer = icon_button(ui, Icon::Images, true, model.look.drawer);
-        let drawer = named(drawer, Command::ToggleDrawer.name());
-        finish_button(ui, drawer, Command::ToggleDrawer, commands);
-    }
     kept_pairs(ui, model, folder, commands);
 }
 
@@ -75,44 +69,59 @@ fn step(ui: &mut Ui, folder: &PictureFolder, pair: [usize; 2], forward: bool, co
 /// Shows the choice of one of the two views.
 fn view_chooser(
     ui: &mut Ui,
-    folder: &PictureFolder,
-    pair: [usize; 2],
+    model: &Model,
+    (folder, pair): (&PictureFolder, [usize; 2]),
     side: Side,
     commands: &mut Vec<Command>,
 ) {
-    let mut chosen = pair[side.index()];
-    let other = pair[side.other().index()];
+    let (open, other) = (pair[side.index()], pair[side.other().index()]);
+    let mut views = pair;
     let label = format!("The {} view", side.name());
     let response = ComboBox::from_id_salt(("view", side))
         .width(92.0)
-        .selected_text(&folder.names()[chosen])
+        .selected_text(&folder.names()[open])
         .show_ui(ui, |ui| {
             for (number, name) in folder.names().iter().enumerate() {
-                let entry = ui.add_enabled(number != other, Button::selectable(number == chosen, name));
-                if entry.clicked() {
-                    chosen = number;
+                let mut opened = pair;
+                opened[side.index()] = number;
+                let button = Button::selectable(number == open, entry(model, name, opened));
+                if ui.add_enabled(number != other, button).clicked() {
+                    views = opened;
                 }
             }
         });
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &label));
     response.response.on_hover_text(format!("{label} of the folder. Any two views can form a pair."));
-    if chosen != pair[side.index()] {
-        let mut views = pair;
-        views[side.index()] = chosen;
+    if views != pair {
         commands.push(Command::OpenViews(views));
     }
 }
 
-fn pair_chooser(ui: &mut Ui, folder: &PictureFolder, pair: [usize; 2], commands: &mut Vec<Command>) {
+fn pair_chooser(
+    ui: &mut Ui,
+    model: &Model,
+    (folder, pair): (&PictureFolder, [usize; 2]),
+    commands: &mut Vec<Command>,
+) {
     let response =
         ComboBox::from_id_salt("pair").width(130.0).selected_text(folder.pair_name(pair)).show_ui(ui, |ui| {
             let pairs = (0..folder.names().len()).step_by(2).map(|view| [view, view + 1]);
             for other in pairs {
-                if ui.selectable_label(other == pair, folder.pair_name(other)).clicked() && other != pair {
+                let entry = entry(model, &folder.pair_name(other), other);
+                if ui.selectable_label(other == pair, entry).clicked() && other != pair {
                     commands.push(Command::OpenViews(other));
                 }
             }
         });
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "The pair"));
     response.response.on_hover_text("Choose which pair of the folder is open.");
+}
+
+/// Returns the name of an entry, with the number of points placed on the pair that it opens.
+fn entry(model: &Model, name: &str, pair: [usize; 2]) -> String {
+    match model.points_on(pair) {
+        0 => name.to_owned(),
+        1 => format!("{name}  (1 point)"),
+        count => format!("{name}  ({count} points)"),
+    }
 }

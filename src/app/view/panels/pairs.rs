@@ -9,7 +9,7 @@ use egui::{
 
 use super::dialog::named;
 use super::{command_button, finish_button, pair_menu};
-use crate::app::model::point_table::{CHOSEN_EDITS, Choosing, PointsCommand};
+use crate::app::model::point_table::PointsCommand;
 use crate::app::model::residuals::check_summary;
 use crate::app::model::{Command, ExchangeCommand, Model, PointRef, Role, Side, Target, pair_name};
 use crate::app::view::theme;
@@ -92,9 +92,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 
 fn list_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let (open, any) = (model.document.pictures.is_some(), !model.document.pairs.is_empty());
-    for (command, enabled) in
-        [(PointsCommand::Copy, any), (PointsCommand::RequestPaste, open), (PointsCommand::ChooseAll, any)]
-    {
+    for (command, enabled) in [(PointsCommand::Copy, any), (PointsCommand::RequestPaste, open)] {
         command_button(ui, command.into(), enabled, commands);
     }
     ui.separator();
@@ -105,35 +103,22 @@ fn list_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// Returns how a click chooses rows, by the modifier keys.
-fn choosing(ui: &Ui) -> Choosing {
-    let held = ui.input(|input| input.modifiers);
-    if held.shift {
-        Choosing::Through
-    } else if held.command {
-        Choosing::Toggle
-    } else {
-        Choosing::Only
-    }
-}
-
 fn row(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     let document = &model.document;
     let name = pair_name(pair);
     let lit = model.open.focus.hovered() == Some(Target::Pair(pair));
     let is_whole = pair < document.pairs.len();
-    let chosen = document.chosen.contains(&pair);
     let selected = document.selection.is_some_and(|at| at.pair == pair);
     let (area, _) = ui.allocate_exact_size(vec2(ui.available_width(), theme::ROW), Sense::hover());
     // The background comes first, so that the contents of the row take their own clicks.
     let background = ui.interact(area, ui.scope_id().with(("row", pair)), Sense::click());
     background
-        .widget_info(|| WidgetInfo::selected(egui::Role::Row, true, chosen, format!("Row of pair {name}")));
+        .widget_info(|| WidgetInfo::selected(egui::Role::Row, true, selected, format!("Row of pair {name}")));
     if is_whole && background.clicked() {
-        let how = choosing(ui);
-        commands.push(PointsCommand::Choose(pair, how).into());
+        // The keys act on the left point, until a field or a point is clicked.
+        commands.push(Command::Select((!selected).then_some(PointRef { pair, side: Side::Left })));
     }
-    let fill = if chosen || selected {
+    let fill = if selected {
         Some(ui.visuals().selection.bg_fill.gamma_multiply(0.45))
     } else {
         (lit || background.hovered()).then(|| ui.visuals().widgets.hovered.bg_fill)
@@ -148,12 +133,7 @@ fn row(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
     if is_whole && ui.rect_contains_pointer(area) {
         commands.push(Command::PointAt(Target::Pair(pair)));
     }
-    let is_open = if document.chosen.is_empty() { selected } else { chosen };
-    if document.chosen.len() > 1 {
-        if document.chosen.iter().max() == Some(&pair) {
-            chosen_edits(ui, model, commands);
-        }
-    } else if is_open && is_whole {
+    if selected && is_whole {
         unfolded(ui, model, pair, commands);
     }
 }
@@ -221,17 +201,6 @@ fn line(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Command>) {
             let given = document.given_name(pair).unwrap_or_default();
             ui.add(Label::new(RichText::new(given).weak()).selectable(false).truncate());
         });
-    });
-}
-
-fn chosen_edits(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    ui.horizontal_wrapped(|ui| {
-        ui.weak(format!("{} chosen", model.document.chosen.len()));
-        for command in CHOSEN_EDITS {
-            let command = Command::from(command);
-            let button = ui.add(Button::new(command.name()).small());
-            finish_button(ui, button, command, commands);
-        }
     });
 }
 

@@ -1,11 +1,11 @@
-//! The bar above the pictures: files, undo, tools, the switch of the stage, overlays, export, help.
+//! The bar above the pictures: files, undo, the pin tool, the switch of the stage, overlays, export, help.
 
 use egui::containers::menu::MenuButton;
 use egui::{Button, Rect, RichText, Ui, UiBuilder, vec2};
 
 use super::dialog::named;
 use super::icons::{ICON, Icon, icon_button, menu_button};
-use super::{copy_fundamental_menu, finish_button, menu_entry, overlays_menu, pair_chooser, tones};
+use super::{copy_fundamental_menu, finish_button, menu_entry, overlays_menu, pair_chooser};
 use crate::app::model::look::Tool;
 use crate::app::model::rectified::RectifiedCommand;
 use crate::app::model::{Command, ExchangeCommand, Model, SessionCommand, StageId};
@@ -24,7 +24,7 @@ const STAGE: f32 = 80.0;
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let area = ui.max_rect();
     ui.spacing_mut().item_spacing.x = 3.0;
-    let middle = area.width() >= ROOM_FOR_MIDDLE && !model.has_strip();
+    let middle = area.width() >= ROOM_FOR_MIDDLE && model.folder().is_none();
     ui.horizontal_centered(|ui| {
         icons(ui, model, commands);
         if let Some((folder, pair)) = model.folder() {
@@ -68,13 +68,9 @@ fn icons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     button(ui, Icon::Undo, Command::Undo, model.can_undo(), false);
     button(ui, Icon::Redo, Command::Redo, model.history.can_redo(), false);
     ui.separator();
-    for (icon, tool) in [(Icon::Pin, Tool::Inspect), (Icon::Measure, Tool::Measure)] {
-        button(ui, icon, Command::ToggleTool(tool), any, model.tool == tool);
-    }
+    button(ui, Icon::Pin, Command::TogglePinTool, any, model.tool == Tool::Inspect);
     button(ui, Icon::Fit, Command::FitAll, any, false);
-    if any {
-        tones::show(ui, model, commands);
-    }
+    button(ui, Icon::Brightness, Command::ToggleStretch, any, model.open.stretched.is_some());
 }
 
 /// Returns the stages of the switch. Sequences have no scene.

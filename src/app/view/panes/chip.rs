@@ -64,8 +64,8 @@ impl Chip {
             if let Some(scale) = self.scale {
                 let _ = write!(text, "  {:.0} %", scale * 100.0);
             }
-            if !model.open.tones.of[self.side.index()].is_plain() {
-                text += "  brightness changed";
+            if model.open.stretched.is_some() {
+                text += "  brightness stretched";
             }
         }
         let font = FontId::proportional(theme::CAPTION);
@@ -109,7 +109,7 @@ impl Chip {
 }
 
 /// Shortens a name in the middle to its beginning and its end, `most` characters in all.
-pub fn shortened(name: &str, most: usize) -> String {
+fn shortened(name: &str, most: usize) -> String {
     let end = name.chars().count().saturating_sub(most / 2);
     name.chars().take(most - most / 2).chain(['…']).chain(name.chars().skip(end)).collect()
 }

@@ -5,8 +5,7 @@ use egui::{Align2, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Strok
 use super::chip::Chip;
 use super::loupe;
 use super::overlays::{
-    Canvas, Labels, OVERLAYS, draw_crosshair, draw_measurement, pinned_at, pointed_at, replay,
-    suggested_places,
+    Canvas, Labels, OVERLAYS, draw_crosshair, pinned_at, pointed_at, replay, suggested_places,
 };
 use super::texture::PictureTexture;
 use super::transform::{Transform, zoom_asked};
@@ -41,8 +40,6 @@ enum Dragged {
     Point(PointRef, Point),
     /// The view, and the image position in the middle of the pane at the start.
     View(Point),
-    /// The end of a measurement.
-    Measurement,
 }
 
 /// Subject of a context menu.
@@ -228,15 +225,14 @@ impl ImagePane {
         };
         self.press(ui, &response, &canvas, commands);
         let image = self.image.as_mut()?;
-        let changing = ui.input(|input| input.pointer.any_down());
-        let rendition = model.open.tones.of[side.index()];
+        let rendition = model.open.rendition(side);
         let piled = moment.and_then(|moment| moment.piled);
         match model.shown_frames() {
             Some(frames) => {
                 let marked = model.open.player.silhouettes || piled.is_some();
                 image.texture.show_frame(frames[side.index()], marked, rendition);
             }
-            None => image.texture.set_rendition(rendition, changing),
+            None => image.texture.set_rendition(rendition),
         }
         let tint = moment.map_or(egui::Color32::WHITE, |_| theme::DIMMED);
         image.texture.draw_tinted(&painter, &transform, tint);
@@ -267,7 +263,6 @@ impl ImagePane {
         if let Some(target) = response.hover_pos().and_then(|position| pointed_at(&canvas, position)) {
             commands.push(Command::PointAt(target));
         }
-        draw_measurement(&canvas);
         draw_crosshair(&canvas);
         let due = model.document.half.is_some_and(|half| half.side != side);
         if due {
@@ -355,11 +350,6 @@ impl ImagePane {
         {
             let primary = response.drag_started_by(PointerButton::Primary);
             let what = match handle_at(origin) {
-                // A drag is the same as two clicks.
-                _ if primary && !space && model.tool == Tool::Measure => {
-                    measure(origin, canvas, Command::MeasureFrom, commands);
-                    Dragged::Measurement
-                }
                 Some((at, point)) if primary && !space => {
                     commands.push(Command::Select(Some(at)));
                     Dragged::Point(at, point)
@@ -368,14 +358,8 @@ impl ImagePane {
             };
             self.drag = Some(Drag { origin, what });
         }
-        if response.drag_stopped() {
-            let end = response.interact_pointer_pos();
-            if let (Some(Drag { what: Dragged::Measurement, .. }), Some(end)) = (self.drag, end) {
-                measure(end, canvas, Command::Measure, commands);
-            }
-            if self.let_go() {
-                commands.push(Command::EndDrag);
-            }
+        if response.drag_stopped() && self.let_go() {
+            commands.push(Command::EndDrag);
         }
         let menu_open = self.menu.is_some() && response.context_menu_opened();
         if response.secondary_clicked() {
@@ -395,9 +379,7 @@ impl ImagePane {
         {
             let point = transform.image_from_screen(position);
             let handle = handle_at(position).map(|(at, _)| at);
-            if model.tool == Tool::Measure {
-                measure(position, canvas, Command::Measure, commands);
-            } else if model.tool == Tool::Inspect {
+            if model.tool == Tool::Inspect {
                 let whole = handle.filter(|at| at.pair < model.document.pairs.len());
                 let source =
                     whole.map_or(LineSource::Through { side, point }, |at| LineSource::Pair(at.pair));
@@ -420,7 +402,7 @@ impl ImagePane {
             None if space => CursorIcon::Grab,
             None if response.hover_pos().and_then(handle_at).is_some() => CursorIcon::Move,
             None if response.hover_pos().and_then(replayed_at).is_some() => CursorIcon::PointingHand,
-            Some(Dragged::Measurement) | None => CursorIcon::Crosshair,
+            None => CursorIcon::Crosshair,
         };
         if response.hovered() || self.drag.is_some() {
             ui.ctx().set_cursor_icon(cursor);
@@ -449,16 +431,6 @@ fn draw_overlays(canvas: &Canvas) {
     };
     for overlay in OVERLAYS.iter().filter(|overlay| is_part(overlay.id) && look.shows(overlay.id)) {
         (overlay.draw)(canvas);
-    }
-}
-
-/// Measures from or to a place on the screen, or the point there.
-fn measure(at: Pos2, canvas: &Canvas, command: fn(Side, Point) -> Command, commands: &mut Vec<Command>) {
-    let Canvas { model, transform, frame, side, .. } = *canvas;
-    let point = handle_at(model, side, transform, at)
-        .map_or_else(|| transform.image_from_screen(at), |(_, placed)| placed);
-    if frame.contains(point) {
-        commands.push(command(side, point));
     }
 }
 
@@ -493,6 +465,5 @@ fn follow(ui: &Ui, drag: &Drag, image: &mut PaneImage, transform: &Transform, co
             }
         }
         Dragged::View(start) => image.view.pan(transform, image.shown, start, delta),
-        Dragged::Measurement => {}
     }
 }

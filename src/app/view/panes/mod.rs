@@ -9,7 +9,7 @@ pub mod scene;
 mod texture;
 mod transform;
 
-pub use chip::{label, shortened};
+pub use chip::label;
 pub use image_pane::{ImagePane, PanePlace};
 pub use texture::PictureTexture;
 pub use transform::{Transform, halves, zoom_asked};

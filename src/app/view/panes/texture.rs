@@ -28,10 +28,6 @@ const TILES_KEPT: usize = 96;
 /// Magnification of the overview from which tiles replace it.
 const OVERVIEW_MAGNIFICATION: f64 = 1.5;
 
-/// Longest side of the draft shown while brightness changes, px: small enough to render within a
-/// frame.
-const DRAFT_SIDE: u32 = 512;
-
 struct Tile {
     handle: TextureHandle,
     seen: u64,
@@ -42,10 +38,6 @@ pub struct PictureTexture {
     overview: TextureHandle,
     reduced: Arc<Overview>,
     rendition: Rendition,
-    /// Small source of the overview while brightness changes, made on first use.
-    draft: Option<DynamicImage>,
-    /// Whether the overview is only a draft.
-    is_draft: bool,
     scale: f64,
     tiles: HashMap<[usize; 2], Tile>,
     frame: u64,
@@ -64,8 +56,6 @@ impl PictureTexture {
             overview: handle,
             reduced: opened.overview.clone(),
             rendition: Rendition::default(),
-            draft: None,
-            is_draft: false,
             scale: *scale,
             tiles: HashMap::new(),
             frame: 0,
@@ -79,17 +69,12 @@ impl PictureTexture {
         }
     }
 
-    /// Sets brightness and channels. While they are `changing`, a large picture is shown as a
-    /// draft, and in full afterwards.
-    pub fn set_rendition(&mut self, rendition: Rendition, changing: bool) {
-        let is_new = rendition != self.rendition;
-        if !is_new && (changing || !self.is_draft) {
+    pub fn set_rendition(&mut self, rendition: Rendition) {
+        if rendition == self.rendition {
             return;
         }
-        if is_new {
-            self.rendition = rendition;
-            self.tiles.clear();
-        }
+        self.rendition = rendition;
+        self.tiles.clear();
         let whole;
         let source = if let Some(reduced) = &self.reduced.reduced {
             reduced
@@ -97,15 +82,9 @@ impl PictureTexture {
             whole = self.picture.displayed(&self.picture.pixels);
             &*whole
         };
-        self.is_draft = changing && source.width().max(source.height()) > DRAFT_SIDE;
-        let shown = if self.is_draft {
-            self.draft.get_or_insert_with(|| source.thumbnail(DRAFT_SIDE, DRAFT_SIDE))
-        } else {
-            source
-        };
-        let size = [shown.width(), shown.height()].map(|v| v as usize);
-        let image = ColorImage::from_rgba_premultiplied(size, &rendered(rendition, shown));
-        self.overview.set(image, if self.scale < 1.0 || self.is_draft { SMOOTH } else { PIXELS });
+        let size = [source.width(), source.height()].map(|v| v as usize);
+        let image = ColorImage::from_rgba_premultiplied(size, &rendered(rendition, source));
+        self.overview.set(image, if self.scale < 1.0 { SMOOTH } else { PIXELS });
     }
 
     /// Draws a number of silhouettes of the sequence over its frame.
@@ -121,8 +100,7 @@ impl PictureTexture {
         self.draw_tinted(painter, transform, Color32::WHITE);
     }
 
-    /// Draws the visible part, multiplied by a colour. A tint without alpha is added to the pixels
-    /// below.
+    /// Draws the visible part, multiplied by a colour.
     pub fn draw_tinted(&mut self, painter: &Painter, transform: &Transform, tint: Color32) {
         let size = [self.picture.pixels.width() as usize, self.picture.pixels.height() as usize];
         if let Some(film) = &self.film {
@@ -203,31 +181,4 @@ fn draw(
     mesh.add_triangle(0, 1, 2);
     mesh.add_triangle(0, 2, 3);
     painter.add(mesh);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_large_picture_is_a_draft_while_brightness_changes() {
-        let ctx = egui::Context::default();
-        for (width, draft) in [(3000, [512, 171]), (1200, [512, 341]), (300, [300, 200])] {
-            let height = if width == 3000 { 1000 } else { width * 2 / 3 };
-            let pixels = DynamicImage::new_luma8(width, height);
-            let opened = Opened::new(Picture::from_pixels("a".into(), None, pixels).unwrap());
-            let mut texture = PictureTexture::new(&ctx, &opened);
-            let full = texture.overview.size();
-            for stops in [0.5, 1.0] {
-                texture.set_rendition(Rendition { stops, ..Rendition::default() }, true);
-                assert_eq!(texture.overview.size(), draft);
-            }
-            let rest = Rendition { stops: 1.0, ..Rendition::default() };
-            texture.set_rendition(rest, false);
-            assert_eq!(texture.overview.size(), full, "{width}");
-            // Pressing another button changes nothing.
-            texture.set_rendition(rest, true);
-            assert_eq!(texture.overview.size(), full);
-        }
-    }
 }

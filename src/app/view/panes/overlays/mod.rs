@@ -7,14 +7,12 @@ mod hover;
 mod hypotheses;
 mod lines;
 mod matches;
-mod measure;
 mod next_click;
 mod pinned;
 mod pointed;
 mod points;
 pub mod replay;
 mod residuals;
-mod rows;
 mod samples;
 mod suggestion;
 mod table;
@@ -23,7 +21,6 @@ mod true_matches;
 mod uncertainty;
 
 pub use crosshair::draw as draw_crosshair;
-pub use measure::draw as draw_measurement;
 pub use pinned::number_at as pinned_at;
 pub use suggestion::places as suggested_places;
 pub use table::OVERLAYS;
@@ -172,7 +169,6 @@ impl Canvas<'_> {
         let is_crowded = document.pairs.len() >= CROWD && !self.is_figure;
         let stands_out = || {
             document.selection.is_some_and(|selected| selected.pair == pair)
-                || document.chosen.contains(&pair)
                 || self.model.open.focus.hovered() == Some(Target::Pair(pair))
                 || self.model.outvoted(pair).is_some()
         };

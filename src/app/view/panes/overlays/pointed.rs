@@ -59,13 +59,11 @@ pub fn draw(canvas: &Canvas) {
 }
 
 /// Highlights the pixel and the epipolar line of a position in the rectified pictures.
-fn rectified(canvas: &Canvas, side: Option<Side>, at: Point) {
+fn rectified(canvas: &Canvas, side: Side, at: Point) {
     let Some(rectified) = canvas.model.open.rectified.as_ref() else { return };
     let Ok(drawn) = &rectified.outcome else { return };
-    let pixel = |side: Side| drawn.shown.maps[side.index()].original_from_rectified(at);
-    let own = side.is_none_or(|side| side == canvas.side);
-    let source = if own { canvas.side } else { canvas.side.other() };
-    let Some(point) = pixel(source) else { return };
+    let own = side == canvas.side;
+    let Some(point) = drawn.shown.maps[side.index()].original_from_rectified(at) else { return };
     let line = if own {
         canvas.line_through(&rectified.fundamental, point)
     } else {

@@ -8,9 +8,9 @@ use crate::app::view::theme;
 use crate::estimate::Estimate;
 use crate::geometry::{PointPair, sampson_distance};
 
-pub(super) const MAGNIFICATION: f64 = 50.0;
+const MAGNIFICATION: f64 = 50.0;
 /// Largest number of residuals drawn, spread over the list, which is in the order of the corners.
-pub(super) const DRAWN: usize = 300;
+const DRAWN: usize = 300;
 
 pub fn draw(canvas: &Canvas) {
     let Some((shown, opacity)) = canvas.shown() else { return };

@@ -4,7 +4,7 @@ use egui::Color32;
 
 use super::{
     Canvas, epipoles, given, hover, hypotheses, lines, matches, next_click, pinned, pointed, points,
-    residuals, rows, samples, suggestion, true_lines, true_matches, uncertainty,
+    residuals, samples, suggestion, true_lines, true_matches, uncertainty,
 };
 use crate::app::model::ids::OverlayId;
 use crate::app::view::theme;
@@ -96,14 +96,6 @@ pub const OVERLAYS: [Overlay; OverlayId::COUNT] = [
         color: theme::UNCHECKED,
         magnified: false,
         draw: residuals::draw,
-    },
-    Overlay {
-        id: OverlayId::RowOffsets,
-        tooltip: "Distance from each match to the row of its partner, magnified 50 times. In a rectified pair there \
-                  is none.",
-        color: theme::UNCHECKED,
-        magnified: false,
-        draw: rows::draw,
     },
     Overlay {
         id: OverlayId::Hypotheses,

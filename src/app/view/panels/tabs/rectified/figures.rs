@@ -151,7 +151,7 @@ fn shift_chooser(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut V
     let slider = ui.add(Slider::new(&mut shift, -reach..=reach).suffix(" px").fixed_decimals(0));
     let slider = slider.on_hover_text(
         "Shift of the right picture to the right, in exported pixels. A click on the ring of a pair, or on \
-         the disparities, aligns both pictures at that depth in blink, wipe and anaglyph.",
+         the disparities, aligns both pictures at that depth in blink.",
     );
     if slider.changed() {
         commands.push(RectifiedCommand::Shift(shift).into());

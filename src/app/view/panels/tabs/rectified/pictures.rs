@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use egui::{Color32, CursorIcon, Id, Painter, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo};
+use egui::{CursorIcon, Id, Painter, Rect, Response, Role, Sense, Ui, WidgetInfo};
 
 use super::sheet::{SheetCanvas, SheetRow};
 use crate::app::model::rectified::{
@@ -12,10 +12,6 @@ use crate::app::model::rectified::{
 use crate::app::model::{Command, Model, Side, Target};
 use crate::app::view::panes::{PictureTexture, Transform, halves, zoom_asked};
 use crate::app::view::theme;
-use crate::image::{Channel, Rendition};
-
-/// Distance within which the cursor grabs the line of a wipe, screen points.
-const WIPE_REACH: f32 = 7.0;
 
 struct SheetPlace {
     sheet: RectifiedSheet,
@@ -23,32 +19,11 @@ struct SheetPlace {
     response: Response,
 }
 
-impl RectifiedSheet {
-    /// Returns the side of the picture; `None` if it shows both.
-    pub(super) fn side(self) -> Option<Side> {
-        match self {
-            // The disparity map has the geometry of the left picture.
-            Self::Left | Self::Disparity => Some(Side::Left),
-            Self::Right => Some(Side::Right),
-            Self::Both => None,
-        }
-    }
-
-    fn of(side: Side) -> Self {
-        match side {
-            Side::Left => Self::Left,
-            Side::Right => Self::Right,
-        }
-    }
-
-    fn name(self, layout: RectifiedLayout) -> &'static str {
-        match self {
-            Self::Left => "rectified left picture",
-            Self::Right => "rectified right picture",
-            Self::Both if layout == RectifiedLayout::Wipe => "wipe of the rectified pair",
-            Self::Both => "anaglyph of the rectified pair",
-            Self::Disparity => "disparities of the rectified pair",
-        }
+fn name(sheet: RectifiedSheet) -> &'static str {
+    match sheet {
+        RectifiedSheet::Left => "rectified left picture",
+        RectifiedSheet::Right => "rectified right picture",
+        RectifiedSheet::Disparity => "disparities of the rectified pair",
     }
 }
 
@@ -56,7 +31,7 @@ pub fn show(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Co
     let places: Vec<SheetPlace> = arranged(ui, model, drawn)
         .into_iter()
         .map(|(sheet, rect)| {
-            let name = sheet.name(model.look.rectified.layout);
+            let name = name(sheet);
             let response = ui.interact(rect, ui.scope_id().with(name), Sense::click_and_drag());
             response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
             SheetPlace { sheet, rect, response }
@@ -65,18 +40,14 @@ pub fn show(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Co
     ui.advance_cursor_after_rect(ui.available_rect_before_wrap());
     let frame = drawn.frame();
     for place in &places {
-        let divides =
-            model.look.rectified.layout == RectifiedLayout::Wipe && wipe(ui, place.rect, model, commands);
-        if let Some(command) = look(ui, place, model, drawn).filter(|_| !divides) {
-            commands.push(command);
-        }
+        commands.extend(look(ui, place, model, drawn));
         if place.response.clicked() && !place.response.double_clicked() {
             commands.extend(registering(place, model, drawn));
         }
     }
     let hovered = places.iter().find_map(|place| {
         let position = place.response.hover_pos()?;
-        let transform = transform_of(model, drawn, place.rect, place.sheet.side().unwrap_or(Side::Left));
+        let transform = transform_of(model, drawn, place.rect, place.sheet.side());
         let at = transform.image_from_screen(position);
         frame.contains(at).then_some((place.sheet, at))
     });
@@ -91,10 +62,9 @@ pub fn show(ui: &mut Ui, model: &Model, drawn: &DrawnPair, commands: &mut Vec<Co
     for place in &places {
         let painter = ui.painter_at(place.rect);
         painter.rect_filled(place.rect, 0.0, theme::palette(ui.visuals()).canvas);
-        let transforms = Side::BOTH.map(|side| transform_of(model, drawn, place.rect, side));
-        paint(&painter, model, drawn, place.sheet, &transforms);
-        let canvas =
-            SheetCanvas { painter: &painter, transforms: &transforms, sheet: place.sheet, drawn, model };
+        let transform = &transform_of(model, drawn, place.rect, place.sheet.side());
+        paint(&painter, drawn, place.sheet, transform);
+        let canvas = SheetCanvas { painter: &painter, transform, sheet: place.sheet, drawn, model };
         canvas.draw(row.as_ref());
     }
 }
@@ -110,121 +80,35 @@ fn transform_of(model: &Model, drawn: &DrawnPair, rect: Rect, side: Side) -> Tra
     view.transform(frame, rect)
 }
 
-fn paint(
-    painter: &Painter,
-    model: &Model,
-    drawn: &DrawnPair,
-    sheet: RectifiedSheet,
-    transforms: &[Transform; 2],
-) {
-    let ctx = painter.ctx();
-    let plain = |painter: &Painter, kept: Kept, side: Side| {
-        with_texture(ctx, drawn, kept, |texture| texture.draw(painter, &transforms[side.index()]));
-    };
-    match sheet {
-        RectifiedSheet::Left => plain(painter, Kept::Left, Side::Left),
-        RectifiedSheet::Right => plain(painter, Kept::Right, Side::Right),
-        RectifiedSheet::Both if model.look.rectified.layout == RectifiedLayout::Wipe => {
-            let rect = transforms[0].rect;
-            let (left, right) = rect.split_left_right_at_fraction(model.open.viewing.wipe);
-            plain(&painter.with_clip_rect(left), Kept::Left, Side::Left);
-            plain(&painter.with_clip_rect(right), Kept::Right, Side::Right);
-            for (width, color) in [(4.0, theme::HALO), (1.6, theme::SELECTED)] {
-                painter.vline(left.max.x, rect.y_range(), Stroke::new(width, color));
-            }
-        }
-        RectifiedSheet::Both => {
-            // The colours are added to the background.
-            painter.rect_filled(transforms[0].rect, 0.0, Color32::BLACK);
-            let (red, cyan) =
-                (Color32::from_rgb(255, 0, 0), Color32::from_rgba_premultiplied(0, 255, 255, 0));
-            for (kept, side, tint) in
-                [(Kept::GreyLeft, Side::Left, red), (Kept::GreyRight, Side::Right, cyan)]
-            {
-                with_texture(ctx, drawn, kept, |texture| {
-                    texture.draw_tinted(painter, &transforms[side.index()], tint);
-                });
-            }
-        }
-        RectifiedSheet::Disparity => {
-            // Each pixel of the map covers several pixels of the picture.
-            let Some((map, _)) = &drawn.disparity else { return };
-            let transform = &transforms[Side::Left.index()];
-            let times = drawn.frame().width as f64 / map.size()[0] as f64;
-            let coarse = transform.of_reduced(times);
-            with_texture(ctx, drawn, Kept::Disparity, |texture| texture.draw(painter, &coarse));
-        }
-    }
-}
-
-/// Shows the line of a wipe. Returns whether it is dragged.
-fn wipe(ui: &Ui, rect: Rect, model: &Model, commands: &mut Vec<Command>) -> bool {
-    let x = rect.min.x + rect.width() * model.open.viewing.wipe;
-    let area = Rect::from_x_y_ranges(x - WIPE_REACH..=x + WIPE_REACH, rect.y_range());
-    let line = ui.interact(area, ui.scope_id().with("wipe line"), Sense::drag());
-    line.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "line of the wipe"));
-    if line.hovered() || line.dragged() {
-        ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
-    }
-    if let Some(position) = line.interact_pointer_pos().filter(|_| line.dragged()) {
-        let part = (position.x - rect.min.x) / rect.width().max(1.0);
-        commands.push(RectifiedCommand::Wipe(part).into());
-    }
-    line.dragged()
+fn paint(painter: &Painter, drawn: &DrawnPair, sheet: RectifiedSheet, transform: &Transform) {
+    let map = drawn.disparity.as_ref().filter(|_| sheet == RectifiedSheet::Disparity);
+    // Each pixel of the map covers several pixels of the picture.
+    let times = map.map_or(1.0, |(map, _)| drawn.frame().width as f64 / map.size()[0] as f64);
+    with_texture(painter.ctx(), drawn, sheet, |texture| texture.draw(painter, &transform.of_reduced(times)));
 }
 
 /// Returns the command that aligns the pictures at the clicked point pair or disparity.
 fn registering(place: &SheetPlace, model: &Model, drawn: &DrawnPair) -> Option<Command> {
     let position = place.response.interact_pointer_pos()?;
-    let transforms = Side::BOTH.map(|side| transform_of(model, drawn, place.rect, side));
-    let sides = Side::BOTH.into_iter().filter(|side| place.sheet.side().is_none_or(|own| own == *side));
-    let near = sides.flat_map(|side| model.document.pairs.iter().map(move |pair| (side, pair)));
-    let near = near.filter_map(|(side, pair)| {
+    let side = place.sheet.side();
+    let transform = transform_of(model, drawn, place.rect, side);
+    let near = model.document.pairs.iter().filter_map(|pair| {
         let at = drawn.shown.maps[side.index()].rectified_from_original(side.point(pair))?;
-        let distance = transforms[side.index()].screen_from_image(at).distance(position);
+        let distance = transform.screen_from_image(at).distance(position);
         (distance <= theme::GRAB_RADIUS).then_some((pair, distance))
     });
     let pair = near.min_by(|a, b| a.1.total_cmp(&b.1)).and_then(|(pair, _)| drawn.shift_of(pair));
     let mapped = || {
         let (map, _) = drawn.disparity.as_ref().filter(|_| place.sheet == RectifiedSheet::Disparity)?;
-        let (at, frame) = (transforms[0].image_from_screen(position), drawn.frame());
+        let (at, frame) = (transform.image_from_screen(position), drawn.frame());
         let inside = frame.contains(at);
         map.at((at.x + 0.5) / frame.width as f64, (at.y + 0.5) / frame.height as f64).filter(|_| inside)
     };
     Some(RectifiedCommand::Shift(pair.or_else(mapped)?).into())
 }
 
-#[derive(Debug, Clone, Copy)]
-enum Kept {
-    Left,
-    Right,
-    GreyLeft,
-    GreyRight,
-    Disparity,
-}
-
-impl Kept {
-    const COUNT: usize = 5;
-
-    fn uploaded(self, ctx: &egui::Context, drawn: &DrawnPair) -> Option<PictureTexture> {
-        let grey = Rendition { channel: Channel::Grey, ..Rendition::default() };
-        let picture = |k: usize, rendition| {
-            let mut texture = PictureTexture::new(ctx, &drawn.pictures[k]);
-            texture.set_rendition(rendition, false);
-            texture
-        };
-        Some(match self {
-            Self::Left => picture(0, Rendition::default()),
-            Self::Right => picture(1, Rendition::default()),
-            Self::GreyLeft => picture(0, grey),
-            Self::GreyRight => picture(1, grey),
-            Self::Disparity => PictureTexture::new(ctx, &drawn.disparity.as_ref()?.1),
-        })
-    }
-}
-
 /// Textures of the pair with this number, uploaded when first drawn.
-type KeptTextures = (u64, Arc<Mutex<[Option<PictureTexture>; Kept::COUNT]>>);
+type KeptTextures = (u64, Arc<Mutex<[Option<PictureTexture>; RectifiedSheet::COUNT]>>);
 
 fn kept_textures() -> Id {
     Id::unique("rectified textures")
@@ -235,7 +119,12 @@ pub fn forget_textures(ctx: &egui::Context) {
     ctx.data_mut(|data| data.remove::<KeptTextures>(kept_textures()));
 }
 
-fn with_texture(ctx: &egui::Context, drawn: &DrawnPair, which: Kept, draw: impl FnOnce(&mut PictureTexture)) {
+fn with_texture(
+    ctx: &egui::Context,
+    drawn: &DrawnPair,
+    sheet: RectifiedSheet,
+    draw: impl FnOnce(&mut PictureTexture),
+) {
     let kept = ctx.data(|data| data.get_temp::<KeptTextures>(kept_textures()));
     let (_, textures) = kept.filter(|(number, _)| *number == drawn.number).unwrap_or_else(|| {
         let fresh = (drawn.number, Arc::default());
@@ -244,9 +133,13 @@ fn with_texture(ctx: &egui::Context, drawn: &DrawnPair, which: Kept, draw: impl 
     });
     // Only this thread draws, so the lock is free.
     let mut textures = textures.lock().unwrap_or_else(PoisonError::into_inner);
-    let texture = &mut textures[which as usize];
+    let texture = &mut textures[sheet as usize];
     if texture.is_none() {
-        *texture = which.uploaded(ctx, drawn);
+        let picture = match sheet {
+            RectifiedSheet::Disparity => drawn.disparity.as_ref().map(|(_, picture)| picture),
+            RectifiedSheet::Left | RectifiedSheet::Right => Some(&drawn.pictures[sheet.side().index()]),
+        };
+        *texture = picture.map(|picture| PictureTexture::new(ctx, picture));
     }
     if let Some(texture) = texture {
         draw(texture);
@@ -262,14 +155,13 @@ fn arranged(ui: &Ui, model: &Model, drawn: &DrawnPair) -> Vec<(RectifiedSheet, R
             let stacked = drawn.is_turned(&model.look.rectified);
             [RectifiedSheet::Left, RectifiedSheet::Right].into_iter().zip(halves(area, stacked)).collect()
         }
-        RectifiedLayout::Anaglyph | RectifiedLayout::Wipe => vec![(RectifiedSheet::Both, area)],
         RectifiedLayout::Disparity => vec![(RectifiedSheet::Disparity, area)],
         RectifiedLayout::Blink => {
             let (side, left) = model.open.viewing.blink.shown(ui.input(|input| input.time));
             if let Some(seconds) = left {
                 ui.ctx().request_repaint_after(Duration::from_secs_f64(seconds));
             }
-            vec![(RectifiedSheet::of(side), area)]
+            vec![([RectifiedSheet::Left, RectifiedSheet::Right][side.index()], area)]
         }
     }
 }

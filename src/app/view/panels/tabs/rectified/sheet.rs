@@ -21,8 +21,7 @@ const SCALE: egui::Vec2 = vec2(180.0, 10.0);
 pub struct SheetRow {
     /// Position in the pictures, px.
     at: Point,
-    /// Side of the picture; `None` for both.
-    side: Option<Side>,
+    side: Side,
     text: String,
 }
 
@@ -31,12 +30,10 @@ impl SheetRow {
     pub fn under_cursor(model: &Model, drawn: &DrawnPair, sheet: RectifiedSheet, at: Point) -> Self {
         let side = sheet.side();
         let mut text = row_text(model, drawn, at);
-        for own in Side::BOTH.into_iter().filter(|own| side.is_none_or(|side| side == *own)) {
-            let point = drawn.shown.maps[own.index()].original_from_rectified(at);
-            let frame = model.document.frame(own);
-            if let Some(point) = point.filter(|point| frame.is_some_and(|frame| frame.contains(*point))) {
-                let _ = write!(text, ", {} image ({:.1}, {:.1})", own.name(), point.x, point.y);
-            }
+        let point = drawn.shown.maps[side.index()].original_from_rectified(at);
+        let frame = model.document.frame(side);
+        if let Some(point) = point.filter(|point| frame.is_some_and(|frame| frame.contains(*point))) {
+            let _ = write!(text, ", {} image ({:.1}, {:.1})", side.name(), point.x, point.y);
         }
         if let Some((map, _)) = drawn.disparity.as_ref().filter(|_| sheet == RectifiedSheet::Disparity) {
             let frame = drawn.frame();
@@ -51,7 +48,7 @@ impl SheetRow {
     /// picture.
     pub fn of_original(model: &Model, drawn: &DrawnPair, side: Side, point: Point) -> Option<Self> {
         let at = drawn.shown.maps[side.index()].rectified_from_original(point)?;
-        Some(Self { at, side: Some(side), text: row_text(model, drawn, at) })
+        Some(Self { at, side, text: row_text(model, drawn, at) })
     }
 }
 
@@ -64,19 +61,13 @@ fn row_text(model: &Model, drawn: &DrawnPair, at: Point) -> String {
 pub struct SheetCanvas<'a> {
     /// Painter, clipped to the picture.
     pub painter: &'a Painter,
-    /// Transforms of the left and the right picture.
-    pub transforms: &'a [Transform; 2],
+    pub transform: &'a Transform,
     pub sheet: RectifiedSheet,
     pub drawn: &'a DrawnPair,
     pub model: &'a Model,
 }
 
 impl SheetCanvas<'_> {
-    /// Returns the transform of the picture; of the left one if it shows both.
-    fn transform(&self) -> &Transform {
-        &self.transforms[self.sheet.side().map_or(0, Side::index)]
-    }
-
     pub fn draw(&self, row: Option<&SheetRow>) {
         self.guides();
         self.true_matches();
@@ -94,16 +85,16 @@ impl SheetCanvas<'_> {
             return;
         }
         let reduction = self.drawn.reduction();
-        let spacing = guide_spacing(self.transform().scale * reduction) * reduction;
+        let spacing = guide_spacing(self.transform.scale * reduction) * reduction;
         let visible = self.painter.clip_rect();
         let [one, other] =
-            [visible.min, visible.max].map(|corner| self.transform().image_from_screen(corner).y);
+            [visible.min, visible.max].map(|corner| self.transform.image_from_screen(corner).y);
         let bottom = self.drawn.frame().bottom();
         let first = (one.min(other).max(0.0) / spacing).ceil();
         let last = (one.max(other).min(bottom) / spacing).floor();
         let mut k = first;
         while k <= last {
-            let at = self.transform().screen_from_image(Point::new(0.0, k * spacing));
+            let at = self.transform.screen_from_image(Point::new(0.0, k * spacing));
             self.along_row(at, Stroke::new(1.0, theme::GUIDE));
             k += 1.0;
         }
@@ -125,13 +116,12 @@ impl SheetCanvas<'_> {
 
     /// Draws the row of the cursor and its position in the row.
     fn row(&self, row: &SheetRow) {
-        let at = self.transform().screen_from_image(row.at);
+        let at = self.transform.screen_from_image(row.at);
         let visible = self.painter.clip_rect();
         for (width, color) in [(3.4, theme::HALO), (1.4, theme::HOVER)] {
             self.along_row(at, Stroke::new(width, color));
         }
-        let own = row.side.is_none() || self.sheet.side().is_none() || row.side == self.sheet.side();
-        if own {
+        if row.side == self.sheet.side() {
             self.painter.circle_stroke(at, 5.0, Stroke::new(3.6, theme::HALO));
             self.painter.circle_stroke(at, 5.0, Stroke::new(1.8, theme::SELECTED));
             // Keep the label away from the cursor.
@@ -152,16 +142,10 @@ impl SheetCanvas<'_> {
     }
 
     /// Returns the position of a pair's point; `None` if it is outside the rectified picture.
-    fn place(&self, side: Side, pair: &PointPair) -> Option<Pos2> {
-        let point = [pair.point1, pair.point2][side.index()];
-        let at = self.drawn.shown.maps[side.index()].rectified_from_original(point)?;
-        Some(self.transforms[side.index()].screen_from_image(at))
-    }
-
-    /// Returns the sides whose points are drawn here.
-    fn sides(&self) -> impl Iterator<Item = Side> + use<> {
-        let own = self.sheet.side();
-        Side::BOTH.into_iter().filter(move |side| own.is_none_or(|own| own == *side))
+    fn place(&self, pair: &PointPair) -> Option<Pos2> {
+        let side = self.sheet.side();
+        let at = self.drawn.shown.maps[side.index()].rectified_from_original(side.point(pair))?;
+        Some(self.transform.screen_from_image(at))
     }
 
     fn pairs(&self) {
@@ -172,7 +156,7 @@ impl SheetCanvas<'_> {
             let color =
                 theme::pair_color(number).gamma_multiply(if out { theme::STALE_OPACITY } else { 1.0 });
             let radius = if lit { MARK + 3.0 } else { MARK };
-            for at in self.sides().filter_map(|side| self.place(side, pair)) {
+            if let Some(at) = self.place(pair) {
                 self.painter.circle_stroke(at, radius, Stroke::new(3.8, theme::HALO));
                 self.painter.circle_stroke(at, radius, Stroke::new(1.8, color));
             }
@@ -184,10 +168,8 @@ impl SheetCanvas<'_> {
         for (number, pair) in true_matches_shown(self.model) {
             let lit = self.model.open.focus.hovered() == Some(Target::TrueMatch(number));
             let (size, color) = if lit { (5.0, theme::SELECTED) } else { (2.0, theme::TRUE) };
-            for at in self.sides().filter_map(|side| self.place(side, pair)) {
-                if self.painter.clip_rect().contains(at) {
-                    cross(self.painter, at, size, color);
-                }
+            if let Some(at) = self.place(pair).filter(|at| self.painter.clip_rect().contains(*at)) {
+                cross(self.painter, at, size, color);
             }
         }
     }
@@ -197,8 +179,6 @@ impl SheetCanvas<'_> {
         let text = match (self.model.look.rectified.layout, self.sheet) {
             (RectifiedLayout::Blink, RectifiedSheet::Left) => "Left",
             (RectifiedLayout::Blink, _) => "Right",
-            (RectifiedLayout::Anaglyph, _) => "Left red, right cyan",
-            (RectifiedLayout::Wipe, _) => "Left image | right image",
             (RectifiedLayout::Disparity, _) if self.drawn.disparity.is_none() => "No disparities yet",
             (RectifiedLayout::Disparity, _) => "Left disparities",
             (RectifiedLayout::SideBySide, RectifiedSheet::Left) => "Left, rectified",
