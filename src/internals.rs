@@ -20,9 +20,7 @@ pub mod cli {
 /// The window.
 #[cfg(feature = "inspector")]
 pub mod app {
-    pub use crate::app::{
-        AppError, HandOverError, Inspector, Opening, Services, Start, hand_over, install_theme, model, run,
-    };
+    pub use crate::app::{AppError, Inspector, Opening, Services, Start, install_theme, model, run};
 }
 
 #[cfg(feature = "files")]

@@ -9,9 +9,9 @@ use epiline::estimate::{
 };
 use epiline::geometry::{Frame, Point, PointPair, Segment, fan, sampson_distance};
 use epiline::image::Picture;
-use epiline::internals::app::{hand_over, model::session::Work};
+use epiline::internals::app::model::session::Work;
 use epiline::internals::cli::with_parameter;
-use epiline::io::{ImageNote, PointResultFile, ResultFile, points_in_words, result_in_words};
+use epiline::io::{ImageNote, PointResultFile, ResultFile, SessionFile, points_in_words, result_in_words};
 use epiline::presentation::reason_in_words;
 use epiline::study::{PoseOutcome, Question, Study, StudyError, clicks_in, matches_in};
 use numpy::{PyArray1, PyArray2, PyArray3};
@@ -278,7 +278,8 @@ impl Estimate {
         let question = Question { clicks, given: Some(given), parameters };
         let work = Work::of_question(&question, cameras, offset.unwrap_or(0));
         let pictures = originals.each_ref().map(AsRef::as_ref);
-        py.detach(|| hand_over(pictures, work, &folder)).map_err(|error| input(py, error.to_string()))
+        py.detach(|| SessionFile::hand_over(pictures, work, &folder))
+            .map_err(|error| input(py, error.to_string()))
     }
 
     /// Returns the pictures of the result as bytes of height × width × RGB, for drawings.

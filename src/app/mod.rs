@@ -26,7 +26,7 @@ mod view;
 
 pub use inspector::Inspector;
 pub use shell::AppError;
-pub use tasks::{HandOverError, Opening, Services, hand_over};
+pub use tasks::{Opening, Services};
 
 use crate::geometry::PointPair;
 

@@ -83,8 +83,8 @@ pub use sequence_file::{
 };
 #[doc(hidden)]
 pub use session::{
-    ImageReference, ImageSource, Located, SESSION_VERSION, SessionError, SessionFile, relative, resolve,
-    sha256_of,
+    HandOverError, ImageReference, ImageSource, Located, SESSION_VERSION, SessionError, SessionFile,
+    relative, resolve, sha256_of,
 };
 pub use stereo_pair::{StereoPair, StereoPairFiles, StereoProgram};
 #[doc(hidden)]

@@ -15,11 +15,13 @@ use thiserror::Error;
 use super::geometry_file::TrustNote;
 use super::hash::sha256_of_file;
 use super::output::{OutputFile, WriteError, folder_of};
+use super::picture_file::{PictureError, PictureFormat, encode_picture};
 use super::read::{ReadError, limited, read_text};
 use super::sequence_file::folder_sha256;
 use crate::camera::PicturesOf;
 use crate::foreign::shown_path;
 use crate::geometry::{Frame, FundamentalMatrix};
+use crate::image::Picture;
 
 /// Version written by this program, and the newest it reads.
 pub const SESSION_VERSION: u64 = 1;
@@ -133,7 +135,43 @@ struct ReadSession<T> {
     content: T,
 }
 
+/// Reason why a session cannot be handed over, one sentence.
+#[derive(Debug, Error)]
+pub enum HandOverError {
+    /// A file of a picture cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// A picture without a file cannot be encoded.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// A file cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
 impl<T: Serialize> SessionFile<T> {
+    /// Writes content about two pictures as a session into a folder, beside those of the pictures that are not files.
+    /// Returns the path of the session.
+    pub fn hand_over(pictures: [&Picture; 2], content: T, folder: &Path) -> Result<PathBuf, HandOverError> {
+        let path = folder.join("session.json");
+        let reference = |picture: &Picture, name: &str| -> Result<ImageReference, HandOverError> {
+            let file = if let Some(file) = &picture.path {
+                file.clone()
+            } else {
+                let file = folder.join(name);
+                let png = encode_picture(&picture.pixels, PictureFormat::Png)?;
+                OutputFile::prepare_private(&file)?.write(&png)?;
+                file
+            };
+            let source = ImageSource::File { sha256: sha256_of(&file)?, path: relative(&file, &path) };
+            Ok(ImageReference { source, frame: picture.frame() })
+        };
+        let images = [reference(pictures[0], "left.png")?, reference(pictures[1], "right.png")?];
+        let session = Self { images, fundamental: None, pictures: PicturesOf::Untold, trust: None, content };
+        session.write_private(&path)?;
+        Ok(path)
+    }
+
     /// Returns the content of the file.
     pub fn to_text(&self) -> Result<String, serde_json::Error> {
         let written = WrittenSession {

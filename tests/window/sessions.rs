@@ -13,7 +13,8 @@ use epiline::image::Picture;
 use epiline::internals::app::model::document::{Document, Side};
 use epiline::internals::app::model::recents::Recents;
 use epiline::internals::app::model::session::{OpenSession, SessionOwner, Work};
-use epiline::internals::app::{Opening, Services, Start, hand_over};
+use epiline::internals::app::{Opening, Services, Start};
+use epiline::io::SessionFile;
 use epiline::study::Question;
 use nalgebra::Matrix3;
 
@@ -81,7 +82,7 @@ fn a_search_of_another_program_is_made_again_and_belongs_to_no_file() {
     for (clicks, cameras) in [(&clicks[..], None), (&[], camera.map(|camera| [camera; 2]))] {
         let question = Question { clicks, given: Some(&given), parameters: &parameters };
         let work = Work::of_question(&question, cameras, 0);
-        let path = hand_over(pictures.each_ref(), work, files.0.path()).unwrap();
+        let path = SessionFile::hand_over(pictures.each_ref(), work, files.0.path()).unwrap();
         let session = OpenSession { owner: SessionOwner::Caller, ..path.clone().into() };
         let start = Start { opening: Opening::Session(session), ..Start::default() };
         let mut window = window(start, services());

@@ -1,7 +1,6 @@
 //! Work outside the thread of the window. Each kind of work has its own thread.
 
 mod estimating;
-mod handing_over;
 mod loader;
 mod opening;
 mod picking;
@@ -15,7 +14,6 @@ mod writing;
 use std::path::Path;
 
 pub use estimating::Estimating;
-pub use handing_over::{HandOverError, hand_over};
 pub use loader::{Loader, Wanted};
 pub use opening::{LoadedPair, NewCalibration, Opening, OpeningFailure};
 pub use picking::Picked;

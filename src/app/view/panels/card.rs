@@ -103,14 +103,21 @@ fn unsaved_work(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 }
 
 /// Shows buttons with text of this size side by side in the middle, or one below the other. The first one may stand out.
-fn centred(ui: &mut Ui, size: f32, offers: &[(&str, Command)], stands_out: bool, commands: &mut Vec<Command>) {
+fn centred(
+    ui: &mut Ui,
+    size: f32,
+    offers: &[(&str, Command)],
+    stands_out: bool,
+    commands: &mut Vec<Command>,
+) {
     let font = FontId::proportional(size);
     let padding = ui.spacing().button_padding.x.max(size);
     let wide = |(text, _): &(&str, Command)| {
         ui.painter().layout_no_wrap((*text).to_owned(), font.clone(), Color32::WHITE).size().x + 2.0 * padding
     };
     let widths: Vec<f32> = offers.iter().map(wide).collect();
-    let all = widths.iter().sum::<f32>() + ui.spacing().item_spacing.x * offers.len().saturating_sub(1) as f32;
+    let all =
+        widths.iter().sum::<f32>() + ui.spacing().item_spacing.x * offers.len().saturating_sub(1) as f32;
     let before = (ui.available_width() - all) * 0.5;
     let mut show = |ui: &mut Ui| {
         for (number, ((text, command), width)) in offers.iter().zip(&widths).enumerate() {
