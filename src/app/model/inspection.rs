@@ -3,10 +3,9 @@
 use std::ops::Deref;
 use std::sync::Arc;
 
-use image::RgbImage;
+use image::GrayImage;
 
 use super::document::Side;
-use super::heat;
 use super::picture::Pictures;
 use super::revision;
 use crate::estimate::Parameters;
@@ -41,11 +40,12 @@ impl InspectionRequest {
     }
 }
 
-fn band(matched: &MatchedLines) -> RgbImage {
+fn band(matched: &MatchedLines) -> GrayImage {
     let rows = (matched.range.min..=matched.range.max).rev();
-    let pixels = rows.flat_map(|disparity| matched.likeness_at(disparity).flat_map(heat::rgb)).collect();
+    let grey = |likeness: f32| (likeness * 255.0) as u8;
+    let pixels = rows.flat_map(|disparity| matched.likeness_at(disparity).map(grey)).collect();
     let (width, height) = (matched.samples().len() as u32, matched.range.len() as u32);
-    RgbImage::from_raw(width, height, pixels).expect("three bytes a sample and disparity")
+    GrayImage::from_raw(width, height, pixels).expect("a byte for each sample and disparity")
 }
 
 #[derive(Debug, Clone)]
@@ -54,7 +54,7 @@ pub struct Inspection {
     matched: MatchedLines,
     /// Cost of matching each sample (x) at each disparity (y, the largest on top). Bright means
     /// similar.
-    pub band: Arc<RgbImage>,
+    pub band: Arc<GrayImage>,
 }
 
 impl Deref for Inspection {

@@ -34,7 +34,6 @@ pub mod exchange;
 pub mod focus;
 pub mod glossary;
 pub mod guide;
-pub mod heat;
 pub mod history;
 pub mod ids;
 pub mod inspection;

@@ -10,7 +10,6 @@ use image::RgbaImage;
 
 use super::RectifiedLook;
 use crate::app::model::document::Side;
-use crate::app::model::heat;
 use crate::app::model::pane_view::QuarterTurns;
 use crate::app::model::picture::{Opened, Pictures};
 use crate::app::model::revision;
@@ -137,8 +136,8 @@ impl RectifyQuestion {
 fn drawn(map: &DisparityMap) -> Option<RgbaImage> {
     let [width, height] = map.size().map(|v| v as u32);
     let color = |share: f32| {
-        let [red, green, blue] = heat::rgb(share);
-        [red, green, blue, 255]
+        let colorous::Color { r, g, b } = colorous::VIRIDIS.eval_continuous(f64::from(share));
+        [r, g, b, 255]
     };
     let pixels = map.shares().flat_map(|share| share.map_or([0; 4], color)).collect();
     RgbaImage::from_raw(width, height, pixels)

@@ -62,19 +62,16 @@ fn start(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if clicks && !is_lesson {
         text += " Two such pairs give the epipolar geometry.";
     }
-    let mut offers = Vec::new();
-    if model.document.pictures.is_none() {
-        if !model.activity.loading {
-            offers.extend([Command::ShowOpenDialog, Command::OpenSample(FIRST)]);
+    let show_me = model.open.show_me.map(|_| Command::ShowMe);
+    let offers: Vec<Command> = match &model.document.pictures {
+        None if model.activity.loading => Vec::new(),
+        None => vec![Command::ShowOpenDialog, Command::OpenSample(FIRST)],
+        Some(_) if is_lesson => show_me.into_iter().chain([Command::ShowOpenDialog]).collect(),
+        Some(_) => {
+            let find = model.can_find_without_clicks().then_some(Command::FindWithoutClicks);
+            show_me.into_iter().chain(find).collect()
         }
-    } else {
-        offers.extend(model.open.show_me.map(|_| Command::ShowMe));
-        if is_lesson {
-            offers.push(Command::ShowOpenDialog);
-        } else if model.can_find_without_clicks() {
-            offers.push(Command::FindWithoutClicks);
-        }
-    }
+    };
     ui.add_space((ui.available_height() - START).max(0.0) * 0.4);
     ui.vertical_centered(|ui| {
         ui.add(Label::new(RichText::new(text).size(17.0).color(ui.visuals().strong_text_color())).wrap());

@@ -153,7 +153,7 @@ fn all_plots(ui: &mut Ui, model: &Model, inspection: &Inspection, area: Rect, gr
             }
             if number == 3 {
                 let (bar, _) = ui.allocate_exact_size(vec2(56.0, 9.0), Sense::hover());
-                heat::bar(ui.painter(), bar);
+                heat::bar(ui.painter(), bar, heat::grey);
                 ui.label(small("unlike to alike"))
                     .on_hover_text("Cost of matching two samples, high to low.");
             }
@@ -393,7 +393,7 @@ fn band(plot: &mut PlotUi, inspection: &Inspection, texture: &TextureHandle) {
         inspection.warped.warped2.get(k).copied().flatten()?;
         inspection.warped.matching.disparities.get(k).map(|d| f64::from(*d) * step)
     };
-    draw_curve(plot, "path", curve(inspection, path), Color32::WHITE);
+    draw_curve(plot, "path", curve(inspection, path), theme::HOVER);
 }
 
 /// Returns the cost band as a texture, kept from frame to frame.
@@ -405,7 +405,7 @@ fn band_texture(ui: &Ui, inspection: &Inspection) -> TextureHandle {
         return texture;
     }
     let size = [inspection.band.width() as usize, inspection.band.height() as usize];
-    let image = ColorImage::from_rgb(size, inspection.band.as_raw());
+    let image = ColorImage::from_gray(size, inspection.band.as_raw());
     let texture = ui.ctx().load_texture("cost band", image, TextureOptions::NEAREST);
     ui.data_mut(|data| data.insert_temp(id, (inspection.number, texture.clone())));
     texture

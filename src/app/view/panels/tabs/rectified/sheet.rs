@@ -198,7 +198,7 @@ impl SheetCanvas<'_> {
         let area = Rect::from_min_size(corner - vec2(SCALE.x + 12.0, 0.0), SCALE + vec2(12.0, 26.0));
         self.painter.rect_filled(area, 4.0, theme::LABEL_FILL);
         let bar = Rect::from_min_size(area.min + vec2(6.0, 6.0), SCALE);
-        heat::bar(self.painter, bar);
+        heat::bar(self.painter, bar, heat::color);
         let [low, high] = map.range.map(pixels);
         for (at, align, text) in [
             (bar.left_bottom(), Align2::LEFT_TOP, low),

@@ -145,8 +145,15 @@ impl<'a> PencilMatrix<'a> {
     }
 
     /// Draws the matrix with axes, candidates, the cell under the cursor, and the lines of the
-    /// geometry shown.
-    pub fn draw(&self, ui: &Ui, plot: Rect, lit: Option<[usize; 2]>, shown: Option<(Line, Line)>) {
+    /// geometry shown in this colour.
+    pub fn draw(
+        &self,
+        ui: &Ui,
+        plot: Rect,
+        lit: Option<[usize; 2]>,
+        shown: Option<(Line, Line)>,
+        color: Color32,
+    ) {
         let painter = ui.painter();
         painter.rect_filled(plot, 0.0, theme::palette(ui.visuals()).canvas);
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
@@ -159,10 +166,10 @@ impl<'a> PencilMatrix<'a> {
             painter.circle_stroke(at, radius, Stroke::new(width, color));
         };
         for candidate in self.pencils.candidates.iter().take(MARKED) {
-            ring(self.place(plot, candidate.angles), 2.5, Color32::WHITE);
+            ring(self.place(plot, candidate.angles), 2.5, theme::UNCHECKED);
         }
         if let Some((line1, line2)) = shown {
-            ring(self.place(plot, self.directions(&line1, &line2)), 5.5, theme::ESTIMATED);
+            ring(self.place(plot, self.directions(&line1, &line2)), 5.5, color);
         }
         if let Some(angles) = lit.and_then(|[row, column]| self.pencils.angles(row, column)) {
             let at = self.place(plot, angles);
@@ -270,7 +277,7 @@ fn painted(pencils: &ComparedPencils) -> (ColorImage, Rotations) {
         let x = (angles[0] / PI * lines1 as f64).round() as usize;
         let y = ((rotations.extent - rotations.away(angles)) / step2).round() as usize;
         let share = (dear - cost) / (dear - cheapest).max(f32::MIN_POSITIVE);
-        image.pixels[y.min(height - 1) * lines1 + x.min(lines1 - 1)] = heat::color(share);
+        image.pixels[y.min(height - 1) * lines1 + x.min(lines1 - 1)] = heat::grey(share);
     }
     (image, rotations)
 }

@@ -25,15 +25,15 @@ fn legend(ui: &mut Ui) {
     };
     ui.label(caption("unlike"));
     let (bar, _) = ui.allocate_exact_size(vec2(56.0, 9.0), egui::Sense::hover());
-    heat::bar(ui.painter(), bar);
+    heat::bar(ui.painter(), bar, heat::grey);
     ui.label(caption("alike")).on_hover_text(
         "Matching cost of the two lines, from high to low. Empty cells are not compared: a line has little \
          texture, or the other is turned farther than the parameter Rotation.",
     );
-    mark(ui, egui::Color32::WHITE);
+    mark(ui, theme::UNCHECKED);
     ui.label(caption("mutual best"))
         .on_hover_text("Each of the two lines is among the best matches of the other.");
-    mark(ui, theme::ESTIMATED);
+    mark(ui, theme::pair_color(0));
     ui.label(caption("shown"));
     // The longest words that fit.
     for axes in [
@@ -145,7 +145,7 @@ fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, com
     let heading = RichText::new(title).size(theme::CAPTION);
     let top = Rect::from_min_max(pos2(plot.min.x, area.min.y), pos2(area.max.x, area.min.y + TITLE));
     ui.put(top, egui::Label::new(heading.weak()).truncate().halign(egui::Align::Min));
-    matrix.draw(ui, plot, lit, shown.or(compared));
+    matrix.draw(ui, plot, lit, shown.or(compared), theme::pair_color(number));
     if let Some(filled) = filled {
         matrix.cover(ui, plot, filled.rows);
     }
