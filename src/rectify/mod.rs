@@ -36,7 +36,7 @@ pub use error::RectifyError;
 pub use map::{ImageMap, PolarTable};
 pub use measures::{Distortion, Measures, RowErrors};
 #[cfg(feature = "pictures")]
-pub use presentation::{anaglyph, side_by_side};
+pub use presentation::side_by_side;
 pub use row::RowTrace;
 
 use crate::camera::UndistortedView;

@@ -43,19 +43,3 @@ pub fn side_by_side(pictures: [&DynamicImage; 2], spacing: usize) -> RgbaImage {
     }
     out
 }
-
-/// Combines both pictures into a red-cyan anaglyph: red from the first, green and blue from the
-/// second. Row errors show as coloured edges above and below objects.
-pub fn anaglyph(pictures: [&DynamicImage; 2]) -> RgbaImage {
-    let [left, right] = pictures.map(DynamicImage::to_luma_alpha8);
-    let (width, height) = (left.width().max(right.width()), left.height().max(right.height()));
-    let mut out = RgbaImage::new(width, height);
-    for (x, y, pixel) in out.enumerate_pixels_mut() {
-        let [l, la] = left.get_pixel_checked(x, y).map_or([0, 0], |p| p.0);
-        let [r, ra] = right.get_pixel_checked(x, y).map_or([0, 0], |p| p.0);
-        let shown = |value: u8, alpha: u8| (u16::from(value) * u16::from(alpha) / 255) as u8;
-        let right = shown(r, ra);
-        *pixel = Rgba([shown(l, la), right, right, la.max(ra)]);
-    }
-    out
-}

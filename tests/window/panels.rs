@@ -264,7 +264,7 @@ fn a_pair_left_out_takes_no_part_in_the_estimate() {
 #[test]
 fn the_start_shows_one_card_and_every_tab_says_what_will_appear() {
     let mut window = window(Start::default(), rich_services());
-    window.get_by_label("Find without clicks");
+    window.get_by_label("Show me how the lines are found");
     assert_eq!(window.state().model().doubt(), None, "without a geometry there is nothing to doubt");
     assert!(window.query_by_label("Profiles").is_none() && window.query_by_label("Point pairs").is_none());
     assert!(window.get_by_label("Rectified").accesskit_node().is_disabled(), "there is nothing to rectify");

@@ -89,7 +89,7 @@ fn a_search_of_another_program_is_made_again_and_belongs_to_no_file() {
         let document = window.state().document();
         assert_eq!((&document.pairs[..], document.parameters.seed), (clicks, 7));
         assert_eq!(document.given.as_ref().unwrap().matches[..], given);
-        assert_eq!(window.state().model().open.takes_focal_lengths(), cameras.is_none());
+        assert_eq!(window.state().model().open.views().is_some(), cameras.is_some());
         assert!(window.state().estimate().is_some(), "the search begins by itself");
         assert!(
             !window.state().model().has_unsaved_work() && *window.state().recents() == Recents::default()

@@ -33,11 +33,19 @@ fn finding() -> Services {
     }
 }
 
+/// Asks for a search without clicks by the list of commands: the sample offers others.
+fn find(window: &mut Window) {
+    press_with(window, Modifiers::COMMAND, Key::K);
+    window.get_by_label("Search commands").type_text("Find the geometry without");
+    settle(window);
+    press(window, Key::Enter);
+}
+
 #[test]
 fn a_geometry_is_found_without_a_click_and_its_matches_become_pairs() {
     let mut window = window(Start::default(), finding());
     assert!(window.state().model().shown().is_none(), "nobody asked");
-    tap(&mut window, "Find without clicks");
+    find(&mut window);
     let model = window.state().model();
     assert!(model.shown().is_some() && model.document.pairs.is_empty());
     assert_eq!(model.standing_in().len(), 2);
@@ -63,10 +71,7 @@ fn a_geometry_is_found_without_a_click_and_its_matches_become_pairs() {
     assert_eq!(model.document.used_pairs().map(|pairs| pairs.len()), Some(2));
 
     // Asked again, the images decide alone and the clicks check them.
-    press_with(&mut window, Modifiers::COMMAND, Key::K);
-    window.get_by_label("Search commands").type_text("Find the geometry without");
-    settle(&mut window);
-    press(&mut window, Key::Enter);
+    find(&mut window);
     let model = window.state().model();
     assert!(model.document.is_unclicked() && model.shown().is_some());
     assert_eq!([2, 3].map(|pair| model.document.role(pair)), [Role::Check; 2]);
@@ -93,7 +98,7 @@ fn a_geometry_found_without_clicks_is_offered_again_after_other_pictures() {
 fn after_a_search_in_vain_the_hint_says_so() {
     let services = Services { estimate: Box::new(|_, _| Err(EstimateError::Flat(2))), ..services() };
     let mut window = window(Start::default(), services);
-    tap(&mut window, "Find without clicks");
+    find(&mut window);
     window.get_by_label_contains("There is no result. The verdict says why");
     window.get_by_label_contains("The right image is (nearly) uniform");
 }
@@ -111,7 +116,7 @@ fn a_single_point_leaves_the_offer_in_view() {
 #[test]
 fn one_click_takes_part_and_clearing_asks_no_more() {
     let mut window = window(Start::default(), finding());
-    tap(&mut window, "Find without clicks");
+    find(&mut window);
     for side in Side::BOTH {
         click_at(&mut window, side, 0.1, 0.1);
     }
