@@ -51,7 +51,8 @@ fn session(path: PathBuf) -> Window {
 
 #[test]
 fn any_two_images_of_a_folder_open_and_the_bar_has_room_for_their_choice() {
-    let mut window = opened(&folder(4), services());
+    let files = folder(4);
+    let mut window = opened(&files, services());
     tap(&mut window, "The right view");
     tap(&mut window, "shot4");
     assert_eq!(names(&window), ["shot1.png", "shot4.png"]);
