@@ -61,7 +61,7 @@ impl Work {
             unclicked: question.clicks.len() < Method::TwoPoint.pairs_needed(),
             parameters: question.parameters.clone(),
             offset,
-            given: given.map(|given| Given::new("the caller".to_owned(), given.to_vec())),
+            given: given.map(|given| Given::new("the calling program".to_owned(), given.to_vec())),
             ..Document::default()
         };
         Self {
