@@ -24,6 +24,7 @@ __all__ = [
     "rectify",
     "run",
     "sample",
+    "show",
     "suggest",
 ]
 __version__: str
