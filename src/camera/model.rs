@@ -141,6 +141,11 @@ impl CameraModel {
         Some(lambda * (0.5 * frame.diagonal() / self.focal[0]).powi(2))
     }
 
+    /// Returns the focal length across the image, if it is known or guessed.
+    pub fn focal_length(&self) -> Option<FocalLength> {
+        Some(FocalLength { pixels: self.focal[0], deviation: self.focal_deviation()? })
+    }
+
     /// Returns the relative standard deviation of the focal length: 0 for a calibration, `None` if the focal
     /// length is unknown.
     pub fn focal_deviation(&self) -> Option<f64> {

@@ -35,6 +35,11 @@ impl ViewPair {
         self.views.iter().all(|view| view.camera().focal_deviation().is_some())
     }
 
+    /// Returns whether these are the pictures themselves with guessed focal lengths: nothing is known of the lenses.
+    pub fn is_guessed(&self) -> bool {
+        !self.is_undistorted() && self.known_calibrations().is_none()
+    }
+
     /// Returns the calibration matrices of the views if both focal lengths are known, not guessed.
     pub fn known_calibrations(&self) -> Option<[Matrix3<f64>; 2]> {
         let is_known = |view: &UndistortedView| view.camera().focal_deviation() == Some(0.0);

@@ -6,9 +6,10 @@ use egui::accesskit::Role;
 use egui::{Color32, Key, Modifiers, Shape, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::estimate::{
-    Apart, Assessment, Estimate, Parameters, Reason, RefinedMatch, Search, Trust, Verdict,
+    Apart, Assessment, Determined, Estimate, EstimateError, Match, Parameters, Reason, RefinedMatch, Search,
+    Trust, Verdict, estimate_points,
 };
-use epiline::geometry::{Point, PointPair};
+use epiline::geometry::{Frame, Point, PointPair};
 use epiline::internals::app::model::comparison::PointSet;
 use epiline::internals::app::model::dock::DockEdge;
 use epiline::internals::app::model::document::{Role as PairRole, Side};
@@ -318,7 +319,7 @@ fn the_steps_are_followed_by_one_key_and_draw_over_the_pictures() {
         assert_eq!(drawn(&window), 0, "{step}");
     }
     press(&mut window, Key::N);
-    window.get_by_label_contains("G takes H l back, where it is G H l.");
+    window.get_by_label_contains("G takes that back to G H l.");
     assert_eq!(drawn(&window), 1, "H l");
     press(&mut window, Key::N);
     assert_eq!(drawn(&window), 0, "with its step the drawing goes");
@@ -465,6 +466,44 @@ fn pictures_of_different_scenes_have_no_lines_and_no_export() {
     press(&mut window, Key::Escape);
     tap(&mut window, "Click pairs anyway");
     assert!(window.state().document().pairs.is_empty() && window.state().estimate().is_none());
+}
+
+#[test]
+fn a_reliable_result_says_where_its_lines_are_open() {
+    // Noise of ½ px on matches in one part of the images, from a camera that mostly goes forwards.
+    let mut state = 1_u32;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1 << 24)
+    };
+    let matches: Vec<Match> = (0..60)
+        .map(|_| {
+            let mut noise = || 0.5 * ((0..12).map(|_| random()).sum::<f64>() - 6.0);
+            let [dx1, dy1, dx2, dy2] = [(); 4].map(|()| noise());
+            let (x, y, depth) = (150.0 * random() - 284.0, 150.0 * random() - 238.0, 3.0 + 17.0 * random());
+            let (x2, y2) = ((x * depth + 60.0) / (depth + 1.0), (y * depth + 6.0) / (depth + 1.0));
+            PointPair::new(x + 384.0 + dx1, y + 288.0 + dy1, x2 + 384.0 + dx2, y2 + 288.0 + dy2).into()
+        })
+        .collect();
+    let services = Services {
+        estimate: Box::new(move |request, _| {
+            let frames = [Frame { width: 768, height: 576 }; 2];
+            let found =
+                estimate_points(&matches, Some(frames), None, 0).map_err(|_| EstimateError::NoGeometry)?;
+            let mut estimate = rich_estimate(&request.pairs, &request.parameters)?;
+            estimate.fundamental = found.estimate.fundamental;
+            estimate.assessment.refinement = found.estimate.assessment.refinement;
+            estimate.assessment.trust = Some(Trust { verdict: Verdict::Reliable, reasons: Vec::new() });
+            assert_eq!(estimate.determined(frames), Some(Determined::NearMatches));
+            Ok(estimate)
+        }),
+        ..rich_services()
+    };
+    let mut window = window(Start::default(), services);
+    click_two_pairs(&mut window);
+    window.get_by_label("Reliable");
+    window.get_by_label_contains("Epipolar lines are right near the matches, and open elsewhere.");
+    assert!(window.query_by_label_contains("% likely within").is_none());
 }
 
 #[test]

@@ -12,7 +12,7 @@ use crate::app::model::messages::MessageKind;
 use crate::app::model::pane_view::QuarterTurns;
 use crate::app::model::point_table::PointsCommand;
 use crate::app::model::recording::PlayerCommand;
-use crate::app::model::{Command, Document, LineSource, Side, StageId, pair_name};
+use crate::app::model::{Command, Document, LineSource, Side, StageId, TabId, pair_name};
 use crate::app::tasks::{Opening, Wanted};
 use crate::app::view::{Destination, WantedView};
 use crate::geometry::symmetric_epipolar_distance;
@@ -200,6 +200,9 @@ impl Inspector {
             Command::LookAtScene(orbit) => model.open.orbit = orbit,
             Command::ShowMatch(number) => self.show_match(number),
             Command::ShowTab(tab) => {
+                if tab != TabId::Step && model.open.replay.place.is_some() {
+                    model.choose_hypothesis(None);
+                }
                 (model.look.tab, model.look.dock.folded) = (tab, false);
                 // The dock shows the figures of the rectified pair in place of tabs.
                 if model.look.stage == StageId::Rectified {

@@ -228,7 +228,10 @@ impl Inspector {
         let Some((lens, pictures)) = self.model.offered_lens().zip(self.model.open.pictures.clone()) else {
             return;
         };
-        let camera = |k: usize| assumed_camera(Some(lens.lambdas[k]), None, pictures[k].shown().frame());
+        let guessed = |opened: &Opened| opened.lens.as_ref()?.view.camera().focal_length();
+        let camera = |k: usize| {
+            assumed_camera(Some(lens.lambdas[k]), guessed(&pictures[k]), pictures[k].shown().frame())
+        };
         let Some(cameras) = camera(0).zip(camera(1)).map(Into::into) else { return };
         let calibration = NewCalibration { name: None, cameras: Some(cameras), pose: None };
         self.open(Wanted::Calibrated(Box::new((pictures, calibration))));

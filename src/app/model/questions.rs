@@ -157,11 +157,11 @@ impl Model {
         lens.as_ref().filter(|_| self.lens_question().is_some_and(|now| now == *question))
     }
 
-    /// Returns the request for a lens: for a result of pictures without a calibration.
+    /// Returns the request for a lens: for a result of pictures without a calibration. Guessed focal lengths are none.
     pub fn lens_question(&self) -> Option<LensQuestion> {
         let is_wanted = self.document.parameters.search == Search::Patches
             && !self.compares_barcodes()
-            && self.open.views().is_none();
+            && self.open.views().is_none_or(|views| views.is_guessed());
         let found = self.final_result().filter(|_| is_wanted)?;
         Some(LensQuestion { pictures: self.open.pictures()?, found })
     }

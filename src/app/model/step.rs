@@ -128,9 +128,9 @@ pub fn sentence(step: MethodStep, plan: SearchPlan) -> &'static str {
             "A candidate of p and one of q cross. Where they cross, the other camera might be: a hypothesis."
         }
         MethodStep::RoundTrip => {
-            "Two candidates give two maps. H takes a line l through the left epipole to the right picture, where it is \
-             H l. G takes H l back, where it is G H l. The nearer it comes to l, the better both maps agree. Wrong \
-             hypotheses may come near, too."
+            "Two candidates and a third line pair map all lines through the epipoles: H, if the third line is chosen on the \
+             left, and G, if on the right. H takes l to H l, and G takes that back to G H l. The nearer to l, the better \
+             they agree. Wrong hypotheses may come near, too."
         }
         MethodStep::Validation if by_barcodes => {
             "The best hypotheses race: each is fitted to the barcodes of lines all over both pictures. The best fit wins."
@@ -150,15 +150,10 @@ pub fn sentence(step: MethodStep, plan: SearchPlan) -> &'static str {
 
 /// Writes a duration with a suitable unit.
 pub fn duration(seconds: f64) -> String {
-    let ms = seconds * 1000.0;
-    if ms < 0.095 {
-        "< 0.1 ms".to_owned()
-    } else if ms < 9.95 {
-        format!("{ms:.1} ms")
-    } else if ms < 999.5 {
-        format!("{ms:.0} ms")
-    } else {
-        format!("{seconds:.2} s")
+    match seconds * 1000.0 {
+        ..0.5 => "< 1 ms".to_owned(),
+        ms @ ..999.5 => format!("{ms:.0} ms"),
+        _ => format!("{seconds:.2} s"),
     }
 }
 

@@ -163,8 +163,10 @@ impl Course {
 
     /// Returns the time of a moment on the axis, s.
     pub fn at(&self, place: Place) -> f64 {
-        let begin = self.ran().find(|(_, timed)| timed.step == place.step).map_or(0.0, |(begin, _)| begin);
-        begin + place.seconds
+        let before = self.steps.iter().take_while(|timed| timed.step != place.step);
+        let begin: f64 =
+            before.filter(|timed| timed.state == StepState::Ran).map(|timed| timed.seconds).sum();
+        begin + if self.lasts(place.step) { place.seconds } else { 0.0 }
     }
 
     /// Returns the moment at a time of the axis; `None` after its end.
@@ -228,6 +230,7 @@ mod tests {
         assert!((place.seconds - 0.1).abs() < 1e-9 && (course.at(place) - 3.5).abs() < 1e-9);
         assert_eq!(course.place(8.9), None);
         assert!(!course.lasts(MethodStep::Features));
+        assert!((course.at(Place { step: MethodStep::Features, seconds: 1.2 }) - 3.4).abs() < 1e-9);
         assert_eq!(Course::planned(CLICKED).first(), None);
         // Steps of other searches are no part of the course.
         let of_sequences = Course::planned(SearchPlan::Barcodes).steps;

@@ -89,7 +89,7 @@ fn pencils(moment: &mut Moment, record: &Record, seconds: f64) {
         Some(([row, column], cost))
     };
     moment.filled = Some(Filled { pencil: number, rows: if is_held { rows } else { row + 1 } });
-    moment.slide = if is_held { ease_out(share(seconds, begin + sweep, 0.8 * hold)) } else { 0.0 };
+    moment.slide = if is_held { ease_out(share(seconds, begin + sweep, 0.8 * hold)) } else { 1.0 };
     let Some(([row, column], cost)) = held.or_else(partner) else { return };
     let Some(lines) = own.compared.lines(row, column) else { return };
     moment.add_of(cell(row, column), pencil_lines(both(&lines), 2.6), ink, 1.0);
@@ -302,7 +302,7 @@ fn epipoles(moment: &mut Moment, record: &Record, seconds: f64) {
             moment.tell(name, short_epipole_text(&side.epipole(&own.fundamental)));
         }
     }
-    moment.tell("epipoles so far", format!("{dropped} of {}", record.examined.max(count)));
+    moment.tell("hypotheses examined", record.examined.max(count).to_string());
 }
 
 fn round_trip(moment: &mut Moment, record: &Record, seconds: f64) {

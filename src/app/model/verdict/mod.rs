@@ -132,7 +132,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
         .collect();
     let (word, sentence) = match freshness {
         Freshness::Stale => ("Updating", "The lines still belong to the previous points".to_owned()),
-        Freshness::Followed => ("Updating", "The latest geometry, adjusted to the moved points".into()),
+        Freshness::Followed => ("Updating", "The latest geometry, until the new search ends".into()),
         Freshness::Preliminary => ("First result", format!("Being refined: {}", stage())),
         Freshness::Stopped => ("First result", "The search was stopped before refinement".into()),
         Freshness::Final => {

@@ -90,13 +90,14 @@ fn start(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// Offers the newest unsaved work. The dialog for opening images lists all of it.
+/// Offers the newest unsaved work. The dialog for opening images lists all of it, and deletes.
 fn unsaved_work(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(newest) = model.left_behind.first() else { return };
     ui.add_space(10.0);
-    ui.add(Label::new(newest.told()).wrap());
-    let offers: Vec<_> = newest.actions().into_iter().map(|action| (action.label, action.command)).collect();
-    centred(ui, 14.0, &offers, false, commands);
+    let told = format!("Unsaved work, newest of {}: {}", model.left_behind.len(), newest.told());
+    ui.add(Label::new(told).wrap());
+    let restore = newest.actions().into_iter().next().map(|action| (action.label, action.command));
+    centred(ui, 14.0, restore.as_slice(), false, commands);
 }
 
 /// Shows buttons with text of this size side by side in the middle, or one below the other. The first one may stand out.
@@ -191,21 +192,15 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let reason = sentence.find(". ").map_or(&*sentence, |end| &sentence[..=end]);
     terms::label(ui, reason, REASON);
     if tone != Tone::Apart {
-        figures(ui, model);
+        figures(ui, model, likely.as_ref());
         list(ui, true_error(model).into_iter().chain(facts.iter().filter(|fact| is_on_card(fact)).cloned()));
     }
-    if let Some([short, sentence]) = &likely {
-        ui.label(RichText::new(short).size(theme::CAPTION).weak()).on_hover_text(format!(
-            "{sentence}. This is the share of right results with such a verdict on pairs with known truth."
-        ));
-    }
     ui.add_space(2.0);
-    let details =
+    let mut details =
         CollapsingState::load_with_default_open(ui.ctx(), Id::unique("details of the verdict"), false);
     let rest = sentence[reason.len()..].trim_start();
     let has_details = model.result().is_some();
     let unfolds = buttons(ui, model, has_details.then_some(details.is_open()), commands);
-    let mut details = details;
     if unfolds {
         details.toggle(ui);
     }
@@ -239,11 +234,17 @@ fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-fn figures(ui: &mut Ui, model: &Model) {
+fn figures(ui: &mut Ui, model: &Model, likely: Option<&[String; 2]>) {
     let Some(shown) = model.shown() else { return };
     let is_current = !matches!(shown.freshness, Freshness::Followed | Freshness::Stale);
     let own = Some(shown.estimate).filter(|_| is_current);
     at_a_glance(ui, own.and_then(|estimate| lines_at_a_glance(estimate, model.document.frames()?)));
+    // It is about the lines alone.
+    if let Some([short, sentence]) = likely {
+        ui.label(RichText::new(short).size(theme::CAPTION).weak()).on_hover_text(format!(
+            "{sentence}. This is the share of right results with such a verdict on pairs with known truth."
+        ));
+    }
     // The lens moves the epipoles by more than the matches tell.
     let own = own.filter(|_| model.offered_lens().is_none());
     at_a_glance(ui, epipoles(model, shown.fundamental, own));

@@ -27,6 +27,11 @@ pub struct Column<'a> {
 }
 
 impl<'a> Column<'a> {
+    /// Returns the width below which figures touch each other, screen points.
+    pub fn least_width(&self) -> f32 {
+        self.width * 0.7
+    }
+
     /// Creates a column of figures. NaN stands for a missing one.
     pub fn figures(
         title: &'static str,

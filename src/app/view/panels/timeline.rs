@@ -270,8 +270,8 @@ fn one_step(
         && timed.state == StepState::Ran
     {
         let at = pos2(place.max.x - 6.0, middle);
-        let weak = ui.visuals().weak_text_color();
-        painter.text(at, Align2::RIGHT_CENTER, duration(seconds), FontId::proportional(11.0), weak);
+        let color = if is_shown { color } else { ui.visuals().weak_text_color() };
+        painter.text(at, Align2::RIGHT_CENTER, duration(seconds), FontId::proportional(11.0), color);
     }
     let hint = format!("{name}. {} {}", sentence(timed.step, plan), timed.state.in_words());
     if response.on_hover_text(hint.trim_end()).clicked() {

@@ -35,7 +35,7 @@ const ROOM_FOR_TOOLS: f32 = 110.0;
 const ROOM_FOR_HEADINGS: f32 = 320.0;
 
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let tab = chosen(model);
+    let Some(tab) = TABS.iter().find(|tab| tab.id == model.look.tab) else { return };
     // Small headings fit in one row of the narrowest dock.
     let is_narrow = ui.available_width() < ROOM_FOR_HEADINGS;
     let row = Layout::left_to_right(Align::Center);
@@ -43,19 +43,20 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let has_room = ui.allocate_ui_with_layout(vec2(ui.available_width(), height), row, |ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
         ui.spacing_mut().button_padding.x = if is_narrow { 2.0 } else { 7.0 };
-        for tab in &TABS {
+        // A moment of the replay has its own chart; the other tabs are about the result.
+        let in_replay = model.open.replay.place.is_some();
+        for tab in TABS.iter().filter(|tab| tab.id == TabId::Step || !in_replay) {
             let title = RichText::new(title(tab.id, model));
             let title = if is_narrow { title.small() } else { title };
             let response = ui.add(Button::selectable(model.look.tab == tab.id, title));
             finish_button(ui, response, Command::ShowTab(tab.id), commands);
         }
         let has_room = ui.available_width() >= ROOM_FOR_TOOLS;
-        if let Some(tab) = tab.filter(|_| has_room) {
+        if has_room {
             tools(ui, tab, model, commands);
         }
         has_room
     });
-    let Some(tab) = tab else { return };
     let has_tools = match tab.id {
         TabId::Profiles => !model.open.focus.pins().is_empty(),
         TabId::Step => model.open.computation.is_behind(),
@@ -79,10 +80,6 @@ fn tools(ui: &mut Ui, tab: &Tab, model: &Model, commands: &mut Vec<Command>) {
         ui.spacing_mut().item_spacing.x = theme::GAP / 2.0;
         (tab.tools)(ui, model, commands);
     });
-}
-
-fn chosen(model: &Model) -> Option<&'static Tab> {
-    TABS.iter().find(|tab| tab.id == model.look.tab)
 }
 
 /// Shows a note that the tab still refers to the points before a move.

@@ -144,12 +144,8 @@ fn all_plots(ui: &mut Ui, model: &Model, inspection: &Inspection, area: Rect, gr
             ui.spacing_mut().interact_size.y = 0.0;
             let small = |text: &str| RichText::new(text).size(12.0).weak();
             ui.label(small(title)).on_hover_text(tooltip);
-            for (color, text) in [(LEFT, "left"), (RIGHT, "right")] {
-                if number % 2 == 0 {
-                    let (area, _) = ui.allocate_exact_size(vec2(14.0, 3.0), Sense::hover());
-                    ui.painter().rect_filled(area, 1.0, color);
-                    ui.label(small(text));
-                }
+            if number % 2 == 0 {
+                name_curves(ui);
             }
             if number == 3 {
                 let (bar, _) = ui.allocate_exact_size(vec2(56.0, 9.0), Sense::hover());
@@ -255,6 +251,15 @@ impl Titled<'_> {
     }
 }
 
+/// Tells the colours of the profiles.
+fn name_curves(ui: &mut Ui) {
+    for (color, text) in [(LEFT, "left"), (RIGHT, "right")] {
+        let (area, _) = ui.allocate_exact_size(vec2(14.0, 3.0), Sense::hover());
+        ui.painter().rect_filled(area, 1.0, color);
+        ui.label(RichText::new(text).size(theme::CAPTION).weak());
+    }
+}
+
 /// Shows the profiles of the inspected lines as they are, and the right one on its way to its place: `slide` of 0
 /// before warping, 1 after it.
 pub(super) fn sliding(ui: &mut Ui, model: &Model, slide: f64) {
@@ -270,7 +275,10 @@ pub(super) fn sliding(ui: &mut Ui, model: &Model, slide: f64) {
     for (rect, title, slide) in [(upper, "as they are", 0.0), (lower, "warped", slide)] {
         let mut child = ui.new_child(UiBuilder::new().max_rect(rect.shrink2(vec2(4.0, 1.0))).id_salt(title));
         child.spacing_mut().item_spacing.y = 0.0;
-        child.label(RichText::new(title).size(theme::CAPTION).weak());
+        child.horizontal(|ui| {
+            ui.label(RichText::new(title).size(theme::CAPTION).weak());
+            name_curves(ui);
+        });
         chart(&child, title)
             .link_axis(Id::unique("sliding profiles"), [true, false])
             .show_axes([false, false])

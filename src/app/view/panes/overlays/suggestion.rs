@@ -37,6 +37,7 @@ pub fn draw(canvas: &Canvas) {
     let places = places(canvas);
     let looks_best = places.iter().skip(1).all(|(rival, _)| *rival <= places[0].0);
     let offer = match (is_clear, looks_best) {
+        (true, _) if canvas.model.open.crosshair.is_some_and(|own| own.moved) => "suggestion",
         (true, true) => "Enter to accept",
         (true, false) => "Enter to accept, moves like its neighbours",
         (false, _) => "one of several alike",

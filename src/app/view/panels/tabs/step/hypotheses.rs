@@ -13,8 +13,8 @@ use crate::estimate::Estimate;
 use crate::geometry::{Point, finite_point};
 use crate::presentation::origin_in_words;
 
-/// Width below which the epipoles are rounded and the right one is left out, screen points. The tooltips of the
-/// rows have both.
+/// Width below which the epipoles are rounded and the last columns are left out, screen points. The tooltips of the
+/// rows have both epipoles.
 const ROOM_FOR_ALL: f32 = 400.0;
 
 /// Why the result may have less support than a hypothesis.
@@ -76,7 +76,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let epipoles = Side::BOTH.map(|side| epipole(listed, model, side, is_narrow));
     let mut columns: Vec<Column> =
         std::iter::once(rank).chain(known_figures(listed, figure)).chain(epipoles).collect();
-    if is_narrow {
+    while is_narrow && columns.iter().map(Column::least_width).sum::<f32>() > ui.available_width() {
         columns.pop();
     }
     let is_open = model.epipole_is_open();
@@ -146,10 +146,10 @@ fn known_figures<'a>(
     let is_known = |figure: HypothesisFigure| {
         (0..listed.rows()).any(|row| figure.of(listed.hypothesis(row)).is_finite())
     };
-    let known: Vec<_> = columns.into_iter().filter(|(_, _, _, figure, _)| is_known(*figure)).collect();
-    known
-        .into_iter()
-        .map(move |(title, width, tooltip, kind, decimals)| figure(title, width, tooltip, kind, decimals))
+    let known = columns.map(|(title, width, tooltip, kind, decimals)| {
+        is_known(kind).then(|| figure(title, width, tooltip, kind, decimals))
+    });
+    known.into_iter().flatten()
 }
 
 /// Returns the column with the epipoles of one image.

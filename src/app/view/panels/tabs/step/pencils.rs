@@ -1,6 +1,6 @@
 //! The similarity matrices of the pencils through `p` and `q`.
 
-use egui::{Rect, RichText, Ui, UiBuilder, Vec2, pos2, vec2};
+use egui::{Label, Rect, RichText, Ui, UiBuilder, Vec2, pos2, vec2};
 
 use super::super::empty;
 use super::super::profiles::sliding;
@@ -35,19 +35,7 @@ fn legend(ui: &mut Ui) {
         .on_hover_text("Each of the two lines is among the best matches of the other.");
     mark(ui, theme::pair_color(0));
     ui.label(caption("shown"));
-    // The longest words that fit.
-    for axes in [
-        "x: angle of the left line · y: further angle of the right line",
-        "x: left angle · y: further right angle",
-        "",
-    ] {
-        let font = egui::FontId::proportional(theme::CAPTION);
-        let width = ui.painter().layout_no_wrap(axes.to_owned(), font, egui::Color32::WHITE).size().x;
-        if width <= ui.available_width() {
-            ui.label(caption(axes));
-            break;
-        }
-    }
+    ui.add(Label::new(caption("x: angle of the left line · y: further angle of the right line")).truncate());
 }
 
 /// Room for the axes and the title around a plot, screen points. Rings at its edges stay clear of the title and of
@@ -101,6 +89,8 @@ fn playing(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
     let is_over = is_last && moment.slide >= 1.0 && !replay.is_playing();
     let Some(own) = pencils.filter(|_| !is_over) else { return false };
     let area = ui.available_rect_before_wrap();
+    let (area, below) = area.split_top_bottom_at_y(area.max.y - LEGEND);
+    ui.scope_builder(UiBuilder::new().max_rect(below), |ui| ui.horizontal_centered(legend));
     let (matrix, profiles) = area.split_left_right_at_fraction(0.42);
     let mut child = ui.new_child(UiBuilder::new().max_rect(matrix).id_salt("filling"));
     one(&mut child, model, filled.pencil, &own.compared, commands);
@@ -144,7 +134,7 @@ fn one(ui: &mut Ui, model: &Model, number: usize, pencils: &ComparedPencils, com
     let title = if plot.width() < ROOM_FOR_WORDS { name } else { format!("Lines through {name}") };
     let heading = RichText::new(title).size(theme::CAPTION);
     let top = Rect::from_min_max(pos2(plot.min.x, area.min.y), pos2(area.max.x, area.min.y + TITLE));
-    ui.put(top, egui::Label::new(heading.weak()).truncate().halign(egui::Align::Min));
+    ui.put(top, Label::new(heading.weak()).truncate().halign(egui::Align::Min));
     matrix.draw(ui, plot, lit, shown.or(compared), theme::pair_color(number));
     if let Some(filled) = filled {
         matrix.cover(ui, plot, filled.rows);
