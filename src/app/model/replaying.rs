@@ -169,13 +169,10 @@ impl Model {
                 replay.alone = false;
                 replay.playing &= replay.place.is_some();
             }
-            ReplayCommand::Seek(at) => {
-                (replay.place, replay.playing) = (course.place(at), false);
-            }
+            ReplayCommand::Seek(at) => (replay.place, replay.playing) = (course.place(at), false),
             ReplayCommand::Nudge { forward } => {
                 let Some(place) = replay.place.or_else(|| course.last()) else { return };
-                let by = if forward { steps::NUDGE } else { -steps::NUDGE };
-                let seconds = course.at(place) + by;
+                let seconds = course.at(place) + if forward { steps::NUDGE } else { -steps::NUDGE };
                 (replay.place, replay.playing) = (course.place(seconds.max(0.0)), false);
             }
             ReplayCommand::Play(step) => {

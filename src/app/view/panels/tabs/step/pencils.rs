@@ -35,7 +35,10 @@ fn legend(ui: &mut Ui) {
         .on_hover_text("Each of the two lines is among the best matches of the other.");
     mark(ui, theme::pair_color(0));
     ui.label(caption("shown"));
-    ui.add(Label::new(caption("x: angle of the left line · y: further angle of the right line")).truncate());
+    // The words are so wide.
+    if ui.available_width() > 210.0 {
+        ui.label(caption("x: left angle · y: further right angle"));
+    }
 }
 
 /// Room for the axes and the title around a plot, screen points. Rings at its edges stay clear of the title and of
