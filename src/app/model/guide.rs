@@ -23,7 +23,7 @@ pub fn guide(model: &Model) -> String {
         return if model.is_live() {
             "The steps of the search are drawn as they come.".into()
         } else {
-            "Space plays or pauses, comma and full stop go by one line, N to the next step. End shows the result."
+            "Space plays or pauses, comma and full stop go by a few lines, N to the next step. End shows the result."
                 .into()
         };
     }

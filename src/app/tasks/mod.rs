@@ -179,8 +179,8 @@ impl Tasks {
         self.straightening.follow(question, &mut model.open.lens);
         let question = model.places_question();
         self.checking.follow(question, &mut model.open.places);
-        // A replay asks in every frame. Each question is answered, so that there is always something to show.
-        if model.open.replay.moment().is_none() || !self.inspecting.is_busy() {
+        // A moving replay asks in every frame. Each question is answered, so that there is always something to show.
+        if !(model.open.replay.is_playing() || model.is_live()) || !self.inspecting.is_busy() {
             let request = model.inspection_request(exports);
             self.inspecting.follow(request, &mut model.open.inspection);
         }

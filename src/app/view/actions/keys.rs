@@ -107,18 +107,18 @@ pub fn with_keys() -> Vec<Action> {
         action(
             ReplayCommand::Nudge { forward: false },
             "Back a little",
-            "Go back by one line or crossing of the replay. The player of sequences goes back by one frame.",
+            "Go back by a few lines or a crossing of the replay. The player of sequences goes back by one frame.",
         )
         .key(NONE, Key::Comma)
-        .listed(|_| "Replay: back by one line, crossing or frame")
+        .listed(|_| "Replay: back by a few lines or a frame")
         .when(|model| model.has_record() || model.has_sequences()),
         action(
             ReplayCommand::Nudge { forward: true },
             "On a little",
-            "Go on by one line or crossing of the replay. The player of sequences goes on by one frame.",
+            "Go on by a few lines or a crossing of the replay. The player of sequences goes on by one frame.",
         )
         .key(NONE, Key::Period)
-        .listed(|_| "Replay: on by one line, crossing or frame")
+        .listed(|_| "Replay: on by a few lines or a frame")
         .when(|model| model.has_record() || model.has_sequences()),
         action(ReplayCommand::Begin, "Beginning", "Show the beginning of the search.")
             .key(NONE, Key::Home)
