@@ -1,5 +1,6 @@
 //! A calibration in the window: pictures as they are, lines as curves.
 
+use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Shape, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::camera::PicturesOf;
@@ -282,6 +283,21 @@ fn a_lens_that_explains_the_matches_better_is_offered_used_and_removed() {
     let document = window.state().document();
     assert_eq!(document.frame(Side::Left), Some(FRAME));
     assert!(document.pairs.iter().zip(&pairs()).all(|(found, given)| is_near(found, given, 1e-6)));
+    // Guessed focal lengths say nothing of the lens, which is offered all the same, and takes them over.
+    press(&mut window, Key::Num7);
+    window.get_by_role_and_label(Role::TextInput, "Left image").focus();
+    window.step();
+    window.get_by_role_and_label(Role::TextInput, "Left image").type_text("300");
+    settle(&mut window);
+    press(&mut window, Key::Enter);
+    press(&mut window, Key::Num5);
+    window.get_by_label_contains("correct it for exact lines and epipoles");
+    tap(&mut window, "Correct the lens distortion");
+    let cameras = window.state().model().open.cameras().unwrap();
+    for camera in cameras {
+        let focal = camera.focal_length().unwrap();
+        assert!((focal.pixels - 300.0).abs() < 1e-9 && (focal.deviation - 0.05).abs() < 1e-12, "{focal:?}");
+    }
 }
 
 /// Largest distance of the placed pairs, as they are in the pictures, from the lines of a file, px.
