@@ -68,6 +68,22 @@ fn show_me_ends_in_a_replay_and_the_space_bar_pauses_it() {
 }
 
 #[test]
+fn the_replay_has_one_tab_and_keys_of_the_others_leave_it() {
+    let mut window = moving();
+    press(&mut window, Key::Home);
+    for _ in 0..3 {
+        press(&mut window, Key::Period);
+    }
+    assert!(time(&window).unwrap() > 0.0);
+    let moment = window.state().model().drawn_moment().unwrap();
+    assert!(moment.filled.is_some() && moment.slide >= 1.0, "a line of the sweep shows its warp");
+    assert!(window.query_by_label("Residuals").is_none());
+    press(&mut window, Key::Num3);
+    assert_eq!(time(&window), None);
+    window.get_by_label("Residuals");
+}
+
+#[test]
 fn the_time_can_be_dragged_and_the_drawing_is_the_same_both_ways() {
     let mut window = moving();
     let bar = window.get_by_label("Time of the replay").rect();

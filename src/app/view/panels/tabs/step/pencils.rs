@@ -35,9 +35,9 @@ fn legend(ui: &mut Ui) {
         .on_hover_text("Each of the two lines is among the best matches of the other.");
     mark(ui, theme::pair_color(0));
     ui.label(caption("shown"));
-    // The words are so wide.
+    // Room for the words, screen points.
     if ui.available_width() > 210.0 {
-        ui.label(caption("x: left angle · y: further right angle"));
+        ui.label(caption("x: left angle · y: turn on the right"));
     }
 }
 
