@@ -25,6 +25,8 @@ use crate::geometry::{
 /// Number of minimal samples. Some 80 % of the less ambiguous matches are right, so one sample of five
 /// has seven right ones. Twice as many samples change no figure beyond chance.
 const SAMPLES: usize = 1000;
+/// Largest probability that no sample was all right.
+const MISSED: f64 = 1e-4;
 /// Number of samples of one task. The streams of random numbers depend on it.
 const TASK: usize = 50;
 /// Number of samples that are optimised at each scale. Each takes four fits.
@@ -195,6 +197,28 @@ impl Evidence<'_> {
         SAME_SHARE * self.matches.iter().filter(is_moved).count() > self.matches.len()
     }
 
+    /// Returns the likelier half of the matches, from which samples are drawn. Where matches are equally likely, their
+    /// order says nothing, and all of them are in it.
+    fn drawn_from(&self) -> Vec<&Match> {
+        let mut order: Vec<&Match> = self.matches.iter().collect();
+        order.sort_by(|a, b| b.prior.total_cmp(&a.prior));
+        if let Some(last) = order.get((order.len() / 2).max(LEAST_DRAWN_FROM) - 1).map(|m| m.prior) {
+            order.retain(|m| m.prior >= last);
+        }
+        order
+    }
+
+    /// Returns whether so many rounds of consensus have drawn a sample of right matches alone, by all odds, if a
+    /// geometry has the right ones ([`MISSED`]; Fischler & Bolles 1981).
+    pub fn are_enough(&self, rounds: u64, agreed: &Agreed) -> bool {
+        let drawn_from = self.drawn_from();
+        let is_right =
+            |m: &&&Match| sampson_distance(&agreed.fundamental, &m.pair) < BAND * agreed.scale * m.sigma;
+        let right = drawn_from.iter().filter(is_right).count() as f64 / drawn_from.len() as f64;
+        let missed = -right.powi(self.model.unknowns() as i32);
+        (rounds * SAMPLES as u64) as f64 * missed.ln_1p() <= MISSED.ln()
+    }
+
     fn scorer(&self, units: Units, scale: f64) -> Consensus {
         let witness =
             |m: &Match| Witness { pair: m.pair, sigmas: [scale * m.sigma; 2], gain: m.prior, clicked: false };
@@ -218,7 +242,7 @@ impl Evidence<'_> {
         Some(current)
     }
 
-    /// Returns the best minimal samples at each scale, drawn from the less ambiguous half of the matches.
+    /// Returns the best minimal samples at each scale.
     fn sampled(
         &self,
         units: Units,
@@ -226,10 +250,7 @@ impl Evidence<'_> {
         seed: u64,
         round: u64,
     ) -> Vec<Vec<FundamentalMatrix>> {
-        let mut order: Vec<&Match> = self.matches.iter().collect();
-        order.sort_by(|a, b| b.prior.total_cmp(&a.prior));
-        order.truncate((order.len() / 2).max(LEAST_DRAWN_FROM));
-        let samples = Samples::new(&self.model, units, order.iter().map(|m| &m.pair));
+        let samples = Samples::new(&self.model, units, self.drawn_from().iter().map(|m| &m.pair));
         let scored = |f: Matrix3<f64>| {
             let fundamental = FundamentalMatrix::nearest_rank_two(units.in_pixels(&f))?;
             let scores: Vec<f64> = scorers.iter().map(|(_, scorer)| scorer.score_conditioned(&f)).collect();
