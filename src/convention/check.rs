@@ -20,6 +20,9 @@ const MOST_MATCHES: usize = 4000;
 const FITS: f64 = 2.0;
 /// The same limit for large images, as a fraction of the extent of the matches.
 const FITS_SHARE: f64 = 0.002;
+/// The same limit for a searched scale, as a fraction: a free factor brings most matrices nearer to the matches. A chosen
+/// number.
+const SEARCHED: f64 = 0.5;
 /// Minimum difference between two readings, standard errors. About a hundred readings are compared.
 const CLEARLY: f64 = 4.0;
 /// Minimum difference between two readings, relative to the mean distance of the better one.
@@ -63,6 +66,8 @@ pub struct RankedReading {
     /// True if the matches distinguish this reading from the first of the list; false for the first
     /// itself.
     pub told_apart: bool,
+    /// Largest median with which this reading fits, px.
+    pub limit: f64,
     #[serde(skip)]
     distances: Vec<f64>,
 }
@@ -72,7 +77,7 @@ pub struct RankedReading {
 pub struct ConventionCheck {
     /// Readings, at least one. The first is the most credible; the others are sorted by median.
     pub readings: Vec<RankedReading>,
-    /// Largest median of a reading that fits, px.
+    /// Largest median of a reading without a searched scale that fits, px.
     pub limit: f64,
     /// Number of matches used.
     pub matches: usize,
@@ -163,8 +168,14 @@ impl RankedReading {
             median: median(distances.iter().copied()),
             within: near as f64 / distances.len() as f64,
             told_apart: false,
+            limit: if SCALES.contains(&reading.scale) { limit } else { SEARCHED * limit },
             distances,
         })
+    }
+
+    /// Returns whether the reading fits the matches.
+    pub fn fits(&self) -> bool {
+        self.median <= self.limit
     }
 
     /// Returns whether both readings give every match the same distance, up to rounding.
@@ -199,7 +210,7 @@ impl ConventionCheck {
 
     /// Returns whether any reading fits the matches.
     pub fn fits(&self) -> bool {
-        self.best().median <= self.limit
+        self.best().fits()
     }
 
     /// Returns the matrix as it was read, wherever it ranks.
@@ -222,14 +233,14 @@ impl ConventionCheck {
         let best = self.best();
         if !self.fits() {
             // The least distance of a hundred readings tells nothing far beyond the limit.
-            let is_near = best.median <= FAR * self.limit;
+            let is_near = best.median <= FAR * best.limit;
             let which =
                 if is_near { format!("the best one ({})", best.reading) } else { "each of them".to_owned() };
             return format!(
                 "No reading fits. Under {which}, half of the {} matches lie more than {} px from their epipolar lines; the limit is {} px. The matrix may belong to other images, most matches may be wrong, or the convention may be one that is not tried: y pointing up, or only one of the images resized.",
                 self.matches,
                 pixels(best.median),
-                pixels(self.limit)
+                pixels(best.limit)
             );
         }
         let mut text = if best.reading.changes() == 0 {
@@ -237,7 +248,7 @@ impl ConventionCheck {
         } else {
             let as_read = self.as_read();
             let median = as_read.map_or(String::new(), |r| format!(" ({} px)", pixels(r.median)));
-            if as_read.is_some_and(|r| r.median <= self.limit) {
+            if as_read.is_some_and(RankedReading::fits) {
                 format!(
                     "The geometry fits worse as read{median} than under another reading: {}",
                     best.reading

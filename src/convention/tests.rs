@@ -217,3 +217,17 @@ fn the_cameras_of_the_house_are_as_read() {
         assert!(found.transposed && found.changes() == 1, "{}", turned.sentence());
     }
 }
+
+/// A free scale brings a matrix whose lines are 5 px off nearer to the matches, but explains nothing.
+#[test]
+fn a_searched_scale_does_not_excuse_shifted_lines() {
+    for seed in 0..10 {
+        let (f, matches) = truth(2.8, 300, seed);
+        let m = f.matrix();
+        let shifted = Matrix3::from_fn(|row, column| {
+            m[(row, column)] - if row == 2 { 5.0 * m[(1, column)] } else { 0.0 }
+        });
+        let check = check_convention(&FundamentalMatrix::from_rank_two(shifted).unwrap(), &matches).unwrap();
+        assert!(!check.fits(), "seed {seed}: {}", check.sentence());
+    }
+}
