@@ -2,7 +2,7 @@
 
 use super::epipoles::{NOT_DETERMINED, interval_in_words, length_in_words};
 use super::facts::{FAR, direction, far_direction, median_distance};
-use crate::estimate::{Determined, EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Estimate};
+use crate::estimate::{Determined, EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Estimate, LineBands};
 use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, Vector, finite_point};
 
 /// Half of a 95 % interval, in standard deviations.
@@ -105,17 +105,16 @@ pub fn lines_at_a_glance(estimate: &Estimate, frames: [Frame; 2]) -> Option<Glan
     let bands = estimate.line_bands(frames);
     let decimals = |figure: f64| if figure < 0.1 { 2 } else { usize::from(figure < 10.0) };
     let px = |figure: f64| format!("{figure:.*} px", decimals(figure));
+    let within = |bands: &LineBands| format!("± {}", px(bands.typical));
+    let worst = |bands: &LineBands| format!("worst ± {}", px(bands.worst));
     Some(Glance {
         name: "Lines",
         common: "",
         heads: ["residual", "uncertainty"],
-        values: [
-            px(typical),
-            bands.map_or_else(|| "not known".to_owned(), |bands| format!("± {}", px(bands.worst))),
-        ],
-        ranges: [String::new(), String::new()],
-        tooltip: "The residual is the median of all matches. The uncertainty holds all over the pictures, and one line in \
-                  twenty exceeds it.",
+        values: [px(typical), bands.as_ref().map_or_else(|| "not known".to_owned(), within)],
+        ranges: [String::new(), bands.as_ref().map_or_else(String::new, worst)],
+        tooltip: "The residual is the median of all matches. The uncertainty is that of a typical line all over the \
+                  pictures, and one line in twenty exceeds the worst.",
     })
 }
 

@@ -14,11 +14,9 @@ pub fn is_open_elsewhere(estimate: &Estimate, frames: [Frame; 2]) -> bool {
 /// Describes how likely the lines of a result are right in images of these sizes. `None` without a probability.
 pub fn probability_in_words(estimate: &Estimate, frames: [Frame; 2]) -> Option<String> {
     let percent = (100.0 * estimate.assessment.probability_within_one_percent()?).round().clamp(1.0, 99.0);
-    let is_open = estimate.says_one_plane() || is_open_elsewhere(estimate, frames);
-    let lines = if is_open { "Lines near the matches" } else { "Lines" };
     let side = frames[0].longer_side().max(frames[1].longer_side());
     Some(format!(
-        "{lines}: about {percent:.0} % likely to be within {:.0} px, 1 % of the longer side",
+        "Lines near the matches: about {percent:.0} % likely to be within {:.0} px, 1 % of the longer side",
         (0.01 * side).max(1.0)
     ))
 }
@@ -32,7 +30,7 @@ pub fn likely_in_words(estimate: &Estimate, frames: [Frame; 2]) -> Option<[Strin
     let side = frames[0].longer_side().max(frames[1].longer_side());
     let percent = (100.0 * estimate.assessment.probability_within_one_percent()?).round();
     let words = probability_in_words(estimate, frames)?;
-    Some([format!("{percent:.0} % likely within {:.0} px", (0.01 * side).max(1.0)), words])
+    Some([format!("{percent:.0} % likely within {:.0} px near the matches", (0.01 * side).max(1.0)), words])
 }
 
 #[cfg(test)]
@@ -56,10 +54,8 @@ mod tests {
     #[test]
     fn the_sentence_says_which_lines_are_meant() {
         let lines = words(vec![Reason::Fisheye], true).unwrap();
-        assert!(lines.starts_with("Lines: about 9"), "{lines}");
+        assert!(lines.starts_with("Lines near the matches: about 9"), "{lines}");
         assert!(lines.ends_with("% likely to be within 8 px, 1 % of the longer side"), "{lines}");
-        let plane = Reason::OnePlane { percent: 98, groups: 9, agreeing: 2, is_still: false };
-        assert!(words(vec![plane], true).unwrap().starts_with("Lines near the matches: about "));
         assert_eq!(words(vec![Reason::NotChecked], false), None);
     }
 }

@@ -78,8 +78,7 @@ pub fn named_reason_in_words(reason: &Reason, names: &dyn PairNames) -> String {
              Record more frames, or motion in more places."
         ),
         Reason::LooseBarcodes { deviation } => format!(
-            "The recorded motion leaves the epipolar lines uncertain by {deviation:.1} px. \
-             Matching points may be that far off their lines. \
+            "Even if the geometry is right, the recorded motion leaves its epipolar lines uncertain by {deviation:.1} px. \
              Record more frames, or motion in more places."
         ),
         Reason::ClickOff { pair, distance, suspect } => {
@@ -136,8 +135,7 @@ pub fn named_reason_in_words(reason: &Reason, names: &dyn PairNames) -> String {
              Flip one image back and open the pair again."
         ),
         Reason::Loose { deviation } => format!(
-            "The matches leave the epipolar lines uncertain by {deviation:.1} px. \
-             Matching points may be that far off their lines. \
+            "Even if the geometry is right, its matches leave the epipolar lines uncertain by {deviation:.1} px. \
              Add point pairs, or use images that overlap more."
         ),
         Reason::Untested { missing } => untested(missing).into(),

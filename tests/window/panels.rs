@@ -418,7 +418,7 @@ fn lines_look_like_the_verdict() {
     let count = |window: &Window, color| lines(window, Side::Right, color).len();
     let reliable = judged(Verdict::Reliable);
     reliable.get_by_label("Reliable");
-    reliable.get_by_label("97 % likely within 8 px");
+    reliable.get_by_label("97 % likely within 8 px near the matches");
     assert!(count(&reliable, ESTIMATED) >= 9 && count(&reliable, amber) == 0);
     let doubtful = judged(Verdict::Doubtful);
     doubtful.get_by_label("Doubtful");
