@@ -125,6 +125,8 @@ class Judgement:
     @property
     def reference_verdict(self) -> _Verdict | None: ...
     @property
+    def remarks(self) -> list[str]: ...
+    @property
     def corrected(self) -> Annotated[_Float, "[3, 3]"] | None: ...
     def to_json(self) -> str: ...
 
@@ -221,7 +223,7 @@ def judge(
     image1: _Image,
     image2: _Image,
     fundamental: _Float | None,
-    cameras: Sequence[_Float] | None,
+    cameras: Sequence[_Float] | Sequence[str | PathLike[str]] | None,
     matches: dict[str, _Float | None] | None,
     covariance: _Float | None,
     rectified: bool,

@@ -163,6 +163,17 @@ def cameras(value: Any) -> Sequence[tuple[NDArray[np.float64], Sequence[float]]]
     return [camera(value[0], 1), camera(value[1], 2)]
 
 
+def judged_cameras(value: Any) -> Sequence[NDArray[np.float64]] | list[Any] | None:
+    """Return both projection matrices, or the paths of a calibration. `None` without any."""
+    if value is None or is_path(value):
+        return None if value is None else [value]
+    if len(value) != 2:
+        raise InputError("cameras are two projection matrices, or the path of a calibration")
+    if all(is_path(each) for each in value):
+        return list(value)
+    return [matrix(P, (3, 4), "a projection matrix") for P in value]
+
+
 def image(value: Any) -> Any:
     """Return a path, or an array in native byte order."""
     if is_path(value):

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _epiline, _inputs
 from ._epiline import Estimate, Judgement
-from ._types import Camera, Cameras, Frames, Image, Matches, Matrix, Origin, Points, Rows
+from ._types import Calibration, Camera, Cameras, Frames, Image, Matches, Matrix, Origin, Path, Points, Rows
 
 
 def estimate(
@@ -149,8 +149,8 @@ def estimate_fundamental(
 def estimate_relative_pose(
     points1: Points,
     points2: Points,
-    camera1: Camera,
-    camera2: Camera,
+    camera1: Camera | Path,
+    camera2: Camera | Path,
     *,
     sizes: Sequence[tuple[int, int]] | None = None,
     sigma: ArrayLike | None = None,
@@ -164,10 +164,11 @@ def estimate_relative_pose(
     ----------
     points1, points2 : arrays of shape (N, 2), float64
         Row k of both is a match, px of the images as they are. At least 6.
-    camera1, camera2 : matrix K of shape (3, 3), or tuple (K, distortion)
-        Distortion as OpenCV has it: 4, 5, 8 or 12 coefficients.
+    camera1, camera2 : matrix K of shape (3, 3), tuple (K, distortion), or the path of a calibration
+        Distortion as OpenCV has it: 4, 5, 8 or 12 coefficients. The path of a file with both cameras is given twice.
     sizes : two shapes (H, W), optional
-        By default twice the principal point, which is the middle of most images, and more if points lie beyond.
+        By default twice the principal point, which is the middle of most images, and more if points lie beyond. Files
+        of a calibration need them.
     sigma, confidences, seed, origin
         As for `estimate_fundamental`.
 
@@ -191,9 +192,9 @@ def estimate_relative_pose(
     >>> found.R.shape, found.t.shape
     ((3, 3), (3,))
     """
-    both = [_inputs.camera(camera1, 1), _inputs.camera(camera2, 2)]
-    remarks = []
-    if sizes is None:
+    both = _inputs.cameras(camera1 if _inputs.is_path(camera1) and camera1 == camera2 else (camera1, camera2))
+    remarks: list[str] = []
+    if sizes is None and not _inputs.is_path(camera1):
         sizes = []
         for (K, _), points in zip(both, (points1, points2)):
             reach = np.max(_inputs.points(points, "points"), axis=0, initial=0.0)
@@ -232,7 +233,7 @@ def judge(
     image2: Image,
     F: Matrix | None = None,
     *,
-    cameras: Sequence[Annotated[ArrayLike, "float64", "[3, 4]"]] | None = None,
+    cameras: Sequence[Annotated[ArrayLike, "float64", "[3, 4]"]] | Calibration | None = None,
     matches: Matches | None = None,
     covariance: Annotated[ArrayLike, "float64", "[9, 9]"] | None = None,
     rectified: bool = False,
@@ -250,8 +251,8 @@ def judge(
         uint8, uint16 or float32.
     F : array of shape (3, 3), float64, optional
         The matrix to judge: ``x2.T @ F @ x1 == 0``, px.
-    cameras : two projection matrices of shape (3, 4), optional
-        The cameras to judge, in place of `F`.
+    cameras : two projection matrices of shape (3, 4), or the path of a stereo calibration, optional
+        The cameras to judge, in place of `F`. With a calibration, matrices are those of the images without distortion.
     matches : as for `estimate`, optional
         Matches to judge by, in place of those that the images show.
     covariance : array of shape (9, 9), optional
@@ -288,7 +289,7 @@ def judge(
         _inputs.image(image1),
         _inputs.image(image2),
         None if F is None else _inputs.matrix(F, (3, 3), "F"),
-        None if cameras is None else [_inputs.matrix(P, (3, 4), "a projection matrix") for P in cameras],
+        _inputs.judged_cameras(cameras),
         None if matches is None else _inputs.named_arrays(matches, origin),
         None if covariance is None else _inputs.matrix(covariance, (9, 9), "the covariance"),
         rectified,

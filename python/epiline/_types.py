@@ -18,5 +18,6 @@ Rows: TypeAlias = "Annotated[ArrayLike, 'float64', '[n, 4]'] | tuple[ArrayLike, 
 Matches: TypeAlias = "Rows | tuple[ArrayLike, ArrayLike, ArrayLike] | Mapping[str, Any]"
 Matrix: TypeAlias = Annotated[ArrayLike, "float64", "[3, 3]"]
 Camera: TypeAlias = "Matrix | tuple[Matrix, ArrayLike | None]"
-Cameras: TypeAlias = "Path | tuple[Path, Path] | Sequence[Camera]"
+Calibration: TypeAlias = "Path | tuple[Path, Path]"
+Cameras: TypeAlias = "Calibration | Sequence[Camera]"
 Origin: TypeAlias = "Literal['colmap'] | None"

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use epiline::camera::{Baseline, CameraModel, Lens, LensModel, ViewPair};
+use epiline::camera::{Baseline, CameraModel, Lens, LensModel, RelativePose, ViewPair};
 use epiline::geometry::{Frame, PointPair};
 use epiline::io::{CalibratedCamera, Calibration};
 use epiline::presentation::camera_doubts;
@@ -58,6 +58,8 @@ pub struct KnownCameras {
     pub views: ViewPair,
     /// Distance between the cameras, if the file of a calibration tells it with its unit.
     pub baseline: Option<Baseline>,
+    /// Pose of the second camera, if the file of a calibration tells it.
+    pub pose: Option<RelativePose>,
     /// How the file was read, in sentences.
     pub notes: Vec<String>,
     /// Doubts about the cameras, in sentences.
@@ -74,9 +76,9 @@ impl GivenCameras<'_> {
         frames: [Frame; 2],
         pairs: impl FnOnce() -> Vec<PointPair> + Send,
     ) -> PyResult<KnownCameras> {
-        let (models, baseline, notes) = match self {
+        let (models, baseline, pose, notes) = match self {
             Self::Numbers(cameras) => {
-                ([cameras[0].model(py, 1)?, cameras[1].model(py, 2)?], None, Vec::new())
+                ([cameras[0].model(py, 1)?, cameras[1].model(py, 2)?], None, None, Vec::new())
             }
             Self::Files(files) => {
                 let paths: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
@@ -85,13 +87,14 @@ impl GivenCameras<'_> {
                 let pair = settled.map_err(|problem| input(py, problem))?;
                 check_sizes(py, &pair, frames)?;
                 let models = pair.each_ref().map(|camera| camera.model);
-                (models, CalibratedCamera::baseline(&pair), CalibratedCamera::notes_of(&pair))
+                let pose = CalibratedCamera::relative_pose(&pair).map(|(pose, _)| pose);
+                (models, CalibratedCamera::baseline(&pair), pose, CalibratedCamera::notes_of(&pair))
             }
         };
         let views = plan_views(models.each_ref(), frames).map_err(|error| input(py, error.to_string()))?;
         let doubts = camera_doubts([0, 1].map(|k| (&models[k], frames[k])));
         let doubts = doubts.into_iter().map(|(_, sentence)| sentence).collect();
-        Ok(KnownCameras { views, baseline, notes, doubts })
+        Ok(KnownCameras { views, baseline, pose, notes, doubts })
     }
 }
 

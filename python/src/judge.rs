@@ -1,10 +1,14 @@
 //! Judgements of a geometry from elsewhere, and of rectified pictures.
 
+use std::path::PathBuf;
+
 use epiline::estimate::{EstimateError, Monitor, Parameters};
 use epiline::geometry::{Camera, FundamentalMatrix, Matrix9};
-use epiline::judge::{FEWEST_MATCHES, Finding, GivenGeometry, LIMIT, ROW_LIMIT, judge_rows};
-use epiline::presentation::{judgement_in_words, rows_in_words};
-use epiline::study::{Question, ShownGeometry, Study};
+use epiline::judge::{
+    FEWEST_MATCHES, Finding, GivenCalibration, GivenGeometry, LIMIT, ROW_LIMIT, judge_rows,
+};
+use epiline::presentation::{judgement_in_words, pose_difference_in_words, rows_in_words};
+use epiline::study::{Question, ShownGeometry, Study, matches_in};
 use nalgebra::Matrix3x4;
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -12,6 +16,7 @@ use pyo3::types::PyDict;
 use serde_json::Value;
 
 use crate::arrays::{self, covariance_of, fundamental_of, pictures_of};
+use crate::cameras::GivenCameras;
 use crate::errors::{input, of_estimate};
 use crate::estimate::given_of;
 use crate::search::{Threads, watched};
@@ -30,6 +35,9 @@ pub struct Judgement {
     /// Verdict on the geometry that the images show; `None` for given matches.
     #[pyo3(get)]
     reference_verdict: Option<&'static str>,
+    /// How the file of a calibration was read, and doubts about it, in sentences.
+    #[pyo3(get)]
+    remarks: Vec<String>,
     record: Value,
 }
 
@@ -44,7 +52,8 @@ impl Judgement {
         }
     }
 
-    /// Matrix of shape (3, 3) that the images or the matches show.
+    /// Matrix of shape (3, 3) that the images or the matches show. With the file of a calibration, it belongs to the
+    /// images without distortion.
     #[getter]
     fn reference<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         arrays::matrix3(py, self.reference.matrix())
@@ -64,6 +73,13 @@ impl Judgement {
     fn __repr__(&self) -> String {
         format!("<epiline.Judgement: {}>", self.finding)
     }
+}
+
+/// Cameras to judge: projection matrices, or one or two files of a calibration.
+#[derive(FromPyObject)]
+pub enum JudgedCameras<'py> {
+    Projections([PyReadonlyArray2<'py, f64>; 2]),
+    Files(Vec<PathBuf>),
 }
 
 /// A failed search for the geometry of the pictures or of the matches.
@@ -88,7 +104,7 @@ pub fn judge(
     image1: &Bound<'_, PyAny>,
     image2: &Bound<'_, PyAny>,
     fundamental: Option<PyReadonlyArray2<'_, f64>>,
-    cameras: Option<[PyReadonlyArray2<'_, f64>; 2]>,
+    cameras: Option<JudgedCameras<'_>>,
     matches: Option<&Bound<'_, PyDict>>,
     covariance: Option<PyReadonlyArray2<'_, f64>>,
     rectified: bool,
@@ -108,15 +124,42 @@ pub fn judge(
     if own.is_some() && fundamental.is_none() {
         return Err(input(py, "a covariance belongs to F"));
     }
-    let (given_matches, _) = given_of(py, matches)?;
+    let (mut given_matches, _) = given_of(py, matches)?;
     let threads = Threads::given(py, threads)?;
-    let study = Study::of_pictures(pictures_of(image1, image2, &threads)?);
-    let frames = study.frames();
+    let mut study = Study::of_pictures(pictures_of(image1, image2, &threads)?);
+    let mut remarks = Vec::new();
     let given = match (fundamental, cameras) {
-        (Some(matrix), _) => Some(GivenGeometry::from(fundamental_of(py, &matrix, Some(frames))?)),
-        (None, Some(cameras)) => Some(of_cameras(py, &cameras)?),
+        (Some(matrix), _) => Some(GivenGeometry::from(fundamental_of(py, &matrix, Some(study.frames()))?)),
+        (None, Some(JudgedCameras::Projections(cameras))) => Some(of_cameras(py, &cameras)?),
+        (None, Some(JudgedCameras::Files(files))) => {
+            let pairs = || match &given_matches {
+                Some(given) => given.iter().map(|found| found.pair).collect(),
+                None => study.putative_pairs(),
+            };
+            let known = GivenCameras::Files(files).known(py, &threads, study.frames(), pairs)?;
+            let no_pose = || {
+                let notes = known.notes.join(" ");
+                input(
+                    py,
+                    format!(
+                        "the calibration has no pose of the second camera. {notes} To judge a matrix, give F"
+                    ),
+                )
+            };
+            let calibration = GivenCalibration { pose: known.pose.ok_or_else(no_pose)?, views: known.views };
+            let geometry = calibration.geometry().ok_or_else(no_pose)?;
+            given_matches = given_matches
+                .map(|matches| matches_in(&known.views, &matches))
+                .transpose()
+                .map_err(|error| input(py, error.to_string()))?;
+            // The cameras are judged, so they take no part in the search.
+            study = study.with_views(known.views).drawn_in(None);
+            remarks = known.notes.into_iter().chain(known.doubts).collect();
+            Some(geometry)
+        }
         (None, None) => None,
     };
+    let frames = study.frames();
     let search = |seed: u64, monitor: &Monitor| {
         if let Some(matches) = &given_matches {
             let problem = |error| Failure::Matches(format!("the matches cannot be used: {error}"));
@@ -134,8 +177,16 @@ pub fn judge(
                 let found = shown.judged((given, own.as_ref()), frames, limit.unwrap_or(LIMIT), again)?;
                 found.map(|found| {
                     let corrected = found.change.as_ref().and_then(|change| change.fundamental);
-                    let record = serde_json::to_value(&found).unwrap_or_default();
-                    (found.finding, judgement_in_words(&found), record, corrected)
+                    let mut record = serde_json::to_value(&found).unwrap_or_default();
+                    let mut words = judgement_in_words(&found);
+                    let calibration = given.calibration.as_ref();
+                    let compared = calibration.and_then(|known| shown.compared_pose(&found, known));
+                    if let Some(compared) = &compared {
+                        let difference = compared.difference.as_ref();
+                        words = format!("{words}\n{}", pose_difference_in_words(difference));
+                        record["pose_difference"] = serde_json::to_value(difference).unwrap_or_default();
+                    }
+                    (found.finding, words, record, corrected)
                 })
             }
             None => judge_rows(&shown.rows(), frames[1], limit.unwrap_or(ROW_LIMIT)).map(|found| {
@@ -161,7 +212,15 @@ pub fn judge(
         Finding::Undecided => "undecided",
     };
     let reference_verdict = shown.verdict.map(epiline::estimate::Verdict::label);
-    Ok(Judgement { finding, message, reference: shown.fundamental, corrected, reference_verdict, record })
+    Ok(Judgement {
+        finding,
+        message,
+        reference: shown.fundamental,
+        corrected,
+        reference_verdict,
+        remarks,
+        record,
+    })
 }
 
 /// Returns the geometry of two projection matrices.

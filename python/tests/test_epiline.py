@@ -396,6 +396,34 @@ class Cameras(unittest.TestCase):
         )
         np.testing.assert_array_equal(by_file.Q, by_numbers.Q)
 
+    def test_a_judged_calibration_is_that_of_the_program(self):
+        pictures = [save(picture, os.path.join(self.folder, f"{k}.pgm")) for k, picture in enumerate((LEFT, RIGHT))]
+        path = self.file("calib.txt", self.middlebury())
+        found = epiline.judge(LEFT, RIGHT, cameras=path)
+        status, record, told = program("judge", *pictures, "--calibration", path, "--json", "-")
+        self.assertEqual((found.fits, found.message), (status == 0, record["message"]), told)
+        np.testing.assert_array_equal(found.reference, np.array(record["reference"]))
+        self.assertEqual(json.loads(found.to_json()).get("pose_difference"), record.get("pose_difference"))
+        shown = epiline.estimate(LEFT, RIGHT)
+        matches = np.hstack([shown.points1, shown.points2])
+        self.assertTrue(epiline.judge(LEFT, RIGHT, cameras=path, matches=matches).fits)
+        numbers = ", ".join(str(float(number)) for number in K.ravel())
+        one = self.file("one.yaml", f"%YAML:1.0\n---\nK: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ {numbers} ]\n")
+        with self.assertRaisesRegex(epiline.InputError, "no pose of the second camera"):
+            epiline.judge(LEFT, RIGHT, cameras=(one, one))
+
+    def test_a_pose_by_a_calibration(self):
+        path = self.file("calib.txt", self.middlebury())
+        shown = epiline.estimate(LEFT, RIGHT)
+        points = shown.points1, shown.points2
+        by_file = epiline.estimate_relative_pose(*points, path, path, sizes=[SIZE, SIZE])
+        by_numbers = epiline.estimate_relative_pose(*points, K, K, sizes=[SIZE, SIZE])
+        np.testing.assert_array_equal(by_file.F, by_numbers.F)
+        with self.assertRaisesRegex(epiline.InputError, "sizes of the images"):
+            epiline.estimate_relative_pose(*points, path, path)
+        with self.assertRaisesRegex(epiline.InputError, "not one of each"):
+            epiline.estimate_relative_pose(*points, path, K)
+
     @unittest.skipUnless(hasattr(os, "fork"), "there is no fork")
     def test_a_fork_removes_the_distortion_with_threads_of_its_own(self):
         expected = epiline.estimate(LEFT, RIGHT, cameras=[BENT, BENT])

@@ -23,7 +23,7 @@ use crate::io::{CalibratedCamera, GeometryFile, refuse_clashes};
 use crate::judge::{
     FEWEST_MATCHES, Finding, GivenCalibration, GivenGeometry, LIMIT, ROW_LIMIT, RowJudgement, judge_rows,
 };
-use crate::presentation::{NO_BASELINE, judgement_in_words, pose_difference_in_words, rows_in_words};
+use crate::presentation::{judgement_in_words, pose_difference_in_words, rows_in_words};
 use crate::study::{Question, ShownGeometry, Study, matches_in};
 
 /// Judge whether a geometry from elsewhere fits two images, or whether they are rectified
@@ -115,7 +115,7 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
         // The cameras are judged, so they take no part in the search.
         study = study.with_views(views).drawn_in(None);
         let calibration = GivenCalibration { pose, views };
-        given = Some(of_calibration(&calibration).ok_or_else(|| no_pose(&notes))?);
+        given = Some(calibration.geometry().ok_or_else(|| no_pose(&notes))?);
         stereo = Some(calibration);
     }
     let pictures_of = PicturesOf::from(stereo.as_ref().map(|calibration| &calibration.views));
@@ -158,13 +158,11 @@ pub(super) fn run(arguments: &JudgeArguments) -> Result<(), CliError> {
     let found = shown.judged((&given, own_covariance.as_ref()), frames, limit, again)?;
     let found = found.ok_or_else(too_few)?;
     let mut words = judgement_in_words(&found);
-    let calibration = stereo.as_ref().filter(|_| shown.compares_pose(&found));
-    let difference = calibration.and_then(|calibration| shown.pose_difference(calibration));
-    if let Some(difference) = &difference {
-        words = format!("{words}\n{}", pose_difference_in_words(difference));
-    } else if calibration.is_some() && !shown.has_epipoles {
-        words = format!("{words}\nThe pose cannot be judged. {NO_BASELINE}");
+    let compared = stereo.as_ref().and_then(|calibration| shown.compared_pose(&found, calibration));
+    if let Some(compared) = &compared {
+        words = format!("{words}\n{}", pose_difference_in_words(compared.difference.as_ref()));
     }
+    let difference = compared.and_then(|compared| compared.difference);
     write(&output, &found, &words, difference, &beside)?;
     match found.finding {
         Finding::Fits => Ok(()),
@@ -209,13 +207,6 @@ fn of_images(study: &Study, arguments: &JudgeArguments, seed: u64) -> Result<Sho
     let question = Question { clicks: &[], given: None, parameters: &parameters };
     let found = on_threads(arguments.threads, || watched(|monitor| study.solve(&question, monitor)))??;
     Ok(ShownGeometry::from(&found))
-}
-
-/// Returns the geometry of a calibration in the views without distortion.
-fn of_calibration(calibration: &GivenCalibration) -> Option<GivenGeometry> {
-    let GivenCalibration { pose, views } = calibration;
-    let fundamental = pose.fundamental(&views.calibrations())?;
-    Some(GivenGeometry { fundamental, cameras: Some(views.posed(pose)?), calibration: Some(*calibration) })
 }
 
 /// Returns the refusal of a calibration without a pose. The notes of its reading may tell why.

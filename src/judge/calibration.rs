@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
 
+use super::GivenGeometry;
 use crate::camera::{CameraModel, Lens, Projection, Radial, RelativePose, ViewPair};
 use crate::geometry::{FundamentalMatrix, Point, PointPair, finite_point, rescaling};
 
@@ -41,6 +42,13 @@ pub(super) struct ReadCalibration {
 }
 
 impl GivenCalibration {
+    /// Returns the geometry of the calibration in the views. `None` if the cameras have none.
+    pub fn geometry(&self) -> Option<GivenGeometry> {
+        let fundamental = self.pose.fundamental(&self.views.calibrations())?;
+        let cameras = Some(self.views.posed(&self.pose)?);
+        Some(GivenGeometry { fundamental, cameras, calibration: Some(*self) })
+    }
+
     /// Returns the calibration without a mistake. `None` if it cannot have this mistake.
     pub(super) fn read(&self, change: CalibrationChange) -> Option<ReadCalibration> {
         let models = self.views.views.each_ref().map(|view| *view.camera());
@@ -132,7 +140,7 @@ mod tests {
     use nalgebra::Rotation3;
     use rand::{RngExt, SeedableRng};
 
-    use super::super::{Change, Finding, GivenGeometry, LIMIT, Reference, judge};
+    use super::super::{Change, Finding, LIMIT, Reference, judge};
     use super::*;
     use crate::geometry::{Frame, eight_point, scaling};
 

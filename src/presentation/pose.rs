@@ -44,8 +44,9 @@ fn turned(pose: &RelativePose, deviation: &str) -> String {
     format!("  Camera 2 is turned by {angle:.2}°{deviation}{axis}\n")
 }
 
-/// Describes how far the pose of a calibration is from the pose that the matches show.
-pub fn pose_difference_in_words(difference: &PoseDifference) -> String {
+/// Describes how far the pose of a calibration is from the pose that the matches show, if they show one.
+pub fn pose_difference_in_words(difference: Option<&PoseDifference>) -> String {
+    let Some(difference) = difference else { return format!("The pose cannot be judged. {NO_BASELINE}") };
     let PoseDifference { rotation, translation, uncertainty, is_significant } = difference;
     let [rotation, translation, turn_error, place_error] =
         [*rotation, *translation, uncertainty.rotation, uncertainty.translation].map(f64::to_degrees);

@@ -101,16 +101,21 @@ impl ShownGeometry {
         Ok(other.map(|other| refuted.clone().confirmed_by(&other, &reference)).or(found))
     }
 
-    /// Returns whether the pose of a judged calibration may be compared: the geometry is not in doubt, and no
-    /// mistake is named.
-    pub fn compares_pose(&self, found: &Judgement) -> bool {
-        found.finding != Finding::Undecided && found.change.is_none() && self.is_trusted
+    /// Compares a judged calibration with the pose that fits the matches. `None` while the geometry is in doubt, or if
+    /// another mistake is named.
+    pub fn compared_pose(&self, found: &Judgement, calibration: &GivenCalibration) -> Option<ComparedPose> {
+        let is_clear = found.finding != Finding::Undecided && found.change.is_none() && self.is_trusted;
+        if !is_clear || !self.has_epipoles {
+            return is_clear.then_some(ComparedPose { difference: None });
+        }
+        let fit = calibration.views.fit_pose(&self.fundamental, &self.matches)?;
+        Some(ComparedPose { difference: Some(fit.difference(&calibration.pose)?) })
     }
+}
 
-    /// Returns the difference of a calibration from the pose that fits the matches. `None` if the epipoles are not
-    /// determined, or the matches determine no pose.
-    pub fn pose_difference(&self, calibration: &GivenCalibration) -> Option<PoseDifference> {
-        let views = Some(&calibration.views).filter(|_| self.has_epipoles)?;
-        views.fit_pose(&self.fundamental, &self.matches)?.difference(&calibration.pose)
-    }
+/// Pose of a judged calibration, compared with the pose that fits the matches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ComparedPose {
+    /// How far the two are apart. `None` if the matches do not determine the epipoles, and so no pose.
+    pub difference: Option<PoseDifference>,
 }

@@ -36,7 +36,7 @@ pub use cameras::{assumed_camera, clicks_in, matches_in, plan_views, undistorted
 #[doc(hidden)]
 pub use disparities::DisparityMap;
 pub use error::StudyError;
-pub use judge::ShownGeometry;
+pub use judge::{ComparedPose, ShownGeometry};
 pub use points::PointStudy;
 pub use pose::{PoseOutcome, stereo_pose};
 pub use sequences::barcode_parameters;
