@@ -7,6 +7,7 @@ use super::Inspector;
 use crate::app::model::album::Album;
 use crate::app::model::document::{Imported, TruthSource};
 use crate::app::model::history::History;
+use crate::app::model::messages::MessageKind;
 use crate::app::model::picture::Opened;
 use crate::app::model::session::{OpenSession, SessionOwner, has_session_extension};
 use crate::app::model::truth::KnownTruth;
@@ -63,6 +64,8 @@ impl Inspector {
         // Another pair of the same folder belongs to the same session.
         let turns = pair.restored.is_none() && self.model.is_of_open_folder(pair.folder.as_ref());
         let set_aside = !turns && self.set_aside();
+        // What went wrong before was about the other pictures.
+        self.model.messages.settle(MessageKind::Problem);
         self.note_recent(&pair);
         self.replace_pictures(ctx, &pair.pictures);
         let is_of_file = |known: &KnownTruth| matches!(known.source, TruthSource::Folder { .. });

@@ -75,7 +75,6 @@ pub struct Messages {
 }
 
 impl Messages {
-    /// Returns the messages, oldest first.
     pub fn list(&self) -> &[Message] {
         &self.list
     }
@@ -104,7 +103,6 @@ impl Messages {
         self.list.iter().filter_map(left).min_by(f64::total_cmp)
     }
 
-    /// Adds a message about a failure.
     pub fn tell(&mut self, text: impl Into<String>) {
         self.say(MessageKind::Problem, text.into(), Vec::new());
     }
@@ -116,7 +114,6 @@ impl Messages {
         }
     }
 
-    /// Adds a message, with or without buttons.
     pub fn say(&mut self, kind: MessageKind, text: String, actions: Vec<MessageAction>) {
         self.list.retain(|message| message.text != text);
         self.shown += 1;

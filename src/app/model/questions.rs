@@ -235,7 +235,8 @@ impl Model {
         found.map_or(MatchesAtHand::Clicked(clicked), |(found, _)| MatchesAtHand::Found(found))
     }
 
-    fn final_result(&self) -> Option<Shared<Estimate>> {
+    /// Returns the final result of the present points.
+    pub fn final_result(&self) -> Option<Shared<Estimate>> {
         let (found, freshness) = self.open.computation.shared_result()?;
         (freshness == Freshness::Final).then_some(found)
     }

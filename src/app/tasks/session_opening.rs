@@ -51,7 +51,7 @@ pub fn open_session(session: OpenSession, reading: &mut PairReading) -> Result<L
         let [Some(left), Some(right)] = found else {
             return Err(OpeningFailure::Relocate(Box::new(Relocation { session, lost })));
         };
-        LoadedPair::of(reading.pair([&left, &right])?)
+        super::opening::open_files([&left, &right], reading)?
     };
     let frames = pair.pictures.each_ref().map(|opened| opened.picture.frame());
     let mut notes = Vec::new();

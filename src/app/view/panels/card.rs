@@ -21,7 +21,6 @@ use crate::app::model::verdict::{
 use crate::app::model::{Command, ExchangeCommand, Model, OverlayId};
 use crate::app::view::theme;
 use crate::estimate::Estimate;
-use crate::geometry::FundamentalMatrix;
 
 /// Space between two rows of the card, screen points.
 const BETWEEN: f32 = 2.0;
@@ -45,7 +44,6 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// Shows F of the shown geometry.
 fn fundamental(ui: &mut Ui, model: &Model) {
     let Some(shown) = model.geometry_to_write() else { return };
     let convention = "Fundamental matrix F: x2 · F x1 = 0 for a match of x1 in the left image and x2 in the right one, \
@@ -145,7 +143,7 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
     if let Some((number, hypothesis)) = shown.hypothesis {
         heading(ui, model, None, &format!("Hypothesis {}", number + 1), commands);
         another_shown(ui, model, &format!("hypothesis {}", number + 1), commands);
-        at_a_glance(ui, epipoles(model, shown.fundamental, None));
+        epipoles(ui, model, None);
         let score = model.document.parameters.validation.line_score;
         list(ui, true_error(model).into_iter().chain(hypothesis_facts(hypothesis, score)));
         return true;
@@ -177,7 +175,7 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
             command_button(ui, Command::FindWithoutClicks, true, commands);
         }
     });
-    at_a_glance(ui, epipoles(model, shown.fundamental, None));
+    epipoles(ui, model, None);
     list(ui, true_error(model).into_iter().chain(imported.map(import_facts).unwrap_or_default()));
     true
 }
@@ -247,7 +245,7 @@ fn figures(ui: &mut Ui, model: &Model, likely: Option<&[String; 2]>) {
     }
     // The lens moves the epipoles by more than the matches tell.
     let own = own.filter(|_| model.offered_lens().is_none());
-    at_a_glance(ui, epipoles(model, shown.fundamental, own));
+    epipoles(ui, model, own);
 }
 
 /// Shows what the verdict asks for, and a button for the details if it is told whether they are open. Returns whether
@@ -284,12 +282,12 @@ fn is_on_card(fact: &Fact) -> bool {
     ["Agreement", "Distinct lines"].contains(&fact.name)
 }
 
-/// Returns the places of the epipoles of a geometry, with their intervals if it is that of `estimate`.
-fn epipoles(model: &Model, f: &FundamentalMatrix, estimate: Option<&Estimate>) -> Option<Glance> {
-    Some(epipoles_at_a_glance(f, model.document.frames()?, estimate))
+/// Shows the places of the epipoles of the shown geometry, with their intervals if it is that of `own`.
+fn epipoles(ui: &mut Ui, model: &Model, own: Option<&Estimate>) {
+    let shown = model.shown().zip(model.document.frames());
+    at_a_glance(ui, shown.map(|(shown, frames)| epipoles_at_a_glance(shown.fundamental, frames, own)));
 }
 
-/// Shows a row of two figures, with their ranges below.
 fn at_a_glance(ui: &mut Ui, row: Option<Glance>) {
     let Some(Glance { name, common, heads, values, ranges, tooltip }) = row else { return };
     let small = |text: &str| RichText::new(text).size(theme::CAPTION).weak();
@@ -348,7 +346,7 @@ fn heading(ui: &mut Ui, model: &Model, tone: Option<Tone>, word: &str, commands:
         ui.spacing_mut().button_padding.y = 1.0;
         if model.open.computation.is_running() {
             command_button(ui, Command::Stop, true, commands);
-        } else if model.geometry_to_write().is_some() {
+        } else if row.x > 180.0 && model.geometry_to_write().is_some() {
             copy_fundamental_menu(ui, model, commands);
         }
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
