@@ -71,8 +71,8 @@ const FEW_MATCHES: usize = 42;
 const FINEST: f64 = 0.05;
 /// Largest scale of the first search, as a fraction of the longer side: the residue of a lens.
 const COARSEST: f64 = 0.002;
-/// Noise of matches in small pictures, px: that of points set by a person, whatever the size.
-const BY_HAND: f64 = 1.0;
+/// Standard deviation of the least precise features, and of points that a person sets, px.
+const LARGEST_ERROR: f64 = 1.0;
 /// Ratio of successive scales of the first search. The truncated score tolerates a factor of 2.
 const STEP: f64 = 3.0;
 /// Largest number of rounds of the first search. With 20, a sample is all right with 99.99 % where 34 % of the matches
@@ -153,10 +153,12 @@ pub(super) fn estimate_geometry(
     // A fit to few matches passes through seven of them, which hides their noise.
     let least_scale = if matches.len() < FEW_MATCHES { scale } else { LEAST_SCALE };
     let all = Evidence { least_scale, ..all };
-    // One band for all, as likelihoods are compared. Matches of a finer geometry compete with those that only a
-    // coarser one explains, but not with matches anywhere: repeated structure agrees loosely on wrong geometries.
-    let band = BAND * (COARSEST * side).max(BY_HAND);
-    let mut best = within(&all, &fundamental, band).ok_or(MatchFitError::NoAgreement)?;
+    let coarse = Noise { scale, inliers: 0.5, spread: side };
+    let start = within(&all, &fundamental, coarse.reach()).ok_or(MatchFitError::NoAgreement)?;
+    // One band for all, as likelihoods are compared. Beyond it, repeated structure agrees on wrong geometries. Within a
+    // narrower one, a geometry that fits some matches exactly by chance would hide the others.
+    let band = start.noise.reach().max(BAND * LARGEST_ERROR);
+    let mut best = within(&all, &start.fundamental, band).ok_or(MatchFitError::NoAgreement)?;
     for round in 1..=ROUNDS {
         let agreed = all.consensus(&[best.fundamental], &best.rival_scales(), seed, round, &cancel);
         let rivals = agreed.iter().filter_map(|agreed| within(&all, &agreed.fundamental, band));
