@@ -57,7 +57,6 @@ fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// Offers to import a geometry for the comparison, if there is none.
 fn offer_import(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if model.document.pictures.is_some() && model.document.imported.is_none() {
         let button = ui.button("Import a geometry…");
@@ -65,7 +64,6 @@ fn offer_import(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// Shows the choice of the pairs given to the other methods.
 fn inputs(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Vec<Command>) {
     let now = model.look.compared;
     let room = ui.available_width();
@@ -214,9 +212,11 @@ fn from(model: &Model, comparison: &Comparison, contestant: Contestant) -> Strin
     match contestant {
         Contestant::Result if fit.pairs == 1 => "1 pair and the images".to_owned(),
         Contestant::Result if fit.pairs > 0 => format!("{} pairs and the images", fit.pairs),
-        // Given matches may have taken part.
-        Contestant::Result if model.document.given.is_some() => "the images".to_owned(),
-        Contestant::Result => "the images alone".to_owned(),
+        Contestant::Result => match model.result() {
+            Some(found) if found.assessment.of_given => "the given matches".to_owned(),
+            _ if model.document.given.is_some() => "the images".to_owned(),
+            _ => "the images alone".to_owned(),
+        },
         Contestant::SevenPoint => {
             let which = match comparison.fitted {
                 PointSet::Pairs => "first 7 pairs",
