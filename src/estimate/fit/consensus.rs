@@ -22,7 +22,7 @@ use crate::geometry::{
     grouped_covariance, region, sampson_distance,
 };
 
-/// Number of minimal samples. Some 80 % of the less ambiguous matches are right, so one sample of five
+/// Number of minimal samples of a round. Some 80 % of the less ambiguous matches are right, so one sample of five
 /// has seven right ones. Twice as many samples change no figure beyond chance.
 const SAMPLES: usize = 1000;
 /// Largest probability that no sample was all right.
