@@ -2,8 +2,6 @@
 
 use crate::support::*;
 
-use std::path::{Path, PathBuf};
-
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use epiline::internals::app::model::document::{Document, Side};
@@ -33,20 +31,6 @@ fn one_pair(window: &mut Window, x: f32) {
     for side in Side::BOTH {
         click_at(window, side, x, 0.1);
     }
-}
-
-fn save_as(window: &mut Window, path: &Path) {
-    press_with(window, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
-    window.get_by_label("File").focus();
-    settle(window);
-    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    window.get_by_label("File").type_text(path.to_str().unwrap());
-    settle(window);
-    press(window, Key::Enter);
-}
-
-fn session(path: PathBuf) -> Window {
-    window(Start { opening: Opening::Session(path.into()), ..Start::default() }, services())
 }
 
 #[test]
@@ -119,7 +103,7 @@ fn one_session_has_the_points_of_all_pairs() {
     let text = std::fs::read_to_string(&path).unwrap();
     assert!(!text.contains(&*files.0.path().to_string_lossy()), "paths are relative to the session");
 
-    let mut again = session(path.clone());
+    let mut again = reopened(path.clone());
     assert_eq!(again.state().messages().count(), 0);
     assert_eq!(made(&again), second);
     assert!(!again.state().model().has_unsaved_work());
@@ -130,7 +114,7 @@ fn one_session_has_the_points_of_all_pairs() {
     press(&mut again, Key::PageDown);
     assert!(again.state().model().has_unsaved_work());
     press_with(&mut again, Modifiers::COMMAND, Key::S);
-    let mut last = session(path.clone());
+    let mut last = reopened(path.clone());
     press(&mut last, Key::PageUp);
     assert_eq!(made(&last).pairs.len(), 2);
 
@@ -138,7 +122,7 @@ fn one_session_has_the_points_of_all_pairs() {
     let mut value: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
     std::fs::remove_file(files.0.path().join("shot1.png")).unwrap();
-    let mut without = session(path.clone());
+    let mut without = reopened(path.clone());
     assert_eq!(made(&without), second);
     save_as(&mut without, &path);
     let kept: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
@@ -148,7 +132,7 @@ fn one_session_has_the_points_of_all_pairs() {
     );
     value["content"].as_object_mut().unwrap().remove("album");
     std::fs::write(&path, value.to_string()).unwrap();
-    let old = session(path);
+    let old = reopened(path);
     assert_eq!(made(&old), second);
     assert_eq!(old.state().messages().count(), 0);
 }

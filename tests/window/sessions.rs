@@ -2,7 +2,7 @@
 
 use crate::support::*;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
@@ -37,10 +37,6 @@ fn worked(files: &Files) -> Window {
     click_at(&mut window, Side::Left, 0.1, 0.1);
     assert_eq!(window.state().focus().pins().len(), 1);
     window
-}
-
-fn reopened(path: PathBuf) -> Window {
-    window(Start { opening: Opening::Session(path.into()), ..Start::default() }, services())
 }
 
 #[test]

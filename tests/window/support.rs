@@ -403,6 +403,11 @@ pub fn open(paths: [PathBuf; 2]) -> Window {
 /// The colour of the line pair of the cursor.
 pub const HOVER: Color32 = Color32::from_rgb(244, 239, 110);
 
+/// Opens a session in a new window.
+pub fn reopened(path: PathBuf) -> Window {
+    window(Start { opening: Opening::Session(path.into()), ..Start::default() }, services())
+}
+
 /// Saves the session in a file, by its dialog.
 pub fn save_as(window: &mut Window, path: &Path) {
     press_with(window, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);

@@ -195,6 +195,16 @@ fn a_truth_beside_two_opened_pictures_is_offered() {
     let mut window = open(["B", "A"]);
     press(&mut window, Key::G);
     assert!(document(&window).truth.is_none());
+    window.get_by_label_contains("have no ground truth");
+    // What was wrong with these pictures is not told beside others.
+    drop_files(&mut window, &["A", "B"].map(|side| files.0.path().join(format!("first{side}.png"))));
+    assert!(window.query_by_label_contains("have no ground truth").is_none());
+    // A session finds it again.
+    let path = files.0.path().join("work.json");
+    save_as(&mut window, &path);
+    let mut again = reopened(path);
+    press(&mut again, Key::G);
+    assert!(document(&again).truth.is_some());
 }
 
 #[test]
