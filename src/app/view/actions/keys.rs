@@ -78,7 +78,6 @@ pub fn with_keys() -> Vec<Action> {
         .when(|model| model.open.known().is_some()),
         action(Command::Recompute, "Compute again", "Run the estimate again from the same points.")
             .key(NONE, Key::F5)
-            // The same points give the same result.
             .when(|model| model.document.used_pairs().is_some() && model.final_result().is_none()),
         action(
             Command::ChooseHypothesis(None),
