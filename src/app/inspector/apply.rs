@@ -81,7 +81,7 @@ impl Inspector {
                 model.messages.say(MessageKind::Answer, text, Vec::new());
             }
             Command::Stop => self.tasks.estimating.stop(&mut model.open.computation),
-            Command::Recompute if model.final_result().is_none() => model.open.computation.restart(),
+            Command::Recompute => model.open.computation.restart(),
             Command::Place(side, point) => {
                 model.open.crosshair = None;
                 let before = model.document.clone();
@@ -127,8 +127,7 @@ impl Inspector {
             }
             Command::ResetParameters => model.set_preset(model.document.parameters.preset),
             // `Inspector::show` collects these, as only the targets of this frame count.
-            // The same points give the same result.
-            Command::Recompute | Command::PointAt(_) => {}
+            Command::PointAt(_) => {}
             Command::ChooseHypothesis(number) => model.choose_hypothesis(number),
             Command::ChooseContestant(contestant) => model.open.focus.choose_contestant(contestant),
             Command::Compare(subject) => model.look.compared = subject,

@@ -75,6 +75,7 @@ pub struct Messages {
 }
 
 impl Messages {
+    /// Returns the messages, oldest first.
     pub fn list(&self) -> &[Message] {
         &self.list
     }
@@ -103,6 +104,7 @@ impl Messages {
         self.list.iter().filter_map(left).min_by(f64::total_cmp)
     }
 
+    /// Adds a message about a failure.
     pub fn tell(&mut self, text: impl Into<String>) {
         self.say(MessageKind::Problem, text.into(), Vec::new());
     }

@@ -235,8 +235,7 @@ impl Model {
         found.map_or(MatchesAtHand::Clicked(clicked), |(found, _)| MatchesAtHand::Found(found))
     }
 
-    /// Returns the final result of the present points.
-    pub fn final_result(&self) -> Option<Shared<Estimate>> {
+    fn final_result(&self) -> Option<Shared<Estimate>> {
         let (found, freshness) = self.open.computation.shared_result()?;
         (freshness == Freshness::Final).then_some(found)
     }
