@@ -192,9 +192,10 @@ def estimate_relative_pose(
     >>> found.R.shape, found.t.shape
     ((3, 3), (3,))
     """
-    both = _inputs.cameras(camera1 if _inputs.is_path(camera1) and camera1 == camera2 else (camera1, camera2))
+    are_paths = _inputs.is_path(camera1) and _inputs.is_path(camera2)
+    both: Any = _inputs.cameras(camera1 if are_paths and camera1 == camera2 else (camera1, camera2))
     remarks: list[str] = []
-    if sizes is None and not _inputs.is_path(camera1):
+    if sizes is None and not are_paths:
         sizes = []
         for (K, _), points in zip(both, (points1, points2)):
             reach = np.max(_inputs.points(points, "points"), axis=0, initial=0.0)

@@ -78,8 +78,9 @@ impl Judgement {
 /// Cameras to judge: projection matrices, or one or two files of a calibration.
 #[derive(FromPyObject)]
 pub enum JudgedCameras<'py> {
-    Projections([PyReadonlyArray2<'py, f64>; 2]),
+    // First, as the extraction of arrays ends at a sequence of another length.
     Files(Vec<PathBuf>),
+    Projections([PyReadonlyArray2<'py, f64>; 2]),
 }
 
 /// A failed search for the geometry of the pictures or of the matches.
