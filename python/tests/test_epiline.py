@@ -404,9 +404,11 @@ class Cameras(unittest.TestCase):
         self.assertEqual((found.fits, found.message), (status == 0, record["message"]), told)
         np.testing.assert_array_equal(found.reference, np.array(record["reference"]))
         self.assertEqual(json.loads(found.to_json()).get("pose_difference"), record.get("pose_difference"))
+        self.assertIn("negate it", found.message)
         shown = epiline.estimate(LEFT, RIGHT)
-        matches = np.hstack([shown.points1, shown.points2])
-        self.assertTrue(epiline.judge(LEFT, RIGHT, cameras=path, matches=matches).fits)
+        matches = np.hstack([shown.points2, shown.points1])
+        exchanged = epiline.judge(RIGHT, LEFT, cameras=path, matches=matches)
+        self.assertTrue(exchanged.fits, exchanged.message)
         numbers = ", ".join(str(float(number)) for number in K.ravel())
         one = self.file("one.yaml", f"%YAML:1.0\n---\nK: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ {numbers} ]\n")
         with self.assertRaisesRegex(epiline.InputError, "no pose of the second camera"):
