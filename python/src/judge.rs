@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use epiline::estimate::{EstimateError, Monitor, Parameters};
+use epiline::estimate::{EstimateError, Match, Monitor, Parameters};
 use epiline::geometry::{Camera, FundamentalMatrix, Matrix9};
 use epiline::judge::{
     FEWEST_MATCHES, Finding, GivenCalibration, GivenGeometry, LIMIT, ROW_LIMIT, judge_rows,
@@ -16,7 +16,7 @@ use pyo3::types::PyDict;
 use serde_json::Value;
 
 use crate::arrays::{self, covariance_of, fundamental_of, pictures_of};
-use crate::cameras::GivenCameras;
+use crate::cameras::{GivenCameras, KnownCameras};
 use crate::errors::{input, of_estimate};
 use crate::estimate::given_of;
 use crate::search::{Threads, watched};
@@ -133,22 +133,7 @@ pub fn judge(
         (Some(matrix), _) => Some(GivenGeometry::from(fundamental_of(py, &matrix, Some(study.frames()))?)),
         (None, Some(JudgedCameras::Projections(cameras))) => Some(of_cameras(py, &cameras)?),
         (None, Some(JudgedCameras::Files(files))) => {
-            let pairs = || match &given_matches {
-                Some(given) => given.iter().map(|found| found.pair).collect(),
-                None => study.putative_pairs(),
-            };
-            let known = GivenCameras::Files(files).known(py, &threads, study.frames(), pairs)?;
-            let no_pose = || {
-                let notes = known.notes.join(" ");
-                input(
-                    py,
-                    format!(
-                        "the calibration has no pose of the second camera. {notes} To judge a matrix, give F"
-                    ),
-                )
-            };
-            let calibration = GivenCalibration { pose: known.pose.ok_or_else(no_pose)?, views: known.views };
-            let geometry = calibration.geometry().ok_or_else(no_pose)?;
+            let (geometry, known) = of_files(py, files, &study, given_matches.as_deref(), &threads)?;
             given_matches = given_matches
                 .map(|matches| matches_in(&known.views, &matches))
                 .transpose()
@@ -222,6 +207,30 @@ pub fn judge(
         remarks,
         record,
     })
+}
+
+/// Returns the geometry of the files of a calibration in views without distortion, with its cameras.
+fn of_files(
+    py: Python<'_>,
+    files: Vec<PathBuf>,
+    study: &Study,
+    matches: Option<&[Match]>,
+    threads: &Threads,
+) -> PyResult<(GivenGeometry, KnownCameras)> {
+    let pairs = || match matches {
+        Some(given) => given.iter().map(|found| found.pair).collect(),
+        None => study.putative_pairs(),
+    };
+    let known = GivenCameras::Files(files).known(py, threads, study.frames(), pairs)?;
+    let calibration = known.pose.map(|pose| GivenCalibration { pose, views: known.views });
+    let geometry = calibration.and_then(|calibration| calibration.geometry()).ok_or_else(|| {
+        let notes = known.notes.join(" ");
+        input(
+            py,
+            format!("the calibration has no pose of the second camera. {notes} To judge a matrix, give F"),
+        )
+    })?;
+    Ok((geometry, known))
 }
 
 /// Returns the geometry of two projection matrices.
