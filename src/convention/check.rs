@@ -66,8 +66,6 @@ pub struct RankedReading {
     /// True if the matches distinguish this reading from the first of the list; false for the first
     /// itself.
     pub told_apart: bool,
-    /// Largest median with which this reading fits, px.
-    pub limit: f64,
     #[serde(skip)]
     distances: Vec<f64>,
 }
@@ -77,7 +75,7 @@ pub struct RankedReading {
 pub struct ConventionCheck {
     /// Readings, at least one. The first is the most credible; the others are sorted by median.
     pub readings: Vec<RankedReading>,
-    /// Largest median of a reading without a searched scale that fits, px.
+    /// Largest median of a reading that fits, px.
     pub limit: f64,
     /// Number of matches used.
     pub matches: usize,
@@ -106,6 +104,9 @@ pub fn check_convention(
     let mut readings: Vec<RankedReading> = Vec::new();
     for reading in candidates(given, &matches) {
         let Some(ranked) = RankedReading::new(reading, given, &matches, limit) else { continue };
+        if !SCALES.contains(&reading.scale) && ranked.median > SEARCHED * limit {
+            continue;
+        }
         // Simpler readings come first, so the first name of a matrix is the simplest.
         if !readings.iter().any(|other| other.is_same(&ranked)) {
             readings.push(ranked);
@@ -168,14 +169,8 @@ impl RankedReading {
             median: median(distances.iter().copied()),
             within: near as f64 / distances.len() as f64,
             told_apart: false,
-            limit: if SCALES.contains(&reading.scale) { limit } else { SEARCHED * limit },
             distances,
         })
-    }
-
-    /// Returns whether the reading fits the matches.
-    pub fn fits(&self) -> bool {
-        self.median <= self.limit
     }
 
     /// Returns whether both readings give every match the same distance, up to rounding.
@@ -210,7 +205,7 @@ impl ConventionCheck {
 
     /// Returns whether any reading fits the matches.
     pub fn fits(&self) -> bool {
-        self.best().fits()
+        self.best().median <= self.limit
     }
 
     /// Returns the matrix as it was read, wherever it ranks.
@@ -233,14 +228,14 @@ impl ConventionCheck {
         let best = self.best();
         if !self.fits() {
             // The least distance of a hundred readings tells nothing far beyond the limit.
-            let is_near = best.median <= FAR * best.limit;
+            let is_near = best.median <= FAR * self.limit;
             let which =
                 if is_near { format!("the best one ({})", best.reading) } else { "each of them".to_owned() };
             return format!(
                 "No reading fits. Under {which}, half of the {} matches lie more than {} px from their epipolar lines; the limit is {} px. The matrix may belong to other images, most matches may be wrong, or the convention may be one that is not tried: y pointing up, or only one of the images resized.",
                 self.matches,
                 pixels(best.median),
-                pixels(best.limit)
+                pixels(self.limit)
             );
         }
         let mut text = if best.reading.changes() == 0 {
@@ -248,7 +243,7 @@ impl ConventionCheck {
         } else {
             let as_read = self.as_read();
             let median = as_read.map_or(String::new(), |r| format!(" ({} px)", pixels(r.median)));
-            if as_read.is_some_and(RankedReading::fits) {
+            if as_read.is_some_and(|r| r.median <= self.limit) {
                 format!(
                     "The geometry fits worse as read{median} than under another reading: {}",
                     best.reading

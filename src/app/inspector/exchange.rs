@@ -259,7 +259,7 @@ impl Inspector {
             of: (*matches).to_owned(),
             // Session files cannot store infinity.
             median: ranked.median.min(1e9),
-            fits: ranked.fits(),
+            fits: ranked.median <= check.limit,
         });
         let read = ranked.map_or(*fundamental, |ranked| ranked.fundamental);
         let imported = Imported {

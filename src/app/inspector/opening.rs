@@ -63,9 +63,9 @@ impl Inspector {
         }
         // Another pair of the same folder belongs to the same session.
         let turns = pair.restored.is_none() && self.model.is_of_open_folder(pair.folder.as_ref());
-        let set_aside = !turns && self.set_aside();
         // What went wrong before was about the other pictures.
         self.model.messages.settle(MessageKind::Problem);
+        let set_aside = !turns && self.set_aside();
         self.note_recent(&pair);
         self.replace_pictures(ctx, &pair.pictures);
         let is_of_file = |known: &KnownTruth| matches!(known.source, TruthSource::Folder { .. });

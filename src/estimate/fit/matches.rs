@@ -81,7 +81,9 @@ const STEP: f64 = 3.0;
 const WIDE_LOSS: f64 = 2.385 / MEDIAN;
 /// Largest number of rounds of the first search. With 20, a sample is all right with 99.99 % where 34 % of the matches
 /// are right.
-const MOST_ROUNDS: u64 = 20;
+const MOST_ROUNDS: usize = 20;
+/// Number of matches up to which several rounds are allowed, times their number: with more matches they take seconds.
+const MOST_SCORED: usize = 10_000;
 /// Number of the first of these rounds. Its random numbers are others than those of the rounds that follow.
 const FIRST_ROUND: u64 = 1 << 8;
 /// Largest number of rounds of consensus. They end earlier when the likelihood no longer grows.
@@ -146,7 +148,7 @@ pub(super) fn estimate_geometry(
     // geometry at any scale, and says nothing.
     let worth = |agreed: &Agreed| (agreed.score - model.unknowns() as f64) * (side / agreed.scale).ln();
     let mut best: Option<Agreed> = None;
-    for round in 0..MOST_ROUNDS {
+    for round in 0..(MOST_SCORED / matches.len()).clamp(1, MOST_ROUNDS) as u64 {
         let agreed = all.consensus(&[], &scales, seed, FIRST_ROUND + round, &cancel);
         best = best.into_iter().chain(agreed).max_by(|a, b| worth(a).total_cmp(&worth(b)));
         if best.is_none_or(|best| all.are_enough(round + 1, &best)) {

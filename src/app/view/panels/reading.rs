@@ -106,7 +106,7 @@ fn readings(ui: &mut Ui, check: &ConventionCheck, chosen: &mut usize) {
     let is_alike = |place: usize| check.fits() && !check.readings[place].told_apart;
     // The sentence names the next different reading. It is a choice if it fits, too.
     let next = check.readings.iter().position(|ranked| ranked.told_apart);
-    let next = next.filter(|place| check.readings[*place].fits());
+    let next = next.filter(|place| check.readings[*place].median <= check.limit);
     // Other readings than the best one, those that fit as well, and the one of the file are no choice.
     let is_listed =
         |place: &usize| *place == 0 || Some(*place) == own || Some(*place) == next || is_alike(*place);
