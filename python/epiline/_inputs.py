@@ -153,7 +153,7 @@ def cameras(value: Any) -> Sequence[tuple[NDArray[np.float64], Sequence[float]]]
         return None
     if is_path(value):
         return [value]
-    if len(value) != 2:
+    if not hasattr(value, "__len__") or len(value) != 2:
         raise InputError("cameras has one camera for each image, or is the path of a calibration")
     paths = [is_path(each) for each in value]
     if all(paths):
@@ -165,12 +165,18 @@ def cameras(value: Any) -> Sequence[tuple[NDArray[np.float64], Sequence[float]]]
 
 def judged_cameras(value: Any) -> Sequence[NDArray[np.float64]] | list[Any] | None:
     """Return both projection matrices, or the paths of a calibration. `None` without any."""
-    if value is None or is_path(value):
-        return None if value is None else [value]
-    if len(value) != 2:
-        raise InputError("cameras are two projection matrices, or the path of a calibration")
-    if all(is_path(each) for each in value):
+    if value is None:
+        return None
+    if is_path(value):
+        return [value]
+    words = "cameras are two projection matrices, or the path of a calibration"
+    if not hasattr(value, "__len__") or len(value) != 2:
+        raise InputError(words)
+    paths = [is_path(each) for each in value]
+    if all(paths):
         return list(value)
+    if any(paths):
+        raise InputError(words)
     return [matrix(P, (3, 4), "a projection matrix") for P in value]
 
 

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use epiline::estimate::{EstimateError, Match, Monitor, Parameters};
 use epiline::geometry::{Camera, FundamentalMatrix, Matrix9};
+use epiline::io::CalibratedCamera;
 use epiline::judge::{
     FEWEST_MATCHES, Finding, GivenCalibration, GivenGeometry, LIMIT, ROW_LIMIT, judge_rows,
 };
@@ -224,11 +225,8 @@ fn of_files(
     let known = GivenCameras::Files(files).known(py, threads, study.frames(), pairs)?;
     let calibration = known.pose.map(|pose| GivenCalibration { pose, views: known.views });
     let geometry = calibration.and_then(|calibration| calibration.geometry()).ok_or_else(|| {
-        let notes = known.notes.join(" ");
-        input(
-            py,
-            format!("the calibration has no pose of the second camera. {notes} To judge a matrix, give F"),
-        )
+        let told = CalibratedCamera::without_pose(&known.notes);
+        input(py, format!("{told} To judge a matrix, give F"))
     })?;
     Ok((geometry, known))
 }

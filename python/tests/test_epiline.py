@@ -411,8 +411,14 @@ class Cameras(unittest.TestCase):
         self.assertTrue(exchanged.fits, exchanged.message)
         numbers = ", ".join(str(float(number)) for number in K.ravel())
         one = self.file("one.yaml", f"%YAML:1.0\n---\nK: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ {numbers} ]\n")
-        with self.assertRaisesRegex(epiline.InputError, "no pose of the second camera"):
+        status, _, told = program("judge", *pictures, "--calibration", one, one)
+        self.assertEqual(status, 2, told)
+        with self.assertRaises(epiline.InputError) as raised:
             epiline.judge(LEFT, RIGHT, cameras=(one, one))
+        self.assertIn(str(raised.exception).partition(" To judge")[0], told)
+        for wrong in (5, (path, np.eye(3, 4)), [np.eye(3, 4)]):
+            with self.assertRaisesRegex(epiline.InputError, "two projection matrices"):
+                epiline.judge(LEFT, RIGHT, cameras=wrong)
 
     def test_a_pose_by_a_calibration(self):
         path = self.file("calib.txt", self.middlebury())

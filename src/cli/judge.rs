@@ -209,13 +209,9 @@ fn of_images(study: &Study, arguments: &JudgeArguments, seed: u64) -> Result<Sho
     Ok(ShownGeometry::from(&found))
 }
 
-/// Returns the refusal of a calibration without a pose. The notes of its reading may tell why.
+/// Returns the refusal of a calibration without a pose.
 fn no_pose(notes: &[String]) -> CliError {
-    let told = if notes.is_empty() {
-        "the calibration does not tell where the second camera is.".to_owned()
-    } else {
-        format!("the calibration has no pose of the second camera. {}", notes.join(" "))
-    };
+    let told = CalibratedCamera::without_pose(notes);
     CliError::Arguments(format!("{told} To judge a matrix, use --fundamental"))
 }
 

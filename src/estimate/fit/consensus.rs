@@ -208,8 +208,8 @@ impl Evidence<'_> {
         order
     }
 
-    /// Returns whether so many rounds of consensus have drawn a sample of right matches alone, by all odds, if a
-    /// geometry has the right ones ([`MISSED`]; Fischler & Bolles 1981).
+    /// Returns whether so many rounds have drawn a sample of right matches alone, but for a probability of [`MISSED`]
+    /// (Fischler & Bolles 1981). The matches near `agreed` count as right.
     pub fn are_enough(&self, rounds: u64, agreed: &Agreed) -> bool {
         let drawn_from = self.drawn_from();
         let is_right =

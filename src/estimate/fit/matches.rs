@@ -76,13 +76,13 @@ const COARSEST: f64 = 0.002;
 const LARGEST_ERROR: f64 = 1.0;
 /// Ratio of successive scales of the first search. The truncated score tolerates a factor of 2.
 const STEP: f64 = 3.0;
-/// Scale of a wide loss, in scales of the noise: with 2.385 standard deviations, a Cauchy loss loses 5 % of the precision
-/// where the noise is Gaussian (Holland & Welsch 1977).
+/// Scale of a wide loss, in scales of the noise: 2.385 standard deviations. Where the noise is Gaussian, such a Cauchy loss
+/// has 95 % of the best precision (Holland & Welsch 1977).
 const WIDE_LOSS: f64 = 2.385 / MEDIAN;
-/// Largest number of rounds of the first search. With 20, a sample is all right with 99.99 % where 34 % of the matches
-/// are right.
+/// Largest number of rounds of the first search. After 20, a sample of right matches alone was drawn with 99.99 % where 34 %
+/// of the matches are right.
 const MOST_ROUNDS: usize = 20;
-/// Number of matches up to which several rounds are allowed, times their number: with more matches they take seconds.
+/// Largest product of rounds and matches. Ten times as many take seconds.
 const MOST_SCORED: usize = 10_000;
 /// Number of the first of these rounds. Its random numbers are others than those of the rounds that follow.
 const FIRST_ROUND: u64 = 1 << 8;

@@ -237,6 +237,14 @@ impl CalibratedCamera {
         sentences
     }
 
+    /// Says that a calibration has no pose of the second camera. The notes of its reading may tell why.
+    pub fn without_pose(notes: &[String]) -> String {
+        if notes.is_empty() {
+            return "the calibration does not tell where the second camera is.".to_owned();
+        }
+        format!("the calibration has no pose of the second camera. {}", notes.join(" "))
+    }
+
     /// Returns the relative pose of two cameras and the length of the baseline in the unit of the
     /// file. `None` without poses, or for cameras at one place.
     pub fn relative_pose(pair: &[Self; 2]) -> Option<(RelativePose, f64)> {

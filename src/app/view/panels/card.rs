@@ -339,7 +339,7 @@ fn at_a_glance(ui: &mut Ui, row: Option<Glance>) {
     }
 }
 
-/// Shows the sign and the word of a verdict. At the right, F is copied or the search stopped.
+/// Shows the sign and the word of a verdict. At the right, the search is stopped or F copied, if the word leaves room.
 fn heading(ui: &mut Ui, model: &Model, tone: Option<Tone>, word: &str, commands: &mut Vec<Command>) {
     let row = vec2(ui.available_width(), 24.0);
     ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
