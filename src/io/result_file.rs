@@ -437,11 +437,13 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2], pictures: &Pic
     text += &epipoles_in_words(found, images);
     let assessment = &found.assessment;
     if let Some(trust) = &assessment.trust {
-        let _ = writeln!(text, "Verdict: {}", trust.verdict.label());
+        let frames = images.each_ref().map(|image| image.frame);
+        let is_open = trust.verdict == Verdict::Reliable && is_open_elsewhere(found, frames);
+        let near = if is_open { " near the matches" } else { "" };
+        let _ = writeln!(text, "Verdict: {}{near}", trust.verdict.label());
         for reason in &trust.reasons {
             let _ = writeln!(text, "  {}", reason_in_words(reason));
         }
-        let frames = images.each_ref().map(|image| image.frame);
         if let Some(probability) = probability_in_words(found, frames) {
             let _ = writeln!(text, "{probability}");
         }

@@ -91,4 +91,10 @@ fn stop_ends_the_computation() {
     assert!(window.state().estimate().is_none());
     press(&mut window, Key::F5);
     assert!(window.state().estimate().is_some());
+    window.key_press(Key::F5);
+    window.step();
+    assert!(
+        !window.state().is_busy() && window.state().estimate().is_some(),
+        "the same points give the same result"
+    );
 }

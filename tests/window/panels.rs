@@ -501,7 +501,7 @@ fn a_reliable_result_says_where_its_lines_are_open() {
     };
     let mut window = window(Start::default(), services);
     click_two_pairs(&mut window);
-    window.get_by_label("Reliable");
+    window.get_by_label("Reliable near the matches");
     window.get_by_label_contains("Epipolar lines are right near the matches, and open elsewhere.");
     assert!(window.query_by_label_contains("% likely within").is_none());
 }

@@ -172,10 +172,11 @@ fn the_scene_waits_for_the_final_verdict() {
         }
     });
     let mut window = calibrated(services);
+    tap(&mut window, "Row of pair p");
     press(&mut window, Key::Num7);
     assert!(window.state().model().scene().is_some());
     go_on.store(false, Ordering::Relaxed);
-    window.key_press(Key::F5);
+    window.key_press(Key::ArrowRight);
     for _ in 0..4 {
         window.step();
     }
@@ -202,8 +203,7 @@ fn typed_focal_lengths_give_a_scene_and_leave_the_geometry() {
     window.step();
     window.get_by_role_and_label(Role::TextInput, "Left image").type_text("-3");
     settle(&mut window);
-    window.get_by_label("not a positive number");
-    window.get_by_label("that of the left image");
+    assert_eq!(window.get_all_by_label("not a positive number").count(), 2, "the left one counts for both");
     let is_bad = |clipped: &egui::epaint::ClippedShape| match &clipped.shape {
         egui::Shape::Text(text) if text.galley.text() == "not a positive number" => {
             let own = text.galley.job.sections[0].format.color;
@@ -222,6 +222,7 @@ fn typed_focal_lengths_give_a_scene_and_leave_the_geometry() {
         window.get_by_role_and_label(Role::TextInput, name).type_text(text);
         window.step();
     }
+    window.get_by_label("that of the left image: sees 56° from left to right");
     tap(&mut window, "Use");
     assert_eq!(stage(&window), StageId::Scene);
     let deviation = window.state().model().scene().unwrap().focal_deviation();

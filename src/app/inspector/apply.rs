@@ -81,6 +81,7 @@ impl Inspector {
                 model.messages.say(MessageKind::Answer, text, Vec::new());
             }
             Command::Stop => self.tasks.estimating.stop(&mut model.open.computation),
+            Command::Recompute if model.open.computation.is_final() => {}
             Command::Recompute => model.open.computation.restart(),
             Command::Place(side, point) => {
                 model.open.crosshair = None;

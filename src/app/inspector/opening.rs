@@ -259,7 +259,8 @@ impl Inspector {
             return;
         }
         let guesses = pictures.each_ref().map(|opened| opened.focal_guess);
-        self.view.dialogs.focal = Some(FocalDialog::new(guesses));
+        let widths = pictures.each_ref().map(|opened| opened.shown().frame().width);
+        self.view.dialogs.focal = Some(FocalDialog::new(guesses, widths));
     }
 
     /// Gives the open pictures focal lengths, and shows the scene once there is one.

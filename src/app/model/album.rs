@@ -8,8 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::document::{Document, TruthSource};
 use super::focus::LineSource;
 use crate::camera::CameraModel;
-use crate::io::PictureFolder;
-use crate::io::{relative, resolve};
+use crate::io::{PictureFolder, relative, resolve};
 
 /// Names of a left and a right view.
 pub type ViewNames = [String; 2];

@@ -125,6 +125,11 @@ impl Computation {
         self.running
     }
 
+    /// Returns whether the result is final for the current points. The same points would give it again.
+    pub fn is_final(&self) -> bool {
+        matches!(self.result(), Some((_, Freshness::Final)))
+    }
+
     /// Returns the running stage, once known.
     pub fn stage(&self) -> Option<Stage> {
         self.begun.last().map(|(stage, _)| *stage)

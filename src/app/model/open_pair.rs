@@ -15,7 +15,7 @@ use super::recording::Player;
 use super::rectified::{Rectified, Viewing};
 use super::replay::Replay;
 use super::scene::Scene;
-use super::suggesting::{LensQuestion, PlacesQuestion, Suggested};
+use super::suggesting::{LensQuestion, PairsQuestion, Suggested};
 use super::truth::{KnownTruth, NO_TRUTH};
 use crate::camera::{CameraModel, FocalLength, Orbit, PicturesOf, ViewPair};
 use crate::estimate::{DivisionFit, Estimate};
@@ -68,7 +68,7 @@ pub struct OpenPair {
     /// `None`: there is no such lens.
     pub lens: Option<(LensQuestion, Option<DivisionFit>)>,
     /// Places of the matches of the pairs, once sought for one result.
-    pub places: Option<(PlacesQuestion, Vec<PlaceFound>)>,
+    pub places: Option<(PairsQuestion, Vec<PlaceFound>)>,
     /// The rectified pair, while it is visible. The old one stays until the new one is made.
     pub rectified: Option<Rectified>,
     /// Visible part of the rectified pair.
@@ -196,8 +196,7 @@ impl OpenPair {
 
     /// Returns whether focal lengths can be given: no calibration includes them.
     pub fn takes_focal_lengths(&self) -> bool {
-        self.pictures.is_some()
-            && (self.undistorted().is_none() || self.views().is_some_and(|views| !views.has_focal_lengths()))
+        self.pictures.is_some() && (self.undistorted().is_none() || self.corrected_lens().is_some())
     }
 
     /// Gives the pictures their focal lengths. All coordinates stay. Guessed lengths leave the result, too; known

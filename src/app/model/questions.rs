@@ -11,7 +11,7 @@ use super::picture::Pictures;
 use super::rectified::{MatchesAtHand, RectifyQuestion};
 use super::scene::{Scene, SceneQuestion};
 use super::shared::Shared;
-use super::suggesting::{LensQuestion, NextClickQuestion, SuggestQuestion};
+use super::suggesting::{LensQuestion, PairsQuestion, SuggestQuestion};
 use crate::convention::FEWEST_MATCHES;
 use crate::estimate::{DivisionFit, Estimate, Reason, Search, Verdict};
 use crate::geometry::PointPair;
@@ -132,7 +132,7 @@ impl Model {
 
     /// Returns the request for the next click: for a doubtful result of a search that uses all
     /// pairs.
-    pub fn next_click_question(&self) -> Option<NextClickQuestion> {
+    pub fn next_click_question(&self) -> Option<PairsQuestion> {
         let document = &self.document;
         if document.parameters.search != Search::Patches
             || document.half.is_some()
@@ -148,7 +148,7 @@ impl Model {
         if trust.doubts_clicks_alone() || are_contradicted || trust.says_one_plane() {
             return None;
         }
-        Some(NextClickQuestion { pictures: self.open.pictures()?, found, placed: document.pairs.clone() })
+        Some(PairsQuestion { pictures: self.open.pictures()?, found, pairs: document.pairs.clone() })
     }
 
     /// Returns the lens that explains the matches of the result clearly better.

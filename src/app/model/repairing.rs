@@ -3,7 +3,7 @@
 use super::Model;
 use super::document::{PointRef, Role, Side, pair_name};
 use super::messages::MessageKind;
-use super::suggesting::{PlacesQuestion, RepairQuestion, Repaired};
+use super::suggesting::{PairsQuestion, RepairQuestion, Repaired};
 use crate::estimate::Verdict;
 use crate::geometry::Point;
 use crate::io::PairOrigin;
@@ -21,12 +21,12 @@ impl Model {
     }
 
     /// Returns the request to look for the matches of the pairs, for a result that is not unreliable.
-    pub fn places_question(&self) -> Option<PlacesQuestion> {
+    pub fn places_question(&self) -> Option<PairsQuestion> {
         let (found, pairs) = (self.trusted_result()?, self.document.pairs.clone());
         if self.compares_barcodes() || pairs.is_empty() {
             return None;
         }
-        Some(PlacesQuestion { pictures: self.open.pictures()?, found, pairs })
+        Some(PairsQuestion { pictures: self.open.pictures()?, found, pairs })
     }
 
     /// Returns how far the match of a pair lies from its right point, px, if it clearly lies elsewhere on the

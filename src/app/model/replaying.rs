@@ -102,7 +102,7 @@ impl Model {
             self.open.replay.record = Some((key, Arc::new(self.new_record())));
             self.open.focus.hold(None);
         }
-        if self.open.replay.awaited && matches!(computation.result(), Some((_, Freshness::Final))) {
+        if self.open.replay.awaited && computation.is_final() {
             self.open.replay.awaited = false;
             if !self.look.still_steps {
                 self.apply_to_replay(ReplayCommand::PlaySlowly);

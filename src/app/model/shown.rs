@@ -9,8 +9,7 @@ use super::{Model, TabId};
 use crate::estimate::{Construction, Estimate, Reason, RefinedMatch, lines_at};
 use crate::geometry::fan::{self, NumberedLines};
 use crate::geometry::{AnchoredLine, FundamentalMatrix, Line, Point, PointPair, symmetric_epipolar_distance};
-use crate::io::GroundTruth;
-use crate::io::PictureFolder;
+use crate::io::{GroundTruth, PictureFolder};
 
 /// The geometry shown by the whole window: the selected hypothesis, other method or imported
 /// geometry, or else the result. Without a result, the imported geometry.

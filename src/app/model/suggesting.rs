@@ -21,12 +21,13 @@ pub struct SuggestQuestion {
 /// Places that look like the first click, or the reason why there are none.
 pub type Suggested = Result<Suggestions, SuggestError>;
 
-/// Request for the most useful next click, for a doubtful result.
+/// Request about the pairs of a result: for the most useful next click of a doubtful one, or for the matches of all
+/// pairs along their epipolar lines, since no distance from the lines shows whether a pair is there.
 #[derive(Clone, PartialEq)]
-pub struct NextClickQuestion {
+pub struct PairsQuestion {
     pub pictures: Pictures,
     pub found: Shared<Estimate>,
-    pub placed: Vec<PointPair>,
+    pub pairs: Vec<PointPair>,
 }
 
 /// Request for the distortion of a lens that explains the matches clearly better than a result.
@@ -35,16 +36,6 @@ pub struct LensQuestion {
     pub pictures: Pictures,
     /// The result without a lens.
     pub found: Shared<Estimate>,
-}
-
-/// Request to look for the matches of all pairs along their epipolar lines. No distance from the lines shows
-/// whether a pair is there.
-#[derive(Clone, PartialEq)]
-pub struct PlacesQuestion {
-    pub pictures: Pictures,
-    /// The result, which is not unreliable.
-    pub found: Shared<Estimate>,
-    pub pairs: Vec<PointPair>,
 }
 
 /// Request to align the right point of a pair to a fraction of a pixel near its place.

@@ -32,7 +32,7 @@ use super::model::recording::{OffsetFound, Recordings};
 use super::model::rectified::{Rectified, RectifyQuestion};
 use super::model::scene::{Scene, SceneQuestion};
 use super::model::suggesting::{
-    LensQuestion, NextClickQuestion, PlacesQuestion, RepairQuestion, Repaired, SuggestQuestion, Suggested,
+    LensQuestion, PairsQuestion, RepairQuestion, Repaired, SuggestQuestion, Suggested,
 };
 use crate::estimate::DivisionFit;
 use crate::io::{Autosave, ImportedFile};
@@ -49,9 +49,9 @@ pub struct Tasks {
     comparing: Following<ComparisonQuestion, Comparison>,
     inspecting: Following<InspectionRequest, Inspection>,
     suggesting: Following<SuggestQuestion, Suggested>,
-    advising: Following<NextClickQuestion, Option<NextClick>>,
+    advising: Following<PairsQuestion, Option<NextClick>>,
     straightening: Following<LensQuestion, (LensQuestion, Option<DivisionFit>)>,
-    checking: Following<PlacesQuestion, (PlacesQuestion, Vec<PlaceFound>)>,
+    checking: Following<PairsQuestion, (PairsQuestion, Vec<PlaceFound>)>,
     pub repairing: Task<RepairQuestion, Repaired>,
     pub aligning: Task<Recordings, OffsetFound>,
     rectifying: Following<RectifyQuestion, Rectified>,

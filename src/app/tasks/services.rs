@@ -8,8 +8,7 @@ use crate::app::model::document::Side;
 use crate::app::model::picture::Pictures;
 use crate::app::model::recording::Synchronised;
 use crate::app::model::suggesting::{
-    LensQuestion, NextClickQuestion, PlacesQuestion, RepairOutcome, RepairQuestion, SuggestQuestion,
-    Suggested,
+    LensQuestion, PairsQuestion, RepairOutcome, RepairQuestion, SuggestQuestion, Suggested,
 };
 use crate::cancel::CancelFlag;
 use crate::estimate::{DivisionFit, Estimate, EstimateError, Monitor};
@@ -46,11 +45,11 @@ pub struct Services {
     /// Suggestion for the second click of a pair, within some hundredths of a second.
     pub suggest: Box<AnswerFn<SuggestQuestion, Suggested>>,
     /// Most useful place for one more pair, within milliseconds.
-    pub next_click: Box<AnswerFn<NextClickQuestion, Option<NextClick>>>,
+    pub next_click: Box<AnswerFn<PairsQuestion, Option<NextClick>>>,
     /// Distortion of the lens, within some tenths of a second.
     pub lens: Box<AnswerFn<LensQuestion, Option<DivisionFit>>>,
     /// Matches of the pairs along their lines, within some hundredths of a second for each.
-    pub places: Box<AnswerFn<PlacesQuestion, Vec<PlaceFound>>>,
+    pub places: Box<AnswerFn<PairsQuestion, Vec<PlaceFound>>>,
     /// Better place for a placed pair, within some hundredths of a second.
     pub repair: Box<AnswerFn<RepairQuestion, RepairOutcome>>,
     /// System dialog for a file; `None` when cancelled or unable to open.
@@ -88,7 +87,7 @@ impl Default for Services {
                 suggesting.get(pictures).suggest_by(found.as_deref(), placed, half.point, clicked)
             }),
             next_click: Box::new(move |question| {
-                advising.get(&question.pictures).next_click(&question.found, &question.placed)
+                advising.get(&question.pictures).next_click(&question.found, &question.pairs)
             }),
             lens: Box::new(move |question| straightening.get(&question.pictures).find_lens(&question.found)),
             places: Box::new(move |question| {

@@ -11,8 +11,7 @@ use crate::app::model::sample::SAMPLE_SEQUENCES;
 use crate::app::model::session::{Lost, OpenSession, Relocation, Restored, Work};
 use crate::app::model::truth::KnownTruth;
 use crate::foreign::shown_path;
-use crate::io::PictureFolder;
-use crate::io::{ImageReference, ImageSource, Located, SessionError, SessionFile, sha256_of};
+use crate::io::{ImageReference, ImageSource, Located, PictureFolder, SessionError, SessionFile, sha256_of};
 use crate::synthetic::Sample;
 
 pub fn open_session(session: OpenSession, reading: &mut PairReading) -> Result<LoadedPair, OpeningFailure> {

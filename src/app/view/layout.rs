@@ -4,9 +4,8 @@ use egui::{Context, Frame, Margin, Panel, Rect, Ui, UiBuilder, Vec2, vec2};
 
 use super::capture::WantedView;
 use super::dialogs::Dialogs;
-use super::panels;
 use super::panes::{ImagePane, halves, scene};
-use super::theme;
+use super::{panels, theme};
 use crate::app::model::dock::{DockEdge, Placement, placed};
 use crate::app::model::open_pair::Hover;
 use crate::app::model::pane_view::PaneView;

@@ -1,16 +1,14 @@
 //! What each step draws. All times are seconds since the step began, at the usual speed.
 
 use super::course::Place;
-use super::kept;
 use super::moment::{Filled, Ink, Moment, Shape};
-use super::race;
 use super::record::{Record, RecordedPencils, Trip};
-use super::sequences;
 use super::strokes::{
     CANDIDATES, both, candidate, ease_in_out, ease_out, epipoles_of, farthest, noted_lines, pencil_lines,
     share,
 };
 use super::sweep::nearest_pairs;
+use super::{kept, race, sequences};
 use crate::app::model::document::Side;
 use crate::app::model::focus::{Replayed, Target};
 use crate::app::model::ids::MethodStep;

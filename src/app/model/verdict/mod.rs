@@ -131,19 +131,20 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
         .filter(|_| finished)
         .collect();
     let (word, sentence) = match freshness {
-        Freshness::Stale => ("Updating", "The lines still belong to the previous points".to_owned()),
+        Freshness::Stale => ("Updating", "The lines are those of the previous result".to_owned()),
         Freshness::Followed => ("Updating", "The latest geometry, until the new search ends".into()),
         Freshness::Preliminary => ("First result", format!("Being refined: {}", stage())),
         Freshness::Stopped => ("First result", "The search was stopped before refinement".into()),
         Freshness::Final => {
+            let is_open = document.frames().is_some_and(|frames| is_open_elsewhere(estimate, frames));
             let word = match tone {
                 Tone::Good if assessment.trust.is_none() => "Estimated",
+                Tone::Good if is_open => "Reliable near the matches",
                 Tone::Good => "Reliable",
                 Tone::Apart => "Different scenes?",
                 Tone::Bad => "Unreliable",
                 _ => "Doubtful",
             };
-            let is_open = document.frames().is_some_and(|frames| is_open_elsewhere(estimate, frames));
             let checks = match assessment.trust {
                 Some(_) if !is_open => ". All checks passed.",
                 _ => "",

@@ -7,8 +7,7 @@ use egui::{
 };
 
 use super::{command_button, finish_button, main_button};
-use crate::app::model::command::Command;
-use crate::app::model::command::PickPurpose;
+use crate::app::model::command::{Command, PickPurpose};
 
 /// Width of the labels, screen points. Equal widths align the fields.
 const LABEL_WIDTH: f32 = 84.0;

@@ -14,17 +14,19 @@ const TYPED_DEVIATION: f64 = 0.05;
 #[derive(Debug, Clone)]
 pub struct FocalDialog {
     guesses: [Option<FocalLength>; 2],
+    /// Widths of the pictures, px.
+    widths: [usize; 2],
     pixels: [String; 2],
     percent: String,
     just_opened: bool,
 }
 
 impl FocalDialog {
-    pub fn new(guesses: [Option<FocalLength>; 2]) -> Self {
+    pub fn new(guesses: [Option<FocalLength>; 2], widths: [usize; 2]) -> Self {
         let pixels = guesses.map(|guess| guess.map_or_else(String::new, shown));
         let deviation = guesses.iter().flatten().map(|guess| guess.deviation).reduce(f64::max);
         let percent = format!("{:.0}", 100.0 * deviation.unwrap_or(TYPED_DEVIATION));
-        Self { guesses, pixels, percent, just_opened: true }
+        Self { guesses, widths, pixels, percent, just_opened: true }
     }
 
     /// Shows the dialog. Returns whether it stays open.
@@ -35,12 +37,18 @@ impl FocalDialog {
             ui.add(Label::new(text).wrap());
             ui.add_space(6.0);
             let percent = self.percent();
-            let notes = [self.note(Side::Left), self.note(Side::Right)];
+            let [note1, note2] = Side::BOTH.map(|side| self.note(side));
             let [left, right] = &mut self.pixels;
             for (name, text, hint, unit, note) in [
-                ("Left image", left, "focal length", "px", notes[0]),
-                ("Right image", right, "focal length", "px", notes[1]),
-                ("Known to ±", &mut self.percent, "0", "%", percent.map_or(NO_PERCENT, of_percent)),
+                ("Left image", left, "focal length", "px", note1),
+                ("Right image", right, "focal length", "px", note2),
+                (
+                    "Known to ±",
+                    &mut self.percent,
+                    "0",
+                    "%",
+                    percent.map_or(NO_PERCENT, of_percent).to_owned(),
+                ),
             ] {
                 ui.horizontal(|ui| {
                     let label = row_label(ui, name);
@@ -50,7 +58,7 @@ impl FocalDialog {
                         field.request_focus();
                     }
                     ui.label(unit);
-                    if [NO_LENGTH, NO_PERCENT].contains(&note) {
+                    if [NO_LENGTH, NO_PERCENT].contains(&note.as_str()) {
                         ui.colored_label(theme::palette(ui.visuals()).bad, note);
                     } else {
                         ui.weak(note);
@@ -74,9 +82,11 @@ impl FocalDialog {
     }
 
     fn focal(&self, side: Side) -> Option<FocalLength> {
-        let pixels: f64 = self.text(side).parse().ok()?;
-        let deviation = self.percent()? / 100.0;
-        (pixels.is_finite() && pixels > 0.0).then_some(FocalLength { pixels, deviation })
+        Some(FocalLength { pixels: self.focal_pixels(side)?, deviation: self.percent()? / 100.0 })
+    }
+
+    fn focal_pixels(&self, side: Side) -> Option<f64> {
+        self.text(side).parse().ok().filter(|pixels: &f64| pixels.is_finite() && *pixels > 0.0)
     }
 
     /// Returns the deviation in percent; that of an empty field is 0.
@@ -86,19 +96,22 @@ impl FocalDialog {
         (0.0..100.0).contains(&percent).then_some(percent)
     }
 
-    /// Tells where a focal length is from, or what is wrong with it.
-    fn note(&self, side: Side) -> &'static str {
+    /// Tells where a focal length is from and how much a camera with it sees, or what is wrong with it.
+    fn note(&self, side: Side) -> String {
         let text = self.text(side);
         let is_empty = self.pixels[side.index()].trim().is_empty();
-        match text.parse::<f64>() {
-            _ if is_empty && !text.is_empty() => "that of the left image",
-            _ if self.guesses[side.index()].is_some_and(|guess| shown(guess) == text) => {
-                "guessed from EXIF data"
-            }
-            _ if text.is_empty() => "no EXIF data; often 0.7 to 1.3 times the width",
-            Ok(pixels) if pixels.is_finite() && pixels > 0.0 => "",
-            _ => NO_LENGTH,
+        if text.is_empty() {
+            return "no EXIF data; often 0.7 to 1.3 times the width".to_owned();
         }
+        let Some(pixels) = self.focal_pixels(side) else { return NO_LENGTH.to_owned() };
+        let is_guess = self.guesses[side.index()].is_some_and(|guess| shown(guess) == text);
+        let source = match (is_empty, is_guess) {
+            (true, _) => "that of the left image: ",
+            (false, true) => "from EXIF data: ",
+            (false, false) => "",
+        };
+        let angle = 2.0 * (0.5 * self.widths[side.index()] as f64 / pixels).atan().to_degrees();
+        format!("{source}sees {angle:.0}° from left to right")
     }
 }
 

@@ -3,8 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::dialog::{PathField, dialog, ending, path_of};
-use crate::app::model::command::PickPurpose;
-use crate::app::model::command::{Command, SessionCommand};
+use crate::app::model::command::{Command, PickPurpose, SessionCommand};
 use crate::app::model::session::has_session_extension;
 
 #[derive(Debug, Clone)]

@@ -2,9 +2,8 @@
 
 use egui::{Align, Button, CollapsingHeader, Label, Layout, RichText, ScrollArea, Ui};
 
-use super::finish_button;
 use super::tabs::parameters;
-use super::terms;
+use super::{finish_button, terms};
 use crate::app::model::step::{sentence, title};
 use crate::app::model::{Command, MethodStep, Model};
 use crate::app::view::theme;

@@ -85,7 +85,7 @@ pub(in crate::estimate) struct Witnesses {
 impl Witnesses {
     /// Returns whether parallax that no smooth warp, or no turn of known cameras, explains shows the epipole.
     pub fn show_the_epipole(self) -> bool {
-        self.is_no_chance() && self.are_enough() && self.are_along() && self.are_mostly_along()
+        self.is_no_chance() && self.are_enough() && self.are_along() && !self.are_mostly_off()
     }
 
     /// Returns whether enough of all matches are beside the warp along their lines.
@@ -98,9 +98,10 @@ impl Witnesses {
         at_least(self.along, self.along + self.across) >= MOSTLY_ALONG
     }
 
-    /// Returns whether more matches lie along their lines than clearly off them.
-    pub fn are_mostly_along(self) -> bool {
-        at_least(self.along, self.along + self.off) >= EVEN
+    /// Returns whether clearly more matches lie off their lines than along them. Wrong matches lie anywhere, so many of
+    /// them alone are no doubt.
+    fn are_mostly_off(self) -> bool {
+        at_least(self.off, self.along + self.off) >= EVEN
     }
 
     /// Returns whether chance seldom does as well. A wrong match lies in any direction from the warp.

@@ -9,9 +9,8 @@ use egui_plot::{
     AxisHints, GridInput, GridMark, HPlacement, Line, Plot, PlotImage, PlotPoint, PlotPoints, PlotUi, VLine,
 };
 
-use super::barcodes;
 use super::inspected::{marked, read_out, tools};
-use super::{Tab, empty};
+use super::{Tab, barcodes, empty};
 use crate::app::model::inspection::Inspection;
 use crate::app::model::{Command, Model, TabId, Target};
 use crate::app::view::{heat, theme};

@@ -6,8 +6,7 @@ use egui::{Pos2, Rect, Vec2};
 use super::{Canvas, Pointing};
 use crate::app::model::inspection::Inspection;
 use crate::app::model::{Side, Target};
-use crate::app::view::heat;
-use crate::app::view::theme;
+use crate::app::view::{heat, theme};
 use crate::geometry::Point;
 
 /// Radius of a dot with its dark edge, screen points.

@@ -10,8 +10,7 @@ use egui::{
     Align2, Color32, ColorImage, FontId, Pos2, Rect, Stroke, TextureHandle, TextureOptions, Ui, pos2, vec2,
 };
 
-use crate::app::view::heat;
-use crate::app::view::theme;
+use crate::app::view::{heat, theme};
 use crate::estimate::ComparedPencils;
 use crate::geometry::{Line, Vector};
 

@@ -1,14 +1,13 @@
 //! The similarity matrices of the pencils through `p` and `q`.
 
-use egui::{Label, Rect, RichText, Ui, UiBuilder, Vec2, pos2, vec2};
+use egui::{FontSelection, Label, Rect, RichText, TextWrapMode, Ui, UiBuilder, Vec2, WidgetText, pos2, vec2};
 
 use super::super::empty;
 use super::super::profiles::sliding;
 use super::matrix::PencilMatrix;
 use super::{NO_PENCILS, NO_ROOM, has_no_pencils, touch};
 use crate::app::model::{Command, LineSource, Model, Target, pair_name};
-use crate::app::view::heat;
-use crate::app::view::theme;
+use crate::app::view::{heat, theme};
 use crate::estimate::ComparedPencils;
 
 /// Height of the legend, screen points.
@@ -35,9 +34,10 @@ fn legend(ui: &mut Ui) {
         .on_hover_text("Each of the two lines is among the best matches of the other.");
     mark(ui, theme::pair_color(0));
     ui.label(caption("shown"));
-    // Room for the words, screen points.
-    if ui.available_width() > 210.0 {
-        ui.label(caption("x: left angle · y: turn on the right"));
+    let axes = WidgetText::from(caption("x: left angle · y: turn on the right"));
+    let axes = axes.into_galley(ui, Some(TextWrapMode::Extend), f32::INFINITY, FontSelection::Default);
+    if axes.size().x <= ui.available_width() {
+        ui.label(axes);
     }
 }
 
