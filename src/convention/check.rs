@@ -6,7 +6,9 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::{FEWEST_MATCHES, Reading};
-use crate::geometry::{FundamentalMatrix, PointPair, grid_minimum, median, symmetric_epipolar_distance};
+use crate::geometry::{
+    FundamentalMatrix, PointPair, grid_minimum, looks_essential, median, symmetric_epipolar_distance,
+};
 
 /// Common reductions of images before matching, and their inverses.
 const SCALES: [f64; 9] = [1.0, 0.5, 2.0, 0.25, 4.0, 1.0 / 3.0, 3.0, 0.125, 8.0];
@@ -227,6 +229,16 @@ impl ConventionCheck {
     pub fn sentence(&self) -> String {
         let best = self.best();
         if !self.fits() {
+            if self.as_read().is_some_and(|own| looks_essential(own.fundamental.matrix())) {
+                return format!(
+                    "No reading fits. The matrix looks like an essential matrix E, which is for rays and not for pixels. \
+                     F of the pictures is K2^-T E K1^-1, with the calibration matrices of both cameras. As F, it leaves half \
+                     of the {} matches more than {} px from their epipolar lines; the limit is {} px.",
+                    self.matches,
+                    pixels(best.median),
+                    pixels(self.limit)
+                );
+            }
             // The least distance of a hundred readings tells nothing far beyond the limit.
             let is_near = best.median <= FAR * self.limit;
             let which =

@@ -439,8 +439,8 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2], pictures: &Pic
     if let Some(trust) = &assessment.trust {
         let frames = images.each_ref().map(|image| image.frame);
         let is_open = trust.verdict == Verdict::Reliable && is_open_elsewhere(found, frames);
-        let near = if is_open { " near the matches" } else { "" };
-        let _ = writeln!(text, "Verdict: {}{near}", trust.verdict.label());
+        let partly = if is_open { "partly " } else { "" };
+        let _ = writeln!(text, "Verdict: {partly}{}", trust.verdict.label());
         for reason in &trust.reasons {
             let _ = writeln!(text, "  {}", reason_in_words(reason));
         }
@@ -514,14 +514,17 @@ fn trace_in_words(trace: &SearchTrace, images: &[ImageNote; 2]) -> String {
     let counts = &trace.counts;
     // With features only, no lines are compared.
     if !counts.lines1.is_empty() {
+        // Lines through stand-ins for clicks are compared to look at, and propose nothing.
+        let proposed = match counts.hypotheses {
+            0 => String::new(),
+            of => format!(", {of} hypotheses, {} validated", counts.validated),
+        };
         let _ = writeln!(
             text,
-            "Examined: {} and {} lines, {} candidate line pairs, {} hypotheses, {} validated",
+            "Examined: {} and {} lines, {} candidate line pairs{proposed}",
             list(&counts.lines1),
             list(&counts.lines2),
-            list(&counts.candidates),
-            counts.hypotheses,
-            counts.validated
+            list(&counts.candidates)
         );
     }
     if counts.left_out > 0 {

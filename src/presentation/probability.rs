@@ -4,7 +4,7 @@ use crate::estimate::{Determined, Estimate};
 use crate::geometry::Frame;
 
 /// What a result says whose matches do not determine the lines all over the images.
-pub const NEAR_MATCHES: &str = "Epipolar lines are right near the matches, and open elsewhere";
+pub const NEAR_MATCHES: &str = "Epipolar lines are right near the matches, and uncertain elsewhere";
 
 /// Returns whether the lines of a result are open away from its matches, in images of these sizes.
 pub fn is_open_elsewhere(estimate: &Estimate, frames: [Frame; 2]) -> bool {

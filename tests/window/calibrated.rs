@@ -4,7 +4,7 @@ use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Shape, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::camera::PicturesOf;
-use epiline::estimate::DivisionFit;
+use epiline::estimate::{DivisionFit, Trust, Verdict};
 use epiline::geometry::{Frame, Point, PointPair, symmetric_epipolar_distance};
 use epiline::internals::app::model::document::Side;
 use epiline::internals::app::model::suggesting::LensQuestion;
@@ -14,8 +14,8 @@ use epiline::io::GeometryFile;
 use crate::clipboard::copied;
 use crate::exchange::{export, type_into};
 use crate::support::{
-    ESTIMATED, Files, Window, click, click_at, drag, drop_files, pane, press, press_with, save_as, services,
-    settle, tap, undo, window,
+    ESTIMATED, Files, Window, click, click_at, drag, drop_files, fake_estimate, pane, press, press_with,
+    save_as, services, settle, tap, undo, window,
 };
 
 const FRAME: Frame = Frame { width: 320, height: 240 };
@@ -249,12 +249,18 @@ fn a_lens_that_explains_the_matches_better_is_offered_used_and_removed() {
             gain: 40.0,
         })
     };
-    let services = Services { lens: Box::new(lens), ..services() };
+    let mut services = Services { lens: Box::new(lens), ..services() };
+    services.estimate = Box::new(|request, _| {
+        let mut found = fake_estimate(&request.pairs, &request.parameters)?;
+        found.assessment.trust = Some(Trust { verdict: Verdict::Reliable, reasons: Vec::new() });
+        Ok(found)
+    });
     let mut window = window(Start { opening, imports: Vec::new(), pairs: pairs().to_vec() }, services);
     settle(&mut window);
     click_at(&mut window, Side::Left, 0.1, 0.1);
     press(&mut window, Key::Escape);
     assert!(window.state().model().can_undo());
+    window.get_by_label("Partly reliable");
     tap(&mut window, "Details");
     assert!(window.query_by_label_contains("λ -0.200 ± 0.010").is_some());
     window.get_by_label_contains("correct it for exact lines and epipoles");

@@ -95,7 +95,7 @@ fn a_transposed_matrix_is_recognised_before_it_is_drawn() {
     let mut window = sample();
     let true_f = truth().fundamental;
     drop_files(&mut window, &[file(&files, "F.txt", &rows(&transposed(&true_f)))]);
-    window.get_by_label("Which convention does this matrix use?");
+    window.get_by_label("Convention of the matrix");
     window.get_by_label_contains("The geometry does not fit as read");
     window.get_by_label("recommended");
     assert_eq!(imported(&window), None);
@@ -161,10 +161,7 @@ fn without_matches_a_matrix_is_marked_as_unchecked() {
     drop_files(&mut window, std::slice::from_ref(&path));
     window.get_by_label_contains("that takes 8 matches, and there are");
     press(&mut window, Key::Escape);
-    assert!(
-        window.query_by_label("Which convention does this matrix use?").is_none()
-            && imported(&window).is_none()
-    );
+    assert!(window.query_by_label("Convention of the matrix").is_none() && imported(&window).is_none());
     drop_files(&mut window, &[path]);
     tap(&mut window, "Import matrix");
     assert_eq!(window.state().document().imported.as_ref().unwrap().check, None);
@@ -239,7 +236,7 @@ fn hostile_files_change_nothing_and_are_told_in_a_sentence() {
         drop_files(&mut window, std::slice::from_ref(&path));
         assert!(told(&window, words), "{words}: {:?}", window.state().messages().collect::<Vec<_>>());
         assert_eq!(window.state().document(), &before, "{}", path.display());
-        assert!(window.query_by_label("Which convention does this matrix use?").is_none());
+        assert!(window.query_by_label("Convention of the matrix").is_none());
     }
 }
 
@@ -623,9 +620,9 @@ fn nothing_measured_on_one_pair_shows_beside_another() {
     window.get_by_label_contains("true matches");
     // Asked about once more, and not answered.
     drop_files(&mut window, std::slice::from_ref(&path));
-    window.get_by_label("Which convention does this matrix use?");
+    window.get_by_label("Convention of the matrix");
     drop_files(&mut window, &[files.image("a.png", 640, 480), files.image("b.png", 640, 480)]);
-    assert!(window.query_by_label("Which convention does this matrix use?").is_none());
+    assert!(window.query_by_label("Convention of the matrix").is_none());
     assert_eq!(imported(&window), None);
     for words in ["Imported a geometry", "true matches", "The images show the imported geometry"] {
         assert!(window.query_by_label_contains(words).is_none(), "{words}");

@@ -343,3 +343,22 @@ fn a_damaged_picture_is_refused_and_nothing_is_changed() {
         );
     }
 }
+
+#[test]
+fn in_a_small_window_the_dialog_for_opening_scrolls_and_keeps_its_buttons() {
+    let mut window = sample();
+    // 1024 x 640 with texts of 1.44 times the size.
+    window.set_size(vec2(711.0, 444.0));
+    press_with(&mut window, Modifiers::COMMAND, Key::O);
+    for label in ["Left image", "Right image"] {
+        window.get_by_role_and_label(egui::accesskit::Role::TextInput, label).focus();
+        window.step();
+        window.get_by_role_and_label(egui::accesskit::Role::TextInput, label).type_text("/no/such/image.png");
+        settle(&mut window);
+    }
+    press(&mut window, Key::Enter);
+    let problem = window.get_by_label_contains("there is no such file").rect();
+    for rect in [window.get_by_label("Open these").rect(), window.get_by_label("Cancel").rect(), problem] {
+        assert!(rect.max.y <= 444.0 && rect.min.y > 0.0, "{rect:?}");
+    }
+}

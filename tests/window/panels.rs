@@ -378,7 +378,7 @@ fn the_window_tells_whether_the_pair_is_rectified() {
     run_command(&mut window, "Is the pair rectified?");
     window.get_by_label_contains("There are too few matches to compare rows");
     // Rows that differ by 1 px, and by 100 px.
-    for (offset, says) in [(1.0, "are not rectified: rows differ by 1.00 px"), (100.0, "were not rectified")]
+    for (offset, says) in [(1.0, "are not rectified: rows differ by 1.00 px"), (100.0, "rows differ by 100")]
     {
         let mut services = services();
         services.estimate = Box::new(move |request, _| {
@@ -501,8 +501,8 @@ fn a_reliable_result_says_where_its_lines_are_open() {
     };
     let mut window = window(Start::default(), services);
     click_two_pairs(&mut window);
-    window.get_by_label("Reliable near the matches");
-    window.get_by_label_contains("Epipolar lines are right near the matches, and open elsewhere.");
+    window.get_by_label("Partly reliable");
+    window.get_by_label_contains("Epipolar lines are right near the matches, and uncertain elsewhere.");
     assert!(window.query_by_label_contains("% likely within").is_none());
 }
 

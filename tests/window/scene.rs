@@ -1,5 +1,6 @@
 //! The scene of a calibrated pair: orbit, points under the cursor, and the way back to the pictures.
 
+use crate::exchange::export;
 use crate::support::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,6 +16,7 @@ use epiline::internals::app::model::document::Side;
 use epiline::internals::app::model::focus::Target;
 use epiline::internals::app::model::ids::StageId;
 use epiline::internals::app::{Opening, Services, Start};
+use epiline::io::GeometryFile;
 use nalgebra::{Rotation3, Vector3};
 
 const FRAME: Frame = Frame { width: 320, height: 240 };
@@ -279,4 +281,32 @@ fn the_key_of_the_scene_asks_for_focal_lengths_only_where_the_switch_offers_it()
     click_two_pairs(&mut window);
     press(&mut window, Key::Num7);
     window.get_by_label("Focal lengths");
+}
+
+#[test]
+fn the_scene_and_its_pose_are_exported() {
+    let files = Files::new();
+    let mut window = calibrated(exact());
+    let path = files.0.path().join("scene.ply");
+    export(&mut window, &["3-D points"], &path);
+    let scene = window.state().model().scene().unwrap();
+    let (pose, points) = (scene.fit.pose, scene.cloud.points.len());
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(
+        points > 10 && text.starts_with("ply\n") && text.contains(&format!("{points} scene points")),
+        "{text}"
+    );
+    let path = files.0.path().join("geometry.json");
+    export(&mut window, &["Geometry"], &path);
+    let cameras = GeometryFile::read(&path).unwrap().0.cameras.unwrap();
+    let centre = cameras[1].centre();
+    assert!((centre.xyz() / centre.w - pose.position2()).norm() < 1e-9);
+    let path = files.0.path().join("report.txt");
+    export(&mut window, &["Report", "Plain text"], &path);
+    assert!(std::fs::read_to_string(&path).unwrap().contains("Relative pose"));
+    // Without focal lengths there is nothing to write, and the dialog says why.
+    let mut bare = sample();
+    click_two_pairs(&mut bare);
+    press_with(&mut bare, Modifiers::COMMAND, Key::E);
+    assert!(bare.get_by_label("3-D points").accesskit_node().is_disabled());
 }

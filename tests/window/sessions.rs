@@ -239,11 +239,11 @@ fn unsaved_work_is_offered_after_a_crash() {
 }
 
 #[test]
-fn a_search_that_found_nothing_is_no_unsaved_work() {
+fn a_search_without_clicks_is_no_unsaved_work() {
     let (files, copies) = (Files::new(), tempfile::tempdir().unwrap());
     let opening = Opening::Files(files.image("a.png", 640, 480), files.image("b.png", 640, 480));
     let services = Services {
-        estimate: Box::new(|_, _| Err(epiline::estimate::EstimateError::NoGeometry)),
+        estimate: Box::new(|request, _| fake_estimate(&pairs(), &request.parameters)),
         ..with_copies(copies.path())
     };
     let mut window = window(Start { opening, ..Start::default() }, services);

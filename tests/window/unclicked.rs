@@ -9,8 +9,8 @@ use egui_kittest::kittest::Queryable;
 use epiline::estimate::{Clicks, EstimateError, SearchPlan};
 use epiline::geometry::PointPair;
 use epiline::internals::app::Services;
+use epiline::internals::app::Start;
 use epiline::internals::app::model::document::{Role, Side};
-use epiline::internals::app::{Opening, Start};
 use epiline::io::PairOrigin;
 
 /// Found where there is no click, and held by what is clicked where there is.
@@ -77,21 +77,6 @@ fn a_geometry_is_found_without_a_click_and_its_matches_become_pairs() {
     assert_eq!([2, 3].map(|pair| model.document.role(pair)), [Role::Check; 2]);
     undo(&mut window);
     assert!(!window.state().document().is_unclicked());
-}
-
-#[test]
-fn a_geometry_found_without_clicks_is_offered_again_after_other_pictures() {
-    let (files, copies) = (Files::new(), tempfile::tempdir().unwrap());
-    let opening = Opening::Files(files.image("a.png", 640, 480), files.image("b.png", 640, 480));
-    let services = Services { copies: Some(copies.path().to_owned()), ..finding() };
-    let mut window = window(Start { opening, ..Start::default() }, services);
-    tap(&mut window, "Find without clicks");
-    choose(&mut window, "Help", "Open the sample pictures");
-    assert!(window.state().model().shown().is_none());
-    window
-        .get_by_label_contains("Work on a.png and b.png was not saved. Last changed less than a minute ago.");
-    tap(&mut window, "Restore");
-    assert!(window.state().document().is_unclicked() && window.state().model().shown().is_some());
 }
 
 #[test]

@@ -5,7 +5,6 @@ use egui::{Theme, ThemePreference};
 use super::Inspector;
 use crate::app::model::dock::DockLook;
 use crate::app::model::document::counted;
-use crate::app::model::exchange::ViewPart;
 use crate::app::model::history::EditKey;
 use crate::app::model::look::Tool;
 use crate::app::model::messages::MessageKind;
@@ -81,7 +80,9 @@ impl Inspector {
                 model.messages.say(MessageKind::Answer, text, Vec::new());
             }
             Command::Stop => self.tasks.estimating.stop(&mut model.open.computation),
-            Command::Recompute if model.open.computation.is_final() => {}
+            Command::Recompute if model.open.computation.is_final() => {
+                model.open.done.tell("The result is final: the same points would give it again");
+            }
             Command::Recompute => model.open.computation.restart(),
             Command::Place(side, point) => {
                 model.open.crosshair = None;
@@ -145,7 +146,7 @@ impl Inspector {
                 ctx.copy_text(text);
             }
             Command::CopyView => {
-                self.view.capture = Some(WantedView::new(Destination::Clipboard, ViewPart::Images));
+                self.view.capture = Some(WantedView::new(Destination::Clipboard));
             }
             Command::ToggleLink => {
                 model.look.linked = !model.look.linked;

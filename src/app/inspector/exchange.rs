@@ -8,8 +8,8 @@ use super::Inspector;
 use crate::app::model::comparison::Contestant;
 use crate::app::model::document::{AS_READ, Checked, Given, Imported};
 use crate::app::model::exchange::{
-    ExportContent, ExportKind, ExportOrder, ImportQuestion, PendingImport, ViewPart, colmap, content,
-    trust_note, undistorted,
+    ExportContent, ExportKind, ExportOrder, ImportQuestion, PendingImport, colmap, content, trust_note,
+    undistorted,
 };
 use crate::app::model::messages::{MessageAction, MessageKind};
 use crate::app::model::rectified::{Blink, RectifiedCommand, RectifiedLayout, RectifyOrder};
@@ -69,7 +69,7 @@ impl Inspector {
     fn export_file(&mut self, order: ExportOrder) {
         self.view.dialogs.export.close();
         if order.what == ExportKind::View {
-            self.view.capture = Some(WantedView::new(Destination::File(order.path), order.part));
+            self.view.capture = Some(WantedView::new(Destination::File(order.path)));
             return;
         }
         if order.what == ExportKind::Rectified {
@@ -131,12 +131,11 @@ impl Inspector {
     /// Requests the picture of a view in the next frame, and writes the picture once it is there.
     pub(super) fn capture(&mut self, ctx: &Context) {
         let Some((to, picture)) = WantedView::poll(&mut self.view.capture, ctx) else { return };
-        let Some((screen, part)) = picture else {
+        let Some(screen) = picture else {
             let text = "The picture could not be made, because the screen could not be read. Try again.";
             return self.model.messages.tell(text);
         };
-        let part = self.view.images.filter(|_| part == ViewPart::Images);
-        let scale = ctx.pixels_per_point();
+        let (part, scale) = (self.view.images, ctx.pixels_per_point());
         match to {
             Destination::File(path) => {
                 let content = screen_as_png(screen, part, scale, trust_note(&self.model));

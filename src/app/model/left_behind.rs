@@ -22,7 +22,7 @@ impl LeftBehind {
     /// Reads a copy. One that cannot be read, perhaps of a newer version, waits.
     pub fn read(path: &Path) -> Option<Self> {
         let copy = SessionFile::<Work>::read(path).ok()?;
-        let (pairs, pins) = (copy.content.count_points(), copy.content.count_pins());
+        let (pairs, pins) = copy.content.counts();
         let lines =
             if pins == 1 { "1 pinned line pair".to_owned() } else { format!("{pins} pinned line pairs") };
         let what = match (pairs, pins) {

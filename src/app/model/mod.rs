@@ -73,7 +73,6 @@ pub use focus::{LineSource, Target};
 pub use ids::{MethodStep, OverlayId, StageId, TabId};
 
 use album::Album;
-use computation::Freshness;
 use document::PictureIdentity;
 use exchange::PendingImport;
 use history::{EditKey, History};
@@ -188,6 +187,7 @@ impl Model {
         let before = std::mem::take(&mut self.document);
         let (pairs, excluded) = (before.pairs.clone(), before.excluded.clone());
         self.document = self.history.travel(back, before);
+        self.open.done.tell(if back { "Undone" } else { "Redone" });
         if (pairs, excluded) != (self.document.pairs.clone(), self.document.excluded.clone()) {
             // The record is of the points before.
             self.open.replay.stop();
@@ -294,13 +294,6 @@ impl Model {
                         without clicks; then ask again.";
             return text.to_owned();
         };
-        if judgement.doubt.is_none() && judgement.is_far_off() {
-            return format!(
-                "These pictures were not rectified: rows of matching points differ by {:.0} px. The stage \
-                 Rectified (6) shows them with common rows.",
-                judgement.typical
-            );
-        }
         rows_in_words(&judgement)
     }
 
@@ -311,9 +304,7 @@ impl Model {
     /// Returns whether any work would be lost without saving.
     pub fn is_worth_keeping(&self) -> bool {
         let elsewhere = self.album.as_ref().is_some_and(|album| !album.pairs().is_empty());
-        let result = self.open.computation.result();
-        let has_result = result.is_some_and(|(_, freshness)| freshness != Freshness::Preliminary);
-        elsewhere || self.document.is_worth_keeping(has_result) || self.pins().next().is_some()
+        elsewhere || self.document.is_worth_keeping(false) || self.pins().next().is_some()
     }
 
     /// Returns whether closing now would lose work that saving would keep.

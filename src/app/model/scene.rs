@@ -3,6 +3,7 @@
 use super::shared::Shared;
 use crate::camera::{CloudPoint, PointCloud, PoseFit, ViewPair};
 use crate::estimate::Estimate;
+use crate::geometry::Camera;
 use crate::image::Picture;
 use crate::study::PoseOutcome;
 
@@ -36,6 +37,11 @@ impl Scene {
     /// Returns whether the scene is that of these inputs.
     pub fn is_of(&self, question: &SceneQuestion) -> bool {
         self.question == *question
+    }
+
+    /// Returns both cameras, the left one at the origin.
+    pub fn cameras(&self) -> Option<[Camera; 2]> {
+        self.question.views.posed(&self.fit.pose)
     }
 
     /// Returns the relative standard deviation of the focal lengths, 0 for a calibration.

@@ -221,11 +221,11 @@ impl Document {
         work(self) == work(other)
     }
 
-    /// Returns whether the document has work that would be lost. A geometry that was found without clicks counts, as
-    /// finding it takes time. A search that has found nothing does not.
-    pub fn is_worth_keeping(&self, has_result: bool) -> bool {
+    /// Returns whether the document has work that would be lost. A session has no results, so a search without clicks
+    /// is none, except as one `of_an_album`: there it tells which pairs were looked at.
+    pub fn is_worth_keeping(&self, of_an_album: bool) -> bool {
         let has_points = !self.pairs.is_empty() || self.half.is_some();
-        has_points || (self.unclicked && has_result) || self.imported.is_some() || self.given.is_some()
+        has_points || (self.unclicked && of_an_album) || self.imported.is_some() || self.given.is_some()
     }
 
     /// Moves points into images of these sizes, and removes references to missing points.

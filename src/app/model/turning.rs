@@ -22,14 +22,10 @@ impl Work {
         std::iter::once(open).chain(self.album.iter().flat_map(|album| album.pairs().iter().cloned()))
     }
 
-    /// Returns the number of point pairs on all pairs of images.
-    pub fn count_points(&self) -> usize {
-        self.pairs().map(|kept| kept.document.pairs.len()).sum()
-    }
-
-    /// Returns the number of pinned line pairs on all pairs of images.
-    pub fn count_pins(&self) -> usize {
-        self.pairs().map(|kept| kept.pins.len()).sum()
+    /// Returns the numbers of point pairs and of pinned line pairs on all pairs of images.
+    pub fn counts(&self) -> (usize, usize) {
+        self.pairs()
+            .fold((0, 0), |(pairs, pins), kept| (pairs + kept.document.pairs.len(), pins + kept.pins.len()))
     }
 }
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use egui::{ColorImage, Context, Rect};
 
-use crate::app::model::exchange::{ExportContent, ViewPart};
+use crate::app::model::exchange::ExportContent;
 use crate::io::{PictureFormat, TrustNote, described, encode_picture};
 
 /// Longest wait for the picture of the screen.
@@ -21,7 +21,6 @@ pub enum Destination {
 
 pub struct WantedView {
     to: Destination,
-    part: ViewPart,
     since: Instant,
     /// `None` before the toolkit was asked.
     picture: Option<Receiver<Arc<ColorImage>>>,
@@ -29,14 +28,14 @@ pub struct WantedView {
 
 impl WantedView {
     /// Requests a picture of the next frame.
-    pub fn new(to: Destination, part: ViewPart) -> Self {
-        Self { to, part, since: Instant::now(), picture: None }
+    pub fn new(to: Destination) -> Self {
+        Self { to, since: Instant::now(), picture: None }
     }
 
     /// Asks the toolkit once, for the frame about to be drawn. Ends the screenshot once the picture has
-    /// arrived or the wait is over. Returns its destination with the picture and the part to keep. The
-    /// picture is `None` if the screen gave none.
-    pub fn poll(wanted: &mut Option<Self>, ctx: &Context) -> Option<(Destination, Option<Screen>)> {
+    /// arrived or the wait is over. Returns its destination with the picture, `None` if the screen gave
+    /// none.
+    pub fn poll(wanted: &mut Option<Self>, ctx: &Context) -> Option<(Destination, Option<Arc<ColorImage>>)> {
         let asked = wanted.as_mut()?.picture.get_or_insert_with(|| {
             let (sender, picture) = channel();
             let window = ctx.clone();
@@ -52,13 +51,9 @@ impl WantedView {
             ctx.request_repaint_after(Duration::from_millis(50));
             return None;
         }
-        let Self { to, part, .. } = wanted.take()?;
-        Some((to, picture.map(|picture| (picture, part))))
+        Some((wanted.take()?.to, picture))
     }
 }
-
-/// A picture of the screen and the part of it to keep.
-pub type Screen = (Arc<ColorImage>, ViewPart);
 
 /// Returns a part of a screenshot, in screen points, for the clipboard.
 pub fn excerpt(screen: &ColorImage, part: Option<Rect>, pixels_per_point: f32) -> ColorImage {

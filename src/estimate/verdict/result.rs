@@ -264,7 +264,7 @@ impl Estimate {
     }
 
     /// Returns how precise the lines are all over images of these sizes, as far as the matches tell. `None` without a
-    /// covariance, and if the epipoles are open: the lines are then right near the matches, and open elsewhere.
+    /// covariance, and if the epipoles are open: the lines are then right near the matches, and uncertain elsewhere.
     pub fn line_bands(&self, frames: [Frame; 2]) -> Option<LineBands> {
         self.uncertainty().filter(|_| !self.says_one_plane())?.line_bands(frames)
     }

@@ -70,6 +70,8 @@ impl Source {
             Self::Cameras(tables::kitti(text)?)
         } else if tables::is_colmap(first) {
             Self::Cameras(tables::colmap(text)?)
+        } else if let Some(named) = bare_matrices(text) {
+            Self::Tree(named)
         } else if text.contains("oST version") || has(|row| row == "camera matrix") {
             Self::Tree(ost(text)?)
         } else if has(zed::is_section) {
@@ -134,6 +136,28 @@ impl Source {
         }
         Ok(Some(Self::Tree(Value::Object(both))))
     }
+}
+
+/// Returns the calibration matrices of a text without names, with names: one 3×3 matrix, or one for each camera.
+fn bare_matrices(text: &str) -> Option<Value> {
+    let numbers: Vec<Vec<f64>> =
+        rows(text).map(|(_, row)| finite_numbers(row).ok()).collect::<Option<_>>()?;
+    let is_calibration = |matrix: &[Vec<f64>]| match matrix {
+        [first, second, third] => {
+            let [&[fx, _, _], &[lower, fy, _]] = [first, second].map(Vec::as_slice) else { return false };
+            fx > 0.0 && fy > 0.0 && lower == 0.0 && third == &[0.0, 0.0, 1.0]
+        }
+        _ => false,
+    };
+    let matrices: Vec<&[Vec<f64>]> = numbers.chunks(3).collect();
+    let names: &[&str] = match matrices.len() {
+        1 => &["K"],
+        2 => &["K1", "K2"],
+        _ => return None,
+    };
+    let named =
+        names.iter().zip(&matrices).map(|(name, matrix)| ((*name).to_owned(), Value::from(matrix.to_vec())));
+    matrices.iter().all(|matrix| is_calibration(matrix)).then(|| Value::Object(named.collect()))
 }
 
 /// Reads a NumPy archive. Arrays of other kinds, such as texts, are left out.

@@ -139,6 +139,26 @@ fn middlebury_and_colmap_are_read() {
 }
 
 #[test]
+fn calibration_matrices_without_names_are_read() {
+    let (first, second) = ("# left\n900 0 320\n0 910 240\n0 0 1\n", "8.5e2, 0, 330\n0, 860, 235\n0, 0, 1\n");
+    let one = read(first);
+    assert_eq!((one.len(), one[0].model.calibration()[(1, 1)], one[0].frame), (1, 910.0, None));
+    let both = read(&format!("{first}\n{second}"));
+    assert_eq!(
+        (both.len(), both[0].model.calibration()[(0, 2)], both[1].model.calibration()[(0, 0)]),
+        (2, 320.0, 850.0)
+    );
+    // A matrix of another kind, and numbers beside the matrices.
+    for text in [
+        "900 0 320\n0 910 240\n0 0.1 1\n",
+        "1e-6 2e-6 -1e-3\n3e-6 1e-7 2e-3\n1e-3 -2e-3 1\n",
+        &format!("{first}1 0 0\n"),
+    ] {
+        assert!(Calibration::parse(text).is_err(), "{text}");
+    }
+}
+
+#[test]
 fn sections_of_toml_are_cameras() {
     let text = "[metadata]\nadjusted = true\n\n[cam_0]\nname = \"left\"\nsize = [1280, 720]\nmatrix = [[894.0, 0.0, \
                 624.0], [0.0, 896.0, 361.0], [0.0, 0.0, 1.0]]\ndistortions = [-0.33, 0.09, 0.0, 0.0, 0.0]\nrotation \

@@ -12,9 +12,10 @@ use crate::estimate::PlaneHomography;
 use crate::geometry::PointPair;
 use crate::io::{
     CalibratedNote, ColmapError, GeometryFile, ImageNote, OutputFile, PairLabel, PairOrigin, PairRow,
-    ResultFile, UndistortedFiles, barcode_table, fundamental_as_npy, line_table, pair_table, refuse_clashes,
-    report_in_words,
+    ResultFile, UndistortedFiles, barcode_table, cloud_as_ply, fundamental_as_npy, line_table, pair_table,
+    refuse_clashes, report_in_words,
 };
+use crate::presentation::pose_in_words;
 use crate::rectify::Limits;
 use crate::study::PoseOutcome;
 
@@ -46,6 +47,10 @@ impl ExportKind {
                 "The result is not limited to one plane or a rotation of the camera.",
             ),
             Self::Pairs | Self::Table => (!model.document.pairs.is_empty(), "There are no point pairs yet."),
+            Self::Cloud => (
+                model.scene().is_some(),
+                "There are no 3-D points: they need focal lengths or a calibration, and a determined epipole.",
+            ),
             Self::Report => (model.result().is_some(), "There is no result yet: click two point pairs."),
             Self::Profile => (
                 model.inspected_barcodes().is_some()
@@ -107,6 +112,10 @@ pub fn content(
     Ok(match order.what {
         ExportKind::Geometry => {
             file.fundamental = model.shown().map(|shown| *shown.fundamental);
+            if let Some(scene) = model.scene().filter(|_| !model.shows_another()) {
+                file.cameras = scene.cameras();
+                file.calibrated = Some(CalibratedNote::new(Some(&scene.fit)));
+            }
             let what = format!("F and {}", counted(file.pairs.len()));
             let content: ExportContent = Box::new(move || {
                 file.homographies = rectified.and_then(|question| homographies(&question));
@@ -125,6 +134,10 @@ pub fn content(
         }
         ExportKind::Pairs => (text(file.to_text(format)), counted(file.pairs.len())),
         ExportKind::Table => (text(table(model)), format!("a table of {}", counted(file.pairs.len()))),
+        ExportKind::Cloud => {
+            let cloud = &model.scene().ok_or_else(nothing)?.cloud;
+            (text(cloud_as_ply(cloud)), format!("{} scene points", cloud.points.len()))
+        }
         ExportKind::Report => {
             let report = report(order.reported, model, &images).ok_or_else(nothing)?;
             (text(report), "the report of the result".to_owned())
@@ -275,16 +288,17 @@ fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Opt
             let offset = model.compared_recordings().map(|compared| compared.offset);
             let given: Vec<PointPair> = model.document.given.iter().flat_map(Given::pairs).copied().collect();
             let mut file = file.at_offset(offset).labelled(&labels(model, false)).with_given(&given);
-            let views = model.open.undistorted();
+            let views = model.open.undistorted().or_else(|| model.open.posed_views());
             if let Some(views) = &views {
-                file = file.calibrated(views, None, None);
+                file = file.calibrated(views, model.scene().map(|scene| &scene.fit), None);
             }
             serde_json::to_string_pretty(&file).ok()? + "\n"
         }
         ReportFormat::Text => {
             let pairs: Vec<_> = pairs.into_iter().zip(labels(model, false)).collect();
             let shown = model.shown().and_then(|shown| shown_in_words(model, &shown));
-            report_in_words(estimate, images, &pairs, &pictures_of, shown.as_deref())
+            let pose = model.scene().map_or_else(String::new, |scene| pose_in_words(&scene.fit));
+            report_in_words(estimate, images, &pairs, &pictures_of, shown.as_deref()) + &pose
         }
     })
 }

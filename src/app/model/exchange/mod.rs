@@ -8,5 +8,5 @@ mod trust;
 
 pub use exporting::{ExportContent, colmap, content, undistorted};
 pub use importing::{ImportQuestion, PendingImport};
-pub use order::{ExportKind, ExportOrder, FigureChoices, FigureFormat, ReportFormat, ViewPart};
+pub use order::{ExportKind, ExportOrder, FigureChoices, FigureFormat, ReportFormat};
 pub use trust::{result_note, trust_note};

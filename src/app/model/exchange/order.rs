@@ -19,6 +19,8 @@ pub enum ExportKind {
     Table,
     /// The result of the estimate with all its figures.
     Report,
+    /// The matches as scene points, and both cameras.
+    Cloud,
     /// Intensities along the inspected line pair.
     Profile,
     /// Both images with overlays, for a paper.
@@ -35,7 +37,7 @@ pub enum ExportKind {
 
 impl ExportKind {
     /// All kinds in the order of the dialog: names, endings of suggested file names, tooltips.
-    const TABLE: [(Self, &'static str, &'static str, &'static str); 12] = [
+    const TABLE: [(Self, &'static str, &'static str, &'static str); 13] = [
         (
             Self::Geometry,
             "Geometry",
@@ -65,6 +67,13 @@ impl ExportKind {
             "The result of the estimate: F, verdict, figures, matches, parameters and times.",
         ),
         (
+            Self::Cloud,
+            "3-D points",
+            "cloud",
+            "The matches as coloured scene points with both cameras, as PLY for MeshLab, CloudCompare and Open3D. \
+             Geometry and Report have the pose of the cameras.",
+        ),
+        (
             Self::Profile,
             "Profile",
             "profile",
@@ -76,7 +85,7 @@ impl ExportKind {
             "figure",
             "Both images with the visible overlays, for a paper: SVG or PDF with lines and text.",
         ),
-        (Self::View, "Picture", "view", "A picture of the screen."),
+        (Self::View, "Picture", "view", "Both images as on the screen, with all overlays."),
         (
             Self::Colmap,
             "COLMAP database",
@@ -124,13 +133,6 @@ impl ExportKind {
     pub fn tooltip(self) -> &'static str {
         Self::TABLE[self as usize].3
     }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum ViewPart {
-    #[default]
-    Images,
-    Window,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -203,7 +205,6 @@ pub struct ExportOrder {
     /// Whether to add the matches behind the result to the point pairs.
     pub with_matches: bool,
     pub reported: ReportFormat,
-    pub part: ViewPart,
     pub figure: FigureChoices,
     pub rectified: RectifiedOptions,
 }
@@ -217,7 +218,6 @@ impl Default for ExportOrder {
             format: Format::Json,
             with_matches: false,
             reported: ReportFormat::default(),
-            part: ViewPart::default(),
             figure: FigureChoices::default(),
             rectified: RectifiedOptions { format: PictureFormat::Png, guide_spacing: 40, maps: false },
         }

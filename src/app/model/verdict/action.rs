@@ -1,6 +1,6 @@
 //! The one action that the sentence of the verdict asks for.
 
-use super::Tone;
+use super::{Tone, VerdictInWords, verdict};
 use crate::app::model::Model;
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::model::computation::{EstimateFailure, Freshness};
@@ -114,6 +114,13 @@ impl Model {
     /// Returns whether the state of the estimate is good or bad news.
     pub fn tone(&self) -> Tone {
         super::tone(&self.document, &self.open.computation)
+    }
+
+    /// Describes the state of the estimate. Beside a lens that explains more, lines are right near the matches alone.
+    pub fn verdict_in_words(&self) -> VerdictInWords {
+        let found = verdict(&self.document, &self.open.computation);
+        let is_bent = found.word == "Reliable" && self.offered_lens().is_some();
+        VerdictInWords { word: if is_bent { "Partly reliable" } else { found.word }, ..found }
     }
 
     /// Returns the word for lines that must not be trusted as they are, for pictures that leave the window.

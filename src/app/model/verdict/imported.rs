@@ -2,16 +2,18 @@
 
 use super::Fact;
 use crate::app::model::document::Imported;
+use crate::geometry::looks_essential;
 
 pub fn import_warning(imported: &Imported) -> Option<&'static str> {
     match &imported.check {
         None => Some(
             "Unchecked: there were too few matches when it was imported. Compare judges it once there are matches.",
         ),
-        Some(check) if !check.fits => {
-            Some("It does not fit the matches of these images. It may belong to other images.")
+        Some(check) if check.fits => None,
+        Some(_) if looks_essential(imported.fundamental.matrix()) => {
+            Some("It looks like an essential matrix E, which does not fit pixels. Compare says more.")
         }
-        Some(_) => None,
+        Some(_) => Some("It does not fit the matches of these images. It may belong to other images."),
     }
 }
 

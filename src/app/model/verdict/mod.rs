@@ -139,7 +139,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
             let is_open = document.frames().is_some_and(|frames| is_open_elsewhere(estimate, frames));
             let word = match tone {
                 Tone::Good if assessment.trust.is_none() => "Estimated",
-                Tone::Good if is_open => "Reliable near the matches",
+                Tone::Good if is_open => "Partly reliable",
                 Tone::Good => "Reliable",
                 Tone::Apart => "Different scenes?",
                 Tone::Bad => "Unreliable",

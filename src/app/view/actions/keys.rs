@@ -78,7 +78,7 @@ pub fn with_keys() -> Vec<Action> {
         .when(|model| model.open.known().is_some()),
         action(Command::Recompute, "Compute again", "Run the estimate again from the same points.")
             .key(NONE, Key::F5)
-            .when(|model| model.document.used_pairs().is_some() && !model.open.computation.is_final()),
+            .when(|model| model.document.used_pairs().is_some()),
         action(
             Command::ChooseHypothesis(None),
             "Back to the result",

@@ -16,7 +16,7 @@ use crate::app::model::guide::guide;
 use crate::app::model::sample::FIRST;
 use crate::app::model::verdict::{
     CardAction, Fact, Glance, Tone, VerdictInWords, corrected_fact, epipoles_at_a_glance, hypothesis_facts,
-    import_facts, import_warning, lens_fact, lines_at_a_glance, pose_facts, verdict,
+    import_facts, import_warning, lens_fact, lines_at_a_glance, pose_facts,
 };
 use crate::app::model::{Command, ExchangeCommand, Model, OverlayId};
 use crate::app::view::theme;
@@ -181,8 +181,7 @@ fn another(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
 }
 
 fn result(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let VerdictInWords { tone, word, sentence, facts, warnings, likely } =
-        verdict(&model.document, &model.open.computation);
+    let VerdictInWords { tone, word, sentence, facts, warnings, likely } = model.verdict_in_words();
     heading(ui, model, Some(tone), word, commands);
     let warnings: Vec<String> = warnings.into_iter().filter(|warning| *warning != sentence).collect();
     let sentence = sentence + &model.card_remarks();
@@ -415,7 +414,7 @@ fn sign(ui: &mut Ui, tone: Tone) {
 
 /// Shows the sign and the word in one line, for the folded dock.
 pub fn folded(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let VerdictInWords { tone, word, sentence, .. } = verdict(&model.document, &model.open.computation);
+    let VerdictInWords { tone, word, sentence, .. } = model.verdict_in_words();
     sign(ui, tone);
     ui.strong(word);
     let show = named(ui.button("Show"), "Show dock");

@@ -97,6 +97,7 @@ impl FileExport {
             ExportKind::Figure => self.order.figure.format.extension(),
             ExportKind::Colmap => "db",
             ExportKind::View => "png",
+            ExportKind::Cloud => "ply",
             ExportKind::Rectified | ExportKind::Undistorted => "",
         }
     }

@@ -36,19 +36,17 @@ impl FocalDialog {
                         are taken to be in the middle. A calibration file tells more: drop it on the window.";
             ui.add(Label::new(text).wrap());
             ui.add_space(6.0);
-            let percent = self.percent();
+            let of_percent = match self.percent() {
+                Some(percent) if percent > 0.0 => "included in the uncertainty of the pose",
+                Some(_) => "exact",
+                None => NO_PERCENT,
+            };
             let [note1, note2] = Side::BOTH.map(|side| self.note(side));
             let [left, right] = &mut self.pixels;
             for (name, text, hint, unit, note) in [
                 ("Left image", left, "focal length", "px", note1),
                 ("Right image", right, "focal length", "px", note2),
-                (
-                    "Known to ±",
-                    &mut self.percent,
-                    "0",
-                    "%",
-                    percent.map_or(NO_PERCENT, of_percent).to_owned(),
-                ),
+                ("Known to ±", &mut self.percent, "0", "%", of_percent.to_owned()),
             ] {
                 ui.horizontal(|ui| {
                     let label = row_label(ui, name);
@@ -119,11 +117,6 @@ impl FocalDialog {
 const NO_LENGTH: &str = "not a positive number";
 /// Text beside a deviation that cannot be read.
 const NO_PERCENT: &str = "not a percentage below 100";
-
-/// Tells what a deviation in percent means.
-fn of_percent(percent: f64) -> &'static str {
-    if percent > 0.0 { "included in the uncertainty of the pose" } else { "exact" }
-}
 
 fn shown(focal: FocalLength) -> String {
     format!("{:.0}", focal.pixels)

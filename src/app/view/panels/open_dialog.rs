@@ -12,8 +12,8 @@ use crate::app::model::{Command, ExchangeCommand, Model, Side};
 use crate::app::view::theme;
 use crate::io::is_importable;
 
-/// Greatest height of the list of unsaved work, screen points.
-const UNSAVED: f32 = 96.0;
+/// Height below the part that scrolls, for the buttons and for the reason of a failure, screen points.
+const FOOT: [f32; 2] = [76.0, 64.0];
 
 /// Number of the field of a file to import, from the top.
 const IMPORT: usize = 3;
@@ -138,49 +138,53 @@ impl OpenDialog {
             return;
         }
         let open = dialog(ctx, "Open images", 520.0, |ui| {
-            ui.weak(
-                "Enter the paths of two images, two sequences (folders of frames or videos) or a session. \
-                 You can also browse for the files or drop them on the window.",
-            );
-            ui.add_space(6.0);
-            let rows = [
-                ("Left image", "Browse for the left image", Side::Left),
-                ("Right image", "Browse for the right image", Side::Right),
-            ];
-            let rows = rows.map(|(name, browse, side)| {
-                let row = row_of(name, "path of the image", browse, PickPurpose::Image(side));
-                let (field, place) = row.show_field(ui, &mut self.paths[side.index()]);
-                self.keep_focus(side.index(), &field);
-                (row, place)
-            });
             let mut elsewhere = false;
-            for (row, place) in rows {
+            let foot = FOOT[0] + if self.problem.is_some() { FOOT[1] } else { 0.0 };
+            let room = ctx.content_rect().bottom() - ui.cursor().top() - foot;
+            ScrollArea::vertical().max_height(room.max(foot)).show(ui, |ui| {
+                ui.weak(
+                    "Enter the paths of two images, two sequences (folders of frames or videos) or a session. \
+                     You can also browse for the files or drop them on the window.",
+                );
+                ui.add_space(6.0);
+                let rows = [
+                    ("Left image", "Browse for the left image", Side::Left),
+                    ("Right image", "Browse for the right image", Side::Right),
+                ];
+                let rows = rows.map(|(name, browse, side)| {
+                    let row = row_of(name, "path of the image", browse, PickPurpose::Image(side));
+                    let (field, place) = row.show_field(ui, &mut self.paths[side.index()]);
+                    self.keep_focus(side.index(), &field);
+                    (row, place)
+                });
+                for (row, place) in rows {
+                    elsewhere |= row.show_browse(ui, place, commands).has_focus();
+                }
+                ui.add_space(6.0);
+                ui.weak(
+                    "Or open a folder of images and choose any two. If the folder has ground truth (VGG layout, \
+                     or pairs NAMEA.*, NAMEB.* with NAME.txt or NAME_F.txt), results can be compared with it.",
+                );
+                ui.add_space(2.0);
+                let row = row_of("Folder", "path of the folder", "Browse for the folder", PickPurpose::Folder);
+                let (field, place) = row.show_field(ui, &mut self.folder);
+                self.keep_focus(2, &field);
                 elsewhere |= row.show_browse(ui, place, commands).has_focus();
-            }
-            ui.add_space(6.0);
-            ui.weak(
-                "Or open a folder of images and choose any two. If the folder has ground truth (VGG layout, \
-                 or pairs NAMEA.*, NAMEB.* with NAME.txt or NAME_F.txt), results can be compared with it.",
-            );
-            ui.add_space(2.0);
-            let row = row_of("Folder", "path of the folder", "Browse for the folder", PickPurpose::Folder);
-            let (field, place) = row.show_field(ui, &mut self.folder);
-            self.keep_focus(2, &field);
-            elsewhere |= row.show_browse(ui, place, commands).has_focus();
-            ui.add_space(6.0);
-            ui.weak(
-                "Optional: point pairs, a fundamental matrix, two cameras or a calibration for the images above \
-                 or the open ones (text, CSV, JSON or YAML).",
-            );
-            ui.add_space(2.0);
-            let browse = "Browse for a file to import";
-            let row = row_of("Import", "path of the file", browse, PickPurpose::Import);
-            let (field, place) = row.show_field(ui, &mut self.import);
-            self.keep_focus(IMPORT, &field);
-            elsewhere |= row.show_browse(ui, place, commands).has_focus();
-            ui.add_space(6.0);
-            elsewhere |= recents(ui, model, commands);
-            elsewhere |= unsaved_work(ui, model, commands);
+                ui.add_space(6.0);
+                ui.weak(
+                    "Optional: point pairs, a fundamental matrix, two cameras or a calibration for the images above \
+                     or the open ones (text, CSV, JSON or YAML).",
+                );
+                ui.add_space(2.0);
+                let browse = "Browse for a file to import";
+                let row = row_of("Import", "path of the file", browse, PickPurpose::Import);
+                let (field, place) = row.show_field(ui, &mut self.import);
+                self.keep_focus(IMPORT, &field);
+                elsewhere |= row.show_browse(ui, place, commands).has_focus();
+                ui.add_space(6.0);
+                elsewhere |= recents(ui, model, commands);
+                elsewhere |= unsaved_work(ui, model, commands);
+            });
             if let Some(problem) = &self.problem {
                 let color = theme::palette(ui.visuals()).bad;
                 ui.add(Label::new(RichText::new(problem).color(color)).wrap());
@@ -224,18 +228,15 @@ fn unsaved_work(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool
         return focused;
     }
     ui.weak("Unsaved work");
-    ScrollArea::vertical().id_salt("unsaved work").max_height(UNSAVED).show(ui, |ui| {
-        ui.set_max_width(ui.available_width() - theme::SCROLL_BAR);
-        for copy in &model.left_behind {
-            ui.horizontal_top(|ui| {
-                for action in copy.actions() {
-                    let button = ui.add(Button::new(action.label).small());
-                    focused |= finish_button(ui, button, action.command, commands).has_focus();
-                }
-                ui.add(Label::new(copy.told()).wrap());
-            });
-        }
-    });
+    for copy in &model.left_behind {
+        ui.horizontal_top(|ui| {
+            for action in copy.actions() {
+                let button = ui.add(Button::new(action.label).small());
+                focused |= finish_button(ui, button, action.command, commands).has_focus();
+            }
+            ui.add(Label::new(copy.told()).wrap());
+        });
+    }
     ui.add_space(6.0);
     focused
 }
@@ -243,9 +244,10 @@ fn unsaved_work(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool
 /// Shows the recently opened files. Returns whether one of their buttons has the keyboard focus.
 fn recents(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
     let mut focused = false;
-    if model.recents.list().next().is_some() {
-        ui.weak("Recent");
+    if model.recents.list().next().is_none() {
+        return focused;
     }
+    ui.weak("Recent");
     for paths in model.recents.list() {
         let entry =
             ui.add_enabled(!model.activity.loading, Button::new(recent_name(paths)).small().truncate());
@@ -255,9 +257,7 @@ fn recents(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) -> bool {
             commands.push(Command::OpenFiles(paths.to_vec()));
         }
     }
-    if model.recents.list().next().is_some() {
-        ui.add_space(6.0);
-    }
+    ui.add_space(6.0);
     focused
 }
 

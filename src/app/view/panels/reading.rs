@@ -41,7 +41,7 @@ impl ReadingDialog {
 
     /// Shows the dialog. Returns whether it stays open.
     pub fn show(&mut self, ctx: &egui::Context, commands: &mut Vec<Command>) -> bool {
-        dialog(ctx, "Which convention does this matrix use?", 680.0, |ui| {
+        dialog(ctx, "Convention of the matrix", 680.0, |ui| {
             let ImportFound { name, format, .. } = &self.found;
             ui.weak(format!("A fundamental matrix from {name}, read as {format}."));
             ui.add_space(6.0);
@@ -71,8 +71,8 @@ impl ReadingDialog {
             let text = if missing > 0 {
                 format!(
                     "The matrix was not checked: that takes {FEWEST_MATCHES} matches, and there are \
-                     {count}. Click or import {missing} more point pairs and import the matrix again, or \
-                     import it as it is."
+                     {count}. Find the geometry without clicks, or click {missing} more point pairs, and import the \
+                     matrix again. Or import it as it is."
                 )
             } else {
                 "The matrix could not be checked: its numbers are too large to tell the readings apart."

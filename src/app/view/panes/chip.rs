@@ -47,7 +47,7 @@ impl Chip {
         let (mut name, mut text) = (String::new(), String::new());
         if let Some(picture) = model.document.pictures.as_ref().map(|p| &p[self.side.index()]) {
             name.clone_from(&picture.name);
-            text = format!("  {} × {}", self.size.width, self.size.height);
+            text = format!("  {} × {} px", self.size.width, self.size.height);
             match self.lens {
                 Some(view) if view.camera().division(self.size).is_some() => text += "  lens corrected",
                 Some(_) => text += "  lens calibrated",

@@ -35,6 +35,7 @@ pub fn conventions(ui: &mut Ui, order: &ExportOrder, model: &Model) {
                     .to_owned()
             }
         }],
+        ExportKind::Cloud => vec!["Axes of the left camera. The unit is the distance of the cameras.".to_owned()],
         ExportKind::View => vec!["A PNG file at the resolution of the screen.".to_owned()],
         ExportKind::Colmap => vec![
             "The database itself stays as it is. COLMAP counts the centre of the upper left pixel as (0.5, 0.5), and \

@@ -4,9 +4,7 @@ use egui::{ComboBox, DragValue, Role, Ui, WidgetInfo};
 
 use super::super::dialog::{PathField, row_label};
 use crate::app::model::command::PickPurpose;
-use crate::app::model::exchange::{
-    ExportKind, ExportOrder, FigureChoices, FigureFormat, ReportFormat, ViewPart,
-};
+use crate::app::model::exchange::{ExportKind, ExportOrder, FigureChoices, FigureFormat, ReportFormat};
 use crate::app::model::{Command, Model, OverlayId};
 use crate::io::{Format, PictureFormat, RectifiedOptions};
 
@@ -43,16 +41,16 @@ pub fn options(
             let hint = "path of the existing database";
             PathField { name: "Database", hint, width: 500.0, browse, purpose }.show(ui, database, commands);
         }
-        ExportKind::Array | ExportKind::Table | ExportKind::Profile | ExportKind::Undistorted => {}
+        ExportKind::Array
+        | ExportKind::Table
+        | ExportKind::Profile
+        | ExportKind::Undistorted
+        | ExportKind::View
+        | ExportKind::Cloud => {}
         ExportKind::Figure => {
             figure(ui, &mut order.figure);
             layers(ui, &mut order.figure, model);
         }
-        ExportKind::View => row(ui, "Part", |ui| {
-            ui.radio_value(&mut order.part, ViewPart::Images, "Both images")
-                .on_hover_text("The two images with all overlays.");
-            ui.radio_value(&mut order.part, ViewPart::Window, "The whole window");
-        }),
         ExportKind::Rectified => rectified(ui, &mut order.rectified),
     }
 }

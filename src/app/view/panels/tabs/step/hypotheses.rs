@@ -22,7 +22,7 @@ const RESULT: &str = "Support is counted in reduced images and ranks the hypothe
                       resolution, and the one with the most and best matches there is the result, unless clicks contradict it.";
 
 /// What the sign of a hypothesis near the result means.
-const NEAR: &str = "≈: at the matches, nearly the lines of the result.";
+const NEAR: &str = "≈: near the result at half of the matches or more; the epipole may differ.";
 
 /// Shows the table of the hypotheses. The margin follows from a pair of rows; pointing at a row explains it.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
