@@ -127,8 +127,8 @@ impl Estimate {
     /// Covariance of the nine entries of `F`, row by row, of shape (9, 9). `None` if the matches are too few.
     ///
     /// Neighbouring matches of pictures share their errors, so the matches of each of 3 × 3 regions of image 1 count as
-    /// one. If the errors are independent, as in a simulation, the deviations are too large: by 2 for 30 matches, by 7
-    /// for 200 and by 10 for 1,000.
+    /// one. In a simulation with independent errors the deviations are too large: 2 times for 30 matches, 7 times for
+    /// 200 and 10 times for 1,000.
     #[getter]
     fn covariance<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray2<f64>>> {
         let covariance = self.found.uncertainty().map(Uncertainty::covariance)?;

@@ -158,10 +158,12 @@ class Pictures(unittest.TestCase):
     def test_the_window_makes_the_same_search(self):
         pairs = np.hstack([self.found.points1, self.found.points2])[:30]
         deep = [np.uint16(200) * picture for picture in (LEFT, RIGHT)]
+        floating = [picture.astype(np.float32) * 1.7 - 30 for picture in (LEFT, RIGHT)]
         weighted = pairs[:, :2], pairs[:, 2:], np.linspace(0.2, 0.9, 30)
         for images, arguments in (
             ((LEFT, RIGHT), {"pairs": [[100, 20, 109, 20], [60, 130, 90, 130]], "seed": 3}),
             (deep, {"matches": weighted}),
+            (floating, {"seed": 1}),
         ):
             found = epiline.estimate(*images, **arguments)
             document, _, F = handed_over(found)

@@ -2,7 +2,9 @@
 
 use super::epipoles::{NOT_DETERMINED, interval_in_words, length_in_words};
 use super::facts::{FAR, direction, far_direction, median_distance};
-use crate::estimate::{Determined, EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Estimate, LineBands};
+use crate::estimate::{
+    Determined, EpipoleBearing, EpipoleCertainty, EpipoleEllipse, Estimate, LineBands, Trust,
+};
 use crate::geometry::{Frame, FundamentalMatrix, HomogeneousPoint, Vector, finite_point};
 
 /// Half of a 95 % interval, in standard deviations.
@@ -124,7 +126,11 @@ pub fn epipole_places(
     frames: [Frame; 2],
     estimate: Option<&Estimate>,
 ) -> [EpipolePlace; 2] {
-    if estimate.and_then(|estimate| estimate.determined(frames)) == Some(Determined::Lines) {
+    let is_open = |estimate: &Estimate| {
+        let trust = estimate.assessment.trust.as_ref();
+        estimate.determined(frames) == Some(Determined::Lines) || trust.is_some_and(Trust::doubts_the_motion)
+    };
+    if estimate.is_some_and(is_open) {
         return [EpipolePlace::open(), EpipolePlace::open()];
     }
     let bearings = estimate.and_then(|estimate| estimate.epipole_bearings(frames));
@@ -164,7 +170,10 @@ pub fn epipoles_at_a_glance(
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Matrix3;
+
     use super::*;
+    use crate::estimate::{Assessment, Reason, Verdict};
 
     fn bearing(direction: f64, farthest: Option<f64>) -> EpipoleBearing {
         EpipoleBearing { direction, direction_error: 0.02, distance: 950.0, nearest: 900.0, farthest }
@@ -181,6 +190,20 @@ mod tests {
         assert_eq!(told(0.1, Some(1010.0)), ("right", "epipole 900 px away, ± 60".to_owned()));
         assert_eq!(told(3.1, Some(2500.0)), ("left", "epipole 1000 px away, 900 to 2500".to_owned()));
         assert_eq!(told(-1.5, None), ("above", "epipole far away, direction ± 1.1°".to_owned()));
+    }
+
+    #[test]
+    fn too_little_motion_determines_no_epipole() {
+        let rows = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);
+        let fundamental = FundamentalMatrix::from_rank_two(rows).unwrap();
+        let are_open = |reason| {
+            let trust = Some(Trust { verdict: Verdict::Doubtful, reasons: vec![reason] });
+            let assessment = Assessment { trust, ..Assessment::default() };
+            let found = Estimate { fundamental, origin: None, assessment, trace: None };
+            epipole_places(&fundamental, [Frame::new(100, 100); 2], Some(&found)).map(|place| place.is_open())
+        };
+        assert_eq!(are_open(Reason::FewBarcodes { lines: 9 }), [true; 2]);
+        assert_eq!(are_open(Reason::LooseBarcodes { deviation: 2.7 }), [false; 2]);
     }
 
     #[test]

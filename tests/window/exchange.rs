@@ -337,7 +337,10 @@ fn matches_of_another_program_are_searched_with_shown_and_kept() {
     assert!(before.len() == 400 && window.state().document().pairs.is_empty());
     assert_eq!(asked.lock().unwrap().last(), Some(&Some(400)));
     assert!(
-        window.state().messages().all(|text| text.starts_with("400 given matches from m.csv, not editable"))
+        window
+            .state()
+            .messages()
+            .all(|text| text.starts_with("400 given matches from m.csv take part in the search"))
     );
     // The other way, and back.
     tap(&mut window, "Make point pairs");

@@ -21,8 +21,8 @@ pub struct SuggestQuestion {
 /// Places that look like the first click, or the reason why there are none.
 pub type Suggested = Result<Suggestions, SuggestError>;
 
-/// Request about the pairs of a result: for the most useful next click of a doubtful one, or for the matches of all
-/// pairs along their epipolar lines, since no distance from the lines shows whether a pair is there.
+/// Request about the pairs of a result: for the most useful next click, or for the matches of the pairs along their
+/// epipolar lines. No distance from the lines shows whether a pair is there.
 #[derive(Clone, PartialEq)]
 pub struct PairsQuestion {
     pub pictures: Pictures,

@@ -94,7 +94,7 @@ impl Model {
         let limit =
             if can_edit { String::new() } else { format!(" More than {MOST_EDITED} cannot be point pairs.") };
         let text = format!(
-            "{count} given matches from {file}, not editable: violet rings fit to {GIVEN_FIT} px, red ones do not.{limit}"
+            "{count} given matches from {file} take part in the search as they are: violet rings fit to {GIVEN_FIT} px, red ones do not.{limit}"
         );
         self.tell_of_taken(text, can_edit.then_some(("Make point pairs", ExchangeCommand::EditGiven)));
     }

@@ -214,7 +214,7 @@ const MOST_NAMES: usize = 4;
 fn used(document: &Document) -> String {
     if document.is_unclicked() {
         return match document.used().count() {
-            0 if document.given.is_some() => "the images".into(),
+            0 if document.given.is_some() => "the images and the given matches".into(),
             0 => "the images alone, without clicks".into(),
             _ => "the images and one pair".into(),
         };

@@ -248,6 +248,13 @@ impl Trust {
         !self.reasons.iter().any(|reason| is_untested(reason) || leaves_the_epipole_open(reason))
     }
 
+    /// Returns whether the recorded motion is too little, or agrees as by chance.
+    pub fn doubts_the_motion(&self) -> bool {
+        let is_of_motion =
+            |reason: &Reason| matches!(reason, Reason::FewBarcodes { .. } | Reason::BarcodesByChance { .. });
+        self.reasons.iter().any(is_of_motion)
+    }
+
     /// Returns whether only one plane or a rotation of the camera is certain.
     pub fn says_one_plane(&self) -> bool {
         self.reasons.iter().any(leaves_the_epipole_open)

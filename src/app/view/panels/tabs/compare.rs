@@ -214,7 +214,7 @@ fn from(model: &Model, comparison: &Comparison, contestant: Contestant) -> Strin
         Contestant::Result if fit.pairs > 0 => format!("{} pairs and the images", fit.pairs),
         Contestant::Result => match model.result() {
             Some(found) if found.assessment.of_given => "the given matches".to_owned(),
-            _ if model.document.given.is_some() => "the images".to_owned(),
+            _ if model.document.given.is_some() => "the images and the given matches".to_owned(),
             _ => "the images alone".to_owned(),
         },
         Contestant::SevenPoint => {
