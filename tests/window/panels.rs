@@ -503,6 +503,10 @@ fn a_reliable_result_says_where_its_lines_are_open() {
     click_two_pairs(&mut window);
     window.get_by_label("Partly reliable");
     window.get_by_label_contains("Epipolar lines are right near the matches, and uncertain elsewhere.");
+    let files = Files::new();
+    let path = files.0.path().join("geometry.json");
+    crate::exchange::export(&mut window, &["Geometry"], &path);
+    assert!(std::fs::read_to_string(&path).unwrap().contains("partly reliable"));
     assert!(window.query_by_label_contains("% likely within").is_none());
 }
 

@@ -23,6 +23,8 @@ const NO_RECTIFIED: &str = "There is no rectified pair yet. Find the geometry fi
 const NO_SCENE: &str =
     "There are no 3-D points yet. They need a geometry with at least 10 matches. Find the geometry first.";
 
+const IS_FINAL: &str = "The result is final: the same points would give it again";
+
 impl Inspector {
     #[expect(clippy::too_many_lines, reason = "it is a table")]
     pub(super) fn apply(&mut self, ctx: &egui::Context, command: Command) {
@@ -80,9 +82,7 @@ impl Inspector {
                 model.messages.say(MessageKind::Answer, text, Vec::new());
             }
             Command::Stop => self.tasks.estimating.stop(&mut model.open.computation),
-            Command::Recompute if model.open.computation.is_final() => {
-                model.open.done.tell("The result is final: the same points would give it again");
-            }
+            Command::Recompute if model.open.computation.is_final() => model.open.done.tell(IS_FINAL),
             Command::Recompute => model.open.computation.restart(),
             Command::Place(side, point) => {
                 model.open.crosshair = None;

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::estimate::Trust;
-use crate::presentation::reason_in_words;
+use crate::presentation::{NEAR_MATCHES, reason_in_words};
 
 named! {
     fn name;
@@ -45,7 +45,7 @@ pub struct PairLabel {
 pub struct TrustNote {
     /// What the geometry is: [`TrustNote::RESULT`], or for example a hypothesis or an import.
     pub geometry: String,
-    /// Verdict: `reliable`, `doubtful`, `unreliable`, `not judged` or `unfinished`.
+    /// Verdict: `reliable`, `partly reliable`, `doubtful`, `unreliable`, `not judged` or `unfinished`.
     pub verdict: String,
     /// Reasons, one sentence each.
     pub reasons: Vec<String>,
@@ -54,6 +54,12 @@ pub struct TrustNote {
 impl TrustNote {
     /// Name of the result of an estimate.
     pub const RESULT: &'static str = "result";
+
+    /// Returns the note of a reliable geometry whose lines are right near the matches, and uncertain elsewhere.
+    #[must_use]
+    pub fn partly(self) -> Self {
+        Self { verdict: "partly reliable".into(), reasons: vec![format!("{NEAR_MATCHES}.")], ..self }
+    }
 
     /// Tells what the geometry is, with its verdict.
     pub fn sentence(&self) -> String {

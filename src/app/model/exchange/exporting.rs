@@ -112,7 +112,8 @@ pub fn content(
     Ok(match order.what {
         ExportKind::Geometry => {
             file.fundamental = model.shown().map(|shown| *shown.fundamental);
-            if let Some(scene) = model.scene().filter(|_| !model.shows_another()) {
+            let is_result = model.shown().is_some_and(|shown| shown.is_result());
+            if let Some(scene) = model.scene().filter(|_| is_result) {
                 file.cameras = scene.cameras();
                 file.calibrated = Some(CalibratedNote::new(Some(&scene.fit)));
             }

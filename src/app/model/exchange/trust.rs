@@ -5,7 +5,7 @@ use crate::app::model::comparison::Contestant;
 use crate::app::model::computation::Freshness;
 use crate::app::model::document::AS_READ;
 use crate::app::model::shown::ShownGeometry;
-use crate::app::model::verdict::{Tone, VerdictInWords, import_warning, verdict};
+use crate::app::model::verdict::{Tone, VerdictInWords, import_warning};
 use crate::io::TrustNote;
 
 /// Returns what the shown geometry is, with the verdict on it in the words of the window.
@@ -37,7 +37,7 @@ fn is_import(shown: &ShownGeometry) -> bool {
 pub fn result_note(model: &Model) -> Option<TrustNote> {
     let (estimate, freshness) = model.open.computation.result()?;
     let judged = estimate.assessment.trust.is_some();
-    let VerdictInWords { tone, warnings, .. } = verdict(&model.document, &model.open.computation);
+    let VerdictInWords { tone, warnings, word, .. } = model.verdict_in_words();
     let verdict = match tone {
         Tone::Good if judged => "reliable",
         Tone::Good | Tone::Idle => "not judged",
@@ -46,5 +46,6 @@ pub fn result_note(model: &Model) -> Option<TrustNote> {
         Tone::Bad => "unreliable",
         Tone::Apart => "different scenes",
     };
-    Some(TrustNote { geometry: TrustNote::RESULT.to_owned(), verdict: verdict.into(), reasons: warnings })
+    let note = TrustNote { geometry: TrustNote::RESULT.into(), verdict: verdict.into(), reasons: warnings };
+    Some(if word == "Partly reliable" { note.partly() } else { note })
 }

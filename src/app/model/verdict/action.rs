@@ -7,6 +7,7 @@ use crate::app::model::computation::{EstimateFailure, Freshness};
 use crate::app::model::document::{Role, pair_name};
 use crate::app::model::exchange::ExportKind;
 use crate::estimate::{Estimate, Reason, Suspect, Verdict};
+use crate::presentation::NEAR_MATCHES;
 
 /// Text of the button that undoes the distortion of the lens.
 pub const USE_LENS: &str = "Correct the lens distortion";
@@ -120,7 +121,8 @@ impl Model {
     pub fn verdict_in_words(&self) -> VerdictInWords {
         let found = verdict(&self.document, &self.open.computation);
         let is_bent = found.word == "Reliable" && self.offered_lens().is_some();
-        VerdictInWords { word: if is_bent { "Partly reliable" } else { found.word }, ..found }
+        let (word, sentence) = ("Partly reliable", format!("{NEAR_MATCHES}."));
+        if is_bent { VerdictInWords { word, sentence, ..found } } else { found }
     }
 
     /// Returns the word for lines that must not be trusted as they are, for pictures that leave the window.

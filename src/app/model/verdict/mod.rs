@@ -111,13 +111,11 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     let mostly_misplaced = mostly_misplaced(misplaced, document.used().count());
     let names = WindowNames { document, fundamental: Some(estimate.fundamental()) };
     let reasons = reasons.into_iter().map(|reason| named_reason_in_words(reason, &names));
-    // A preliminary geometry may still approach the checks, and a stale one belongs to other
-    // points.
+    // A preliminary geometry may still approach the checks, and a stale one belongs to other points.
     let is_final = freshness == Freshness::Final;
     let checked = is_final.then(|| contradicting_check(document, estimate.fundamental())).flatten();
-    // The probability is that of the geometry. Beside a doubt about a click it would contradict the
-    // word, and it knows nothing of pairs that are only checked. Nor is there anything to promise of an
-    // unreliable one.
+    // The probability is that of the geometry. Beside a doubt about a click it would contradict the word, and it knows
+    // nothing of pairs that are only checked.
     let of_clicks = assessment.trust.as_ref().is_some_and(Trust::doubts_clicks_alone);
     let states = is_final && checked.is_none() && !of_clicks && matches!(tone, Tone::Good | Tone::Caution);
     let likely = document.frames().filter(|_| states).and_then(|frames| likely_in_words(estimate, frames));
