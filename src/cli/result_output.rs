@@ -9,7 +9,7 @@ use super::console::tell;
 use super::geometry_file::GeometryOutput;
 use super::output::Output;
 use crate::camera::{Baseline, PicturesOf, PointCloud, PoseFit, UndistortedView, ViewPair};
-use crate::estimate::{Estimate, Parameters, Uncertainty, Verdict};
+use crate::estimate::{Estimate, Parameters, Uncertainty};
 use crate::foreign::shown_path;
 use crate::geometry::{Point, PointPair, median, sampson_distance};
 use crate::image::Picture;
@@ -17,7 +17,7 @@ use crate::io::{
     CalibratedNote, Format, GeometryFile, ImageNote, PairLabel, PairOrigin, PointResultFile, ResultFile,
     TrustNote, UndistortedFiles, result_in_words,
 };
-use crate::presentation::{NO_BASELINE, is_open_elsewhere, pose_in_words, turn_in_words};
+use crate::presentation::{NO_BASELINE, is_partly_reliable, pose_in_words, turn_in_words};
 use crate::study::PoseOutcome;
 
 /// Output options of a result.
@@ -241,10 +241,8 @@ fn geometry_file(
         pairs: pairs.iter().copied().chain(found.matched_pairs()).collect(),
         labels: given.chain(matched).collect(),
         trust: found.assessment.trust.as_ref().map(|trust| {
-            let frames = pictures.map(Picture::frame);
-            let is_partly = trust.verdict == Verdict::Reliable && is_open_elsewhere(found, frames);
             let note = TrustNote::from(trust);
-            if is_partly { note.partly() } else { note }
+            if is_partly_reliable(found, pictures.map(Picture::frame)) { note.partly() } else { note }
         }),
         images: Some(pictures.map(ImageNote::from)),
         homography21: found.assessment.plane.map(|plane| plane.homography21),

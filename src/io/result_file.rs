@@ -18,8 +18,8 @@ use crate::geometry::{
 };
 use crate::presentation::{
     NEAR_MATCHES, camera_doubts, epipole_in_words, interpretation_in_words, is_open_elsewhere,
-    origin_in_words, pictures_in_words, probability_in_words, reason_in_words, story_in_words,
-    warning_in_words,
+    is_partly_reliable, origin_in_words, pictures_in_words, probability_in_words, reason_in_words,
+    story_in_words, warning_in_words,
 };
 
 /// Content of a result file. As JSON it is also a geometry file ([`Format::Json`]).
@@ -438,8 +438,7 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2], pictures: &Pic
     let assessment = &found.assessment;
     if let Some(trust) = &assessment.trust {
         let frames = images.each_ref().map(|image| image.frame);
-        let is_open = trust.verdict == Verdict::Reliable && is_open_elsewhere(found, frames);
-        let partly = if is_open { "partly " } else { "" };
+        let partly = if is_partly_reliable(found, frames) { "partly " } else { "" };
         let _ = writeln!(text, "Verdict: {partly}{}", trust.verdict.label());
         for reason in &trust.reasons {
             let _ = writeln!(text, "  {}", reason_in_words(reason));

@@ -29,7 +29,9 @@ pub use judgement::{judgement_in_words, rows_in_words};
 pub use lens::{lens_in_words, lenses_in_words, pictures_in_words};
 pub use parameters::{ShownParameter, shown_parameters};
 pub use pose::{NO_BASELINE, pose_difference_in_words, pose_in_words, turn_in_words};
-pub use probability::{NEAR_MATCHES, is_open_elsewhere, probability_in_words};
+pub use probability::{
+    NEAR_MATCHES, PARTLY_RELIABLE, is_open_elsewhere, is_partly_reliable, probability_in_words,
+};
 pub use reasons::{named_reason_in_words, named_warning_in_words, reason_in_words, warning_in_words};
 pub use story::story_in_words;
 

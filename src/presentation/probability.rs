@@ -1,14 +1,23 @@
 //! Words for the probability of a result.
 
-use crate::estimate::{Determined, Estimate};
+use crate::estimate::{Determined, Estimate, Verdict};
 use crate::geometry::Frame;
 
 /// What a result says whose matches do not determine the lines all over the images.
 pub const NEAR_MATCHES: &str = "Epipolar lines are right near the matches, and uncertain elsewhere";
 
+/// Word for a reliable result with such lines.
+pub const PARTLY_RELIABLE: &str = "Partly reliable";
+
 /// Returns whether the lines of a result are open away from its matches, in images of these sizes.
 pub fn is_open_elsewhere(estimate: &Estimate, frames: [Frame; 2]) -> bool {
     estimate.determined(frames) == Some(Determined::NearMatches)
+}
+
+/// Returns whether a result is reliable near its matches alone, in images of these sizes: partly reliable, in words.
+pub fn is_partly_reliable(estimate: &Estimate, frames: [Frame; 2]) -> bool {
+    let trust = estimate.assessment.trust.as_ref();
+    trust.is_some_and(|trust| trust.verdict == Verdict::Reliable) && is_open_elsewhere(estimate, frames)
 }
 
 /// Describes how likely the lines of a result are right in images of these sizes. `None` without a probability.
@@ -36,7 +45,7 @@ pub fn likely_in_words(estimate: &Estimate, frames: [Frame; 2]) -> Option<[Strin
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::{Assessment, LineEvidence, Reason, Trust, Verdict};
+    use crate::estimate::{Assessment, LineEvidence, Reason, Trust};
     use crate::geometry::FundamentalMatrix;
     use nalgebra::Matrix3;
 

@@ -22,7 +22,6 @@ const NO_RECTIFIED: &str = "There is no rectified pair yet. Find the geometry fi
 /// The way to a scene.
 const NO_SCENE: &str =
     "There are no 3-D points yet. They need a geometry with at least 10 matches. Find the geometry first.";
-
 const IS_FINAL: &str = "The result is final: the same points would give it again";
 
 impl Inspector {

@@ -24,6 +24,9 @@ pub(super) enum Source {
 /// Largest array of an archive that is read, bytes. Calibrations have a few numbers; the corners of a board
 /// beside them are left out when they are larger.
 const MOST_BYTES: u64 = 16 << 20;
+/// Least focal length of a matrix without a name, over its principal point: as much sees 168°. Shifts and changes of size
+/// have smaller ones.
+const LEAST_FOCAL: f64 = 0.1;
 /// How MATLAB writes a calibration for other programs.
 const MATLAB: &str = "this is a MATLAB file. Save the calibration as JSON in MATLAB: f = fopen('calibration.json', \
     'w'); fprintf(f, '%s', jsonencode(toStruct(stereoParams))); fclose(f)";
@@ -144,8 +147,9 @@ fn bare_matrices(text: &str) -> Option<Value> {
         rows(text).map(|(_, row)| finite_numbers(row).ok()).collect::<Option<_>>()?;
     let is_calibration = |matrix: &[Vec<f64>]| match matrix {
         [first, second, third] => {
-            let [&[fx, _, _], &[lower, fy, _]] = [first, second].map(Vec::as_slice) else { return false };
-            fx > 0.0 && fy > 0.0 && lower == 0.0 && third == &[0.0, 0.0, 1.0]
+            let [&[fx, _, cx], &[lower, fy, cy]] = [first, second].map(Vec::as_slice) else { return false };
+            let is_camera = |focal: f64, principal: f64| principal > 0.0 && focal > LEAST_FOCAL * principal;
+            is_camera(fx, cx) && is_camera(fy, cy) && lower == 0.0 && third == &[0.0, 0.0, 1.0]
         }
         _ => false,
     };

@@ -151,6 +151,8 @@ fn calibration_matrices_without_names_are_read() {
     // A matrix of another kind, and numbers beside the matrices.
     for text in [
         "900 0 320\n0 910 240\n0 0.1 1\n",
+        "1 0 0\n0 1 0\n0 0 1\n",
+        "0.5 0 10\n0 0.5 20\n0 0 1\n",
         "1e-6 2e-6 -1e-3\n3e-6 1e-7 2e-3\n1e-3 -2e-3 1\n",
         &format!("{first}1 0 0\n"),
     ] {

@@ -70,8 +70,7 @@ impl ExportKind {
             Self::Cloud,
             "3-D points",
             "cloud",
-            "The matches as coloured scene points with both cameras, as PLY for MeshLab, CloudCompare and Open3D. \
-             Geometry and Report have the pose of the cameras.",
+            "The matches as coloured scene points and both cameras, as PLY. Geometry and Report have the pose.",
         ),
         (
             Self::Profile,

@@ -7,6 +7,7 @@ use crate::app::model::document::AS_READ;
 use crate::app::model::shown::ShownGeometry;
 use crate::app::model::verdict::{Tone, VerdictInWords, import_warning};
 use crate::io::TrustNote;
+use crate::presentation::PARTLY_RELIABLE;
 
 /// Returns what the shown geometry is, with the verdict on it in the words of the window.
 pub fn trust_note(model: &Model) -> Option<TrustNote> {
@@ -47,5 +48,5 @@ pub fn result_note(model: &Model) -> Option<TrustNote> {
         Tone::Apart => "different scenes",
     };
     let note = TrustNote { geometry: TrustNote::RESULT.into(), verdict: verdict.into(), reasons: warnings };
-    Some(if word == "Partly reliable" { note.partly() } else { note })
+    Some(if word == PARTLY_RELIABLE { note.partly() } else { note })
 }

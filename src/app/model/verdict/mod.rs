@@ -10,8 +10,9 @@ use crate::app::model::document::{Document, GIVEN_FIT, Given, Role, pair_name};
 use crate::estimate::{self, CLICK_DEVIATIONS, Estimate, PairNames, PairNumbers, Trust, Warning};
 use crate::geometry::{FundamentalMatrix, sampson_distance, symmetric_epipolar_distance};
 use crate::presentation::{
-    self, NEAR_MATCHES, ResultContext, facts, is_open_elsewhere, likely_in_words, mostly_misplaced,
-    named_error_in_words, named_reason_in_words, named_warning_in_words, sentence, sorted_reasons,
+    self, NEAR_MATCHES, PARTLY_RELIABLE, ResultContext, facts, is_open_elsewhere, likely_in_words,
+    mostly_misplaced, named_error_in_words, named_reason_in_words, named_warning_in_words, sentence,
+    sorted_reasons,
 };
 
 pub use crate::presentation::{
@@ -114,8 +115,8 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
     // A preliminary geometry may still approach the checks, and a stale one belongs to other points.
     let is_final = freshness == Freshness::Final;
     let checked = is_final.then(|| contradicting_check(document, estimate.fundamental())).flatten();
-    // The probability is that of the geometry. Beside a doubt about a click it would contradict the word, and it knows
-    // nothing of pairs that are only checked.
+    // The probability would contradict a doubt about a click. It knows nothing of pairs that are only checked, and
+    // promises nothing of an unreliable result.
     let of_clicks = assessment.trust.as_ref().is_some_and(Trust::doubts_clicks_alone);
     let states = is_final && checked.is_none() && !of_clicks && matches!(tone, Tone::Good | Tone::Caution);
     let likely = document.frames().filter(|_| states).and_then(|frames| likely_in_words(estimate, frames));
@@ -137,7 +138,7 @@ pub fn verdict(document: &Document, computation: &Computation) -> VerdictInWords
             let is_open = document.frames().is_some_and(|frames| is_open_elsewhere(estimate, frames));
             let word = match tone {
                 Tone::Good if assessment.trust.is_none() => "Estimated",
-                Tone::Good if is_open => "Partly reliable",
+                Tone::Good if is_open => PARTLY_RELIABLE,
                 Tone::Good => "Reliable",
                 Tone::Apart => "Different scenes?",
                 Tone::Bad => "Unreliable",
