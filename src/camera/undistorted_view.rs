@@ -36,8 +36,6 @@ const MOST_PIXELS: f64 = 2.0;
 const SAME_PLACE: f64 = 0.5;
 /// Steps along each side of the pixels that are compared.
 const GRID: u32 = 8;
-/// Offset of the central differences of [`UndistortedView::linear_part`], px.
-const DIFFERENCE: f64 = 0.01;
 
 impl UndistortedView {
     /// Plans the view of a camera with pictures of the size `original`. A camera without distortion
@@ -184,18 +182,6 @@ impl UndistortedView {
         let by = self.camera.calibration()[(0, 0)] / described.camera.calibration()[(0, 0)];
         let calibration = described.calibration * Matrix3::from_diagonal(&Vector3::new(by, by, 1.0));
         Self::described(self.camera, self.original, calibration, described.frame)
-    }
-
-    /// Returns the affine map from places in the picture near `at` to places in the view.
-    pub(super) fn linear_part(&self, at: Point) -> Option<Matrix3<f64>> {
-        let place = self.undistorted_from_original(at)?;
-        let along = |step: Vector2<f64>| {
-            let ends = [at + step, at - step].map(|p| self.undistorted_from_original(p));
-            Some((ends[0]? - ends[1]?) / (2.0 * DIFFERENCE))
-        };
-        let (by_x, by_y) = (along(Vector2::new(DIFFERENCE, 0.0))?, along(Vector2::new(0.0, DIFFERENCE))?);
-        let rest = place - (by_x * at.x + by_y * at.y);
-        Some(Matrix3::new(by_x.x, by_y.x, rest.x, by_x.y, by_y.y, rest.y, 0.0, 0.0, 1.0))
     }
 
     /// Returns the place in the original picture whose value a pixel of the view takes. Outside the

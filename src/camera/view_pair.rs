@@ -35,6 +35,11 @@ impl ViewPair {
         self.views.iter().all(|view| view.camera().focal_deviation().is_some())
     }
 
+    /// Returns the largest relative standard deviation of a guessed focal length, 0 for calibrations.
+    pub fn focal_deviation(&self) -> f64 {
+        self.views.iter().filter_map(|view| view.camera().focal_deviation()).fold(0.0, f64::max)
+    }
+
     /// Returns whether these are the pictures themselves with guessed focal lengths: nothing is known of the lenses.
     pub fn is_guessed(&self) -> bool {
         !self.is_undistorted() && self.known_calibrations().is_none()
@@ -65,18 +70,6 @@ impl ViewPair {
     pub fn adopting(&self, described: &Self) -> Option<Self> {
         let view = |k: usize| self.views[k].adopting(&described.views[k]);
         Some(Self { views: [view(0)?, view(1)?] })
-    }
-
-    /// Returns the fundamental matrix for places in the pictures as they are, near a point pair of the
-    /// pictures: the lenses are replaced by their linear parts there. The matrix is exact at the pair, and
-    /// its error grows with the square of the distance. `None` where a lens has no inverse.
-    ///
-    /// With the places `u(p) ≈ u(p0) + J (p − p0)` in a view, `A = [J, u(p0) − J p0; 0 0 1]` and
-    /// `F_local = A2ᵀ F A1`.
-    pub fn linearised(&self, f: &FundamentalMatrix, at: &PointPair) -> Option<FundamentalMatrix> {
-        let first = self.views[0].linear_part(at.point1)?;
-        let second = self.views[1].linear_part(at.point2)?;
-        FundamentalMatrix::from_rank_two(second.transpose() * f.matrix() * first)
     }
 
     /// Returns the sizes of the views.

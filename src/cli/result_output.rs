@@ -185,12 +185,11 @@ pub(super) fn with_views(
             None => cloud,
         }
     });
-    GeometryFile {
-        cameras: pose.and_then(|fit| views.posed(&fit.pose)),
-        calibrated: Some(CalibratedNote::new(pose)),
-        cloud,
-        ..file
+    let mut file = GeometryFile { calibrated: Some(CalibratedNote::new(None)), cloud, ..file };
+    if let Some(fit) = pose {
+        file.add_cameras(views, fit);
     }
+    file
 }
 
 fn no_distortion() -> CliError {

@@ -469,6 +469,19 @@ fn a_name_without_an_ending_gets_that_of_its_kind_and_a_file_is_no_folder() {
     press(&mut window, Key::Enter);
     assert!(!folder.exists());
     assert!(window.get_by_label("Export rectified pair").accesskit_node().is_disabled());
+    // JSON under the name of another kind would be read as that.
+    tap(&mut window, "Geometry");
+    for (name, is_refused) in [("g.mat", true), ("g.csv", true), ("g.JSON", false), ("g.dat", false)] {
+        type_into(&mut window, "File", &files.0.path().join(name));
+        let told = window.query_by_label_contains("like that of another kind of file").is_some();
+        let stopped = window.get_by_label("Export file").accesskit_node().is_disabled();
+        assert_eq!([told, stopped], [is_refused; 2], "{name}");
+    }
+    // The ending names the format.
+    let yaml = files.0.path().join("g.yml");
+    type_into(&mut window, "File", &yaml);
+    tap(&mut window, "Export file");
+    assert_eq!(GeometryFile::read(&yaml).unwrap().1, Format::OpencvYaml);
 }
 
 /// Returns the area of the export dialog's buttons, and the path that it names.

@@ -197,6 +197,8 @@ fn typed_focal_lengths_give_a_scene_and_leave_the_geometry() {
     let pairs = vec![PointPair::new(30.0, 40.0, 50.0, 42.0), PointPair::new(250.0, 200.0, 270.0, 190.0)];
     let mut window = window(Start { opening, pairs, ..Start::default() }, exact());
     settle(&mut window);
+    save_as(&mut window, &files.0.path().join("before.json"));
+    assert!(!window.state().model().has_unsaved_work());
     let fundamental = |window: &Window| *window.state().model().shown().unwrap().fundamental;
     let before = fundamental(&window);
     press(&mut window, Key::Num7);
@@ -227,8 +229,12 @@ fn typed_focal_lengths_give_a_scene_and_leave_the_geometry() {
     window.get_by_label("that of the left image: sees 56° from left to right");
     tap(&mut window, "Use");
     assert_eq!(stage(&window), StageId::Scene);
+    assert!(window.state().model().has_unsaved_work(), "somebody typed them");
     let deviation = window.state().model().scene().unwrap().focal_deviation();
     assert!((deviation - 0.02).abs() < 1e-12, "{deviation}");
+    let path = files.0.path().join("geometry.json");
+    export(&mut window, &["Geometry"], &path);
+    assert!(std::fs::read_to_string(&path).unwrap().contains("guesses, known to 2 %"));
     assert_eq!(fundamental(&window), before);
     let path = files.0.path().join("work.json");
     save_as(&mut window, &path);
@@ -301,6 +307,17 @@ fn the_scene_and_its_pose_are_exported() {
     let cameras = GeometryFile::read(&path).unwrap().0.cameras.unwrap();
     let centre = cameras[1].centre();
     assert!((centre.xyz() / centre.w - pose.position2()).norm() < 1e-9);
+    // An imported geometry and its undo leave the scene, and its cameras in the file.
+    let matrix = files.0.path().join("F.txt");
+    std::fs::write(&matrix, "0 0 0\n0 0 -1\n0 1 0\n").unwrap();
+    drop_files(&mut window, &[matrix]);
+    settle(&mut window);
+    tap(&mut window, "Import matrix");
+    assert!(window.state().document().imported.is_some());
+    undo(&mut window);
+    assert!(window.state().document().imported.is_none());
+    export(&mut window, &["Geometry"], &path);
+    assert!(GeometryFile::read(&path).unwrap().0.cameras.is_some());
     let path = files.0.path().join("report.txt");
     export(&mut window, &["Report", "Plain text"], &path);
     assert!(std::fs::read_to_string(&path).unwrap().contains("Relative pose"));

@@ -208,6 +208,20 @@ fn a_truth_beside_two_opened_pictures_is_offered() {
 }
 
 #[test]
+fn a_true_matrix_alone_has_no_true_matches_to_measure_on() {
+    let files = Files::new();
+    for side in ["A", "B"] {
+        files.image(&format!("b{side}.png"), 240, 180);
+    }
+    std::fs::write(files.0.path().join("b_F.txt"), "0 0 0\n0 0 -1\n0 1 0\n").unwrap();
+    let mut window = open_folder(files.0.path());
+    click_two_pairs(&mut window);
+    press(&mut window, Key::Num4);
+    assert!(window.get_by_label("My pairs + true matches").accesskit_node().is_disabled());
+    assert!(!window.get_by_label("Symmetric").accesskit_node().is_disabled());
+}
+
+#[test]
 fn a_pair_with_too_few_true_matches_opens_without_a_true_geometry() {
     let files = pairs();
     let path = files.0.path().join("second.txt");

@@ -5,7 +5,7 @@ use egui::{Theme, ThemePreference};
 use super::Inspector;
 use crate::app::model::dock::DockLook;
 use crate::app::model::document::counted;
-use crate::app::model::history::EditKey;
+use crate::app::model::history::{EditKey, LensChange};
 use crate::app::model::look::Tool;
 use crate::app::model::messages::MessageKind;
 use crate::app::model::pane_view::QuarterTurns;
@@ -191,7 +191,7 @@ impl Inspector {
                 }
             }
             Command::UseLens => self.use_lens(),
-            Command::RemoveCalibration => self.remove_calibration(),
+            Command::RemoveCalibration => self.change_lens(LensChange::default()),
             Command::ShowFocalLengths => self.ask_for_focal_lengths(),
             Command::SetFocalLengths(lengths) => self.set_focal_lengths(lengths),
             Command::ShowStage(StageId::Rectified) if !model.can_rectify() => {

@@ -39,12 +39,6 @@ impl Inspector {
                     self.model.open.done.tell(format!("Copied F{of} as {}", notation.name()));
                 }
             }
-            ExchangeCommand::CopyFundamentalNear(notation) => {
-                if let Some((local, at)) = self.model.local_fundamental() {
-                    ctx.copy_text(notation.text_near(&local, &at, trust_note(&self.model).as_ref()));
-                    self.model.open.done.tell(format!("Copied F near the pair as {}", notation.name()));
-                }
-            }
             ExchangeCommand::Import(paths) => self.import(paths),
             ExchangeCommand::Accept { reading, with_pairs } => self.accept(reading, with_pairs),
             ExchangeCommand::Reject => self.view.dialogs.reading = None,

@@ -6,13 +6,13 @@ use std::sync::Arc;
 use super::Inspector;
 use crate::app::model::album::Album;
 use crate::app::model::document::{Imported, TruthSource};
-use crate::app::model::history::History;
+use crate::app::model::history::{LensChange, LensStep};
 use crate::app::model::messages::MessageKind;
 use crate::app::model::picture::Opened;
 use crate::app::model::session::{OpenSession, SessionOwner, has_session_extension};
 use crate::app::model::truth::KnownTruth;
 use crate::app::model::{Document, Model, Side, StageId};
-use crate::app::tasks::{LoadedPair, NewCalibration, Opening, OpeningFailure, Wanted};
+use crate::app::tasks::{LoadedPair, Opening, OpeningFailure, Wanted};
 use crate::app::view::{FocalDialog, OpenDialog, RelocateDialog};
 use crate::camera::FocalLength;
 use crate::geometry::PointPair;
@@ -58,8 +58,8 @@ impl Inspector {
 
     /// Starts over with other pictures.
     fn show_pictures(&mut self, ctx: &egui::Context, pair: LoadedPair) {
-        if let Some(calibration) = &pair.calibration {
-            return self.take_over(ctx, pair.pictures, calibration);
+        if let Some(change) = pair.lens {
+            return self.take_over(ctx, pair.pictures, change);
         }
         // Another pair of the same folder belongs to the same session.
         let turns = pair.restored.is_none() && self.model.is_of_open_folder(pair.folder.as_ref());
@@ -121,9 +121,8 @@ impl Inspector {
 
     /// Undoes a step, or redoes one.
     pub(super) fn travel(&mut self, ctx: &egui::Context, back: bool) {
-        if back && !self.model.history.can_undo() && self.model.history.before_lens.is_some() {
-            // The correction of the lens came first.
-            return self.remove_calibration();
+        if let Some(change) = self.model.history.next_lens(back) {
+            return self.change_lens(change);
         }
         let before = self.model.document.clone();
         self.model.travel(back);
@@ -157,35 +156,39 @@ impl Inspector {
         self.view.dialogs.reading = None;
     }
 
-    /// Continues a document with a new calibration of its pictures. Points stay where they are in the
-    /// pictures. A pose of the calibration becomes the imported geometry.
-    fn take_over(&mut self, ctx: &egui::Context, pictures: [Opened; 2], calibration: &NewCalibration) {
+    /// Continues a document with another lens of its pictures. Points stay where they are in the pictures. A pose of
+    /// the calibration becomes the imported geometry.
+    fn take_over(&mut self, ctx: &egui::Context, pictures: [Opened; 2], change: LensChange) {
         let Some([left, right]) = self.model.open.pictures.clone() else { return };
         self.replace_pictures(ctx, &pictures);
         let before = std::mem::take(&mut self.model.document);
-        let past = std::mem::take(&mut self.model.history);
+        let back =
+            LensChange { cameras: self.model.open.cameras(), goes_back: true, ..LensChange::default() };
+        let mut past = std::mem::take(&mut self.model.history);
+        let undone = if change.goes_back { past.undo_lens() } else { None };
         self.model.see_through(pictures);
-        let Model { open, document, history, .. } = &mut self.model;
+        let Model { open, document, .. } = &mut self.model;
         let (count, had_imported) = (before.pairs.len(), before.imported.is_some());
-        let here = Document { pictures: document.pictures.take(), ..before };
+        let pictures = document.pictures.take();
+        if let Some(undone) = undone {
+            *document = Document { pictures, ..undone };
+            open.done.tell("Undone: the lens is as before");
+            self.model.history = past;
+            return;
+        }
+        let here = Document { pictures, ..before.clone() };
         *document = here.placed(|points| {
             let (point1, point2) = (left.pixel(points.point1)?, right.pixel(points.point2)?);
             open.points_of(&PointPair { point1, point2 })
         });
-        document.imported = open.views().zip(calibration.pose).and_then(|(views, pose)| {
+        document.imported = open.views().zip(change.pose).and_then(|(views, pose)| {
             let fundamental = pose.fundamental(&views.calibrations())?;
             let reading = "pose of the calibration".to_owned();
-            let (cameras, file) = (views.posed(&pose), calibration.name.clone()?);
+            let (cameras, file) = (views.posed(&pose), change.name.clone()?);
             Some(Imported { fundamental, cameras, file, reading, check: None })
         });
-        match (&calibration.name, &calibration.cameras) {
-            (None, Some(_)) => history.before_lens = Some(Box::new(past)),
-            // Coordinates are those of the time before the correction again.
-            (None, None) => *history = past.before_lens.map_or_else(History::default, |before| *before),
-            (Some(_), _) => {}
-        }
         let judged = if document.imported.is_some() { ". Compare judges its pose" } else { "" };
-        open.done.tell(match (&calibration.name, &calibration.cameras) {
+        open.done.tell(match (&change.name, &change.cameras) {
             (Some(name), _) => format!("Lens calibrated by {name}{judged}"),
             (None, Some(_)) => {
                 "Lens distortion corrected. Epipolar lines are curves in the pictures now".to_owned()
@@ -194,9 +197,10 @@ impl Inspector {
         });
         if had_imported && document.imported.is_none() {
             let text = "The imported geometry belongs to the pictures without this change of the lens, and was \
-                        removed. Import it again if you go back.";
+                        removed. Undo brings it back.";
             self.model.messages.tell(text);
         }
+        self.model.history.change_lens(LensStep { document: before, past, change, back });
         let outside = count - self.model.document.pairs.len();
         self.tell_of_pairs_outside(outside);
     }
@@ -211,24 +215,24 @@ impl Inspector {
 
     /// Undoes the distortion of the open pictures by the calibration of a file.
     pub(super) fn calibrate(&mut self, name: &str, cameras: &[CalibratedCamera; 2]) {
-        let Some(pictures) = self.model.open.pictures.clone() else { return };
+        let Some(pictures) = &self.model.open.pictures else { return };
         if pictures.iter().any(|opened| opened.recording.is_some()) {
             self.refuse(format!("{name} is a calibration, which sequences cannot use. Nothing was changed."));
             return;
         }
-        let calibration = NewCalibration {
+        self.change_lens(LensChange {
             name: Some(name.to_owned()),
             cameras: Some(cameras.each_ref().map(|camera| camera.model)),
             pose: CalibratedCamera::relative_pose(cameras).map(|(pose, _)| pose),
-        };
+            goes_back: false,
+        });
         let notes = CalibratedCamera::notes_of(cameras);
         self.model.messages.remark(notes.iter().map(|note| format!("{name}: {note}")).collect());
-        self.open(Wanted::Calibrated(Box::new((pictures, calibration))));
     }
 
     /// Undoes the distortion of the lens that was fitted to the matches.
     pub(super) fn use_lens(&mut self) {
-        let Some((lens, pictures)) = self.model.offered_lens().zip(self.model.open.pictures.clone()) else {
+        let Some((lens, pictures)) = self.model.offered_lens().zip(self.model.open.pictures.as_ref()) else {
             return;
         };
         let guessed = |opened: &Opened| opened.lens.as_ref()?.view.camera().focal_length();
@@ -236,15 +240,12 @@ impl Inspector {
             assumed_camera(Some(lens.lambdas[k]), guessed(&pictures[k]), pictures[k].shown().frame())
         };
         let Some(cameras) = camera(0).zip(camera(1)).map(Into::into) else { return };
-        let calibration = NewCalibration { name: None, cameras: Some(cameras), pose: None };
-        self.open(Wanted::Calibrated(Box::new((pictures, calibration))));
+        self.change_lens(LensChange { cameras: Some(cameras), ..LensChange::default() });
     }
 
-    /// Takes the pictures as they are, without their calibration.
-    pub(super) fn remove_calibration(&mut self) {
+    pub(super) fn change_lens(&mut self, change: LensChange) {
         let Some(pictures) = self.model.open.pictures.clone() else { return };
-        let calibration = NewCalibration { name: None, cameras: None, pose: None };
-        self.open(Wanted::Calibrated(Box::new((pictures, calibration))));
+        self.open(Wanted::Calibrated(Box::new((pictures, change))));
     }
 
     /// Opens the dialog for focal lengths, unless a calibration undoes the distortion of a lens.
@@ -327,11 +328,16 @@ impl Inspector {
         let is_imported = |path: &PathBuf| is_importable(path) && !path.is_dir();
         let (imports, images): (Vec<_>, Vec<_>) = paths.into_iter().partition(is_imported);
         if imports.is_empty() {
-            if let Ok([left, right]) = <[PathBuf; 2]>::try_from(images) {
-                self.open(Wanted::Opening(Opening::Files(left, right)));
+            if let [left, right] = &images[..] {
+                self.open(Wanted::Opening(Opening::Files(left.clone(), right.clone())));
             } else {
                 let missing = self.view.dialogs.open.missing().unwrap_or(Side::Right).name();
-                self.refuse(format!("The {missing} image is missing. Nothing was opened. Name both images."));
+                let absent = images.iter().find(|path| !path.exists());
+                let problem = absent.map_or_else(
+                    || format!("The {missing} image is missing"),
+                    |path| format!("{} does not exist", path.display()),
+                );
+                self.refuse(format!("{problem}. Nothing was opened. Name both images."));
             }
         } else {
             self.import(imports);

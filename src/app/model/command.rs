@@ -154,8 +154,6 @@ pub enum ExchangeCommand {
     ShowExport(Option<ExportKind>),
     Export(ExportOrder),
     CopyFundamental(Notation),
-    /// Copies F for the pictures with their distortion, valid near the selected pair.
-    CopyFundamentalNear(Notation),
     Import(Vec<PathBuf>),
     Accept {
         /// Reading to use, by its place in the list of the convention check. `None` takes the

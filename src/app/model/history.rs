@@ -6,6 +6,7 @@
 use std::collections::VecDeque;
 
 use super::document::{Document, PointRef};
+use crate::camera::{CameraModel, RelativePose};
 
 /// Key of edits that are merged into one step of the history.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,14 +23,47 @@ pub enum EditKey {
 /// Maximum number of steps. The oldest is removed first.
 const LIMIT: usize = 500;
 
+/// A change of the cameras that the pictures are taken with. All points get other coordinates.
+#[derive(Debug, Clone, Default)]
+pub struct LensChange {
+    /// Name of the calibration; `None` for a lens fitted to the matches, and for none.
+    pub name: Option<String>,
+    /// The cameras; `None` takes the pictures as they are.
+    pub cameras: Option<[CameraModel; 2]>,
+    /// Pose of the second camera, if the file tells it.
+    pub pose: Option<RelativePose>,
+    /// Whether this undoes the latest change of the lens.
+    pub goes_back: bool,
+}
+
+impl LensChange {
+    fn swapped(mut self) -> Self {
+        self.cameras.iter_mut().for_each(|cameras| cameras.reverse());
+        self.pose = self.pose.map(|pose| pose.swapped());
+        self
+    }
+}
+
+/// State before a change of the lens.
+#[derive(Debug, Clone)]
+pub struct LensStep {
+    pub document: Document,
+    pub past: History,
+    pub change: LensChange,
+    /// The change that goes back.
+    pub back: LensChange,
+}
+
 /// States before the current one, and states after it that were undone.
 #[derive(Debug, Clone, Default)]
 pub struct History {
     undo: VecDeque<Document>,
     redo: VecDeque<Document>,
     open: Option<EditKey>,
-    /// States before the correction of the lens, if that came before all states here. Undo can take it back.
-    pub before_lens: Option<Box<Self>>,
+    /// State before the latest change of the lens, which came before all states here.
+    before_lens: Option<Box<LensStep>>,
+    /// Undone change of the lens, which came after all states here.
+    after_lens: Option<LensChange>,
 }
 
 impl History {
@@ -46,7 +80,33 @@ impl History {
             }
         }
         self.open = key;
+        self.forget_undone();
+    }
+
+    fn forget_undone(&mut self) {
         self.redo.clear();
+        self.after_lens = None;
+    }
+
+    /// Returns the change of the lens that undo, or redo, makes next; `None` if a state comes first.
+    pub fn next_lens(&self, back: bool) -> Option<LensChange> {
+        if back {
+            return self.before_lens.as_ref().filter(|_| self.undo.is_empty()).map(|step| step.back.clone());
+        }
+        self.after_lens.clone().filter(|_| self.redo.is_empty())
+    }
+
+    /// Records a change of the lens. Coordinates differ, so a new history begins.
+    pub fn change_lens(&mut self, mut step: LensStep) {
+        step.past.forget_undone();
+        *self = Self { before_lens: Some(Box::new(step)), ..Self::default() };
+    }
+
+    /// Undoes the latest change of the lens and returns the document before it; `None` after edits.
+    pub fn undo_lens(&mut self) -> Option<Document> {
+        let step = *self.before_lens.take_if(|_| self.undo.is_empty())?;
+        *self = Self { after_lens: Some(step.change), ..step.past };
+        Some(step.document)
     }
 
     /// Ends a run of merged edits: the next one starts a new step.
@@ -85,16 +145,21 @@ impl History {
     #[must_use]
     pub fn swapped(self) -> Self {
         let swapped = |steps: VecDeque<Document>| steps.into_iter().map(Document::swapped).collect();
-        let before_lens = self.before_lens.map(|before| Box::new(before.swapped()));
-        Self { undo: swapped(self.undo), redo: swapped(self.redo), open: None, before_lens }
+        let before_lens = self.before_lens.map(|step| {
+            let LensStep { document, past, change, back } = *step;
+            let (document, past) = (document.swapped(), past.swapped());
+            Box::new(LensStep { document, past, change: change.swapped(), back: back.swapped() })
+        });
+        let after_lens = self.after_lens.map(LensChange::swapped);
+        Self { undo: swapped(self.undo), redo: swapped(self.redo), open: None, before_lens, after_lens }
     }
 
     pub fn can_undo(&self) -> bool {
-        !self.undo.is_empty()
+        !self.undo.is_empty() || self.before_lens.is_some()
     }
 
     pub fn can_redo(&self) -> bool {
-        !self.redo.is_empty()
+        !self.redo.is_empty() || self.after_lens.is_some()
     }
 }
 

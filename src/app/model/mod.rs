@@ -178,10 +178,6 @@ impl Model {
         self.history.record(before, &self.document, key);
     }
 
-    pub fn can_undo(&self) -> bool {
-        self.history.can_undo() || self.history.before_lens.is_some()
-    }
-
     /// Undoes a step, or redoes one.
     pub fn travel(&mut self, back: bool) {
         let before = std::mem::take(&mut self.document);
@@ -304,7 +300,8 @@ impl Model {
     /// Returns whether any work would be lost without saving.
     pub fn is_worth_keeping(&self) -> bool {
         let elsewhere = self.album.as_ref().is_some_and(|album| !album.pairs().is_empty());
-        elsewhere || self.document.is_worth_keeping(false) || self.pins().next().is_some()
+        let has_points = self.document.is_worth_keeping(false) || self.pins().next().is_some();
+        elsewhere || has_points || self.open.cameras().is_some()
     }
 
     /// Returns whether closing now would lose work that saving would keep.

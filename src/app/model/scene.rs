@@ -3,7 +3,6 @@
 use super::shared::Shared;
 use crate::camera::{CloudPoint, PointCloud, PoseFit, ViewPair};
 use crate::estimate::Estimate;
-use crate::geometry::Camera;
 use crate::image::Picture;
 use crate::study::PoseOutcome;
 
@@ -39,15 +38,13 @@ impl Scene {
         self.question == *question
     }
 
-    /// Returns both cameras, the left one at the origin.
-    pub fn cameras(&self) -> Option<[Camera; 2]> {
-        self.question.views.posed(&self.fit.pose)
+    pub fn views(&self) -> &ViewPair {
+        &self.question.views
     }
 
     /// Returns the relative standard deviation of the focal lengths, 0 for a calibration.
     pub fn focal_deviation(&self) -> f64 {
-        let views = &self.question.views.views;
-        views.iter().filter_map(|view| view.camera().focal_deviation()).fold(0.0, f64::max)
+        self.question.views.focal_deviation()
     }
 
     pub fn point(&self, number: usize) -> Option<&CloudPoint> {

@@ -47,11 +47,6 @@ pub struct Work {
 }
 
 impl Work {
-    /// Returns whether two states have the same work. The way of looking at it does not count.
-    pub fn is_same_work(&self, document: &Document, pins: impl Iterator<Item = LineSource>) -> bool {
-        self.document.is_same_work(document) && pins.eq(self.pins.iter().copied())
-    }
-
     /// Returns the work of a search that another program asked for. All points are in the views of `cameras`.
     pub fn of_question(question: &Question, cameras: Option<[CameraModel; 2]>, offset: i32) -> Self {
         let given = question.given.filter(|given| !given.is_empty());

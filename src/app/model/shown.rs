@@ -85,15 +85,6 @@ impl Model {
         fan::numbered(shown.fundamental, frames, &matches)
     }
 
-    /// Returns the shown geometry for the pictures with their distortion near a point pair: the selected one, or
-    /// else the first. `None` without a lens.
-    pub fn local_fundamental(&self) -> Option<(FundamentalMatrix, PointPair)> {
-        let views = self.open.undistorted()?;
-        let pair = self.document.selection.map_or(0, |at| at.pair);
-        let at = views.original_from_undistorted(self.document.pairs.get(pair)?)?;
-        Some((views.linearised(self.geometry_to_write()?.fundamental, &at)?, at))
-    }
-
     /// Returns the open folder, and its open pair.
     pub fn folder(&self) -> Option<(&PictureFolder, [usize; 2])> {
         self.open.folder.as_ref().map(|(folder, pair)| (folder.as_ref(), *pair))

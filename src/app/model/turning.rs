@@ -82,16 +82,22 @@ impl Model {
         }
     }
 
-    /// Returns whether the work on all pairs is unchanged. Which pair is open does not count.
+    /// Returns whether the work on all pairs is unchanged. Which pair is open, and the way of looking at it, do not
+    /// count.
     pub fn is_same_work(&self, work: &Work) -> bool {
+        let is_same_open = || {
+            self.document.is_same_work(&work.document)
+                && self.pins().eq(work.pins.iter().copied())
+                && self.open.cameras() == work.cameras
+        };
         let (Some(now), Some(saved)) = (&self.album, &work.album) else {
             let alone = self.album.as_ref().is_none_or(|album| album.pairs().is_empty());
-            return alone && work.is_same_work(&self.document, self.pins());
+            return alone && is_same_open();
         };
         if now.open == saved.open {
             let same =
                 |(one, other): (&KeptPair, &KeptPair)| one.views == other.views && one.is_same_work(other);
-            return work.is_same_work(&self.document, self.pins())
+            return is_same_open()
                 && now.pairs().len() == saved.pairs().len()
                 && now.pairs().iter().zip(saved.pairs()).all(same);
         }

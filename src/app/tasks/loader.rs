@@ -6,12 +6,13 @@
 use std::sync::Arc;
 
 use super::opening::{
-    LoadedPair, NewCalibration, Opening, OpeningFailure, PairReading, calibrated, open_files, open_folder,
-    open_views, sample, sample_sequences,
+    LoadedPair, Opening, OpeningFailure, PairReading, calibrated, open_files, open_folder, open_views,
+    sample, sample_sequences,
 };
 use super::session_opening::open_session;
 use super::task::{Task, Waiting};
 use super::waker::Waker;
+use crate::app::model::history::LensChange;
 use crate::app::model::picture::Opened;
 use crate::camera::CameraModel;
 use crate::cancel::CancelFlag;
@@ -25,7 +26,7 @@ pub enum Wanted {
     /// Two views of a folder, with the cameras of the work on them. Images that are already open are not read again.
     Views(Arc<PictureFolder>, [usize; 2], Option<Box<[CameraModel; 2]>>),
     /// Open pictures, with their calibrated cameras.
-    Calibrated(Box<([Opened; 2], NewCalibration)>),
+    Calibrated(Box<([Opened; 2], LensChange)>),
 }
 
 impl Wanted {
@@ -41,15 +42,14 @@ impl Wanted {
                 Ok(LoadedPair { pictures: calibrated(pair.pictures, cameras.as_deref())?, ..pair })
             }
             Self::Calibrated(both) => {
-                let (pictures, calibration) = *both;
-                if let Some(cameras) = &calibration.cameras {
+                let (pictures, change) = *both;
+                if let Some(cameras) = &change.cameras {
                     let frames = pictures.each_ref().map(|opened| opened.shown().frame());
                     let doubts = camera_doubts([0, 1].map(|k| (&cameras[k], frames[k])));
                     reading.notes.extend(doubts.into_iter().map(|(_, message)| message));
                 }
-                let pictures = calibrated(pictures, calibration.cameras.as_ref());
-                pictures
-                    .map(|pictures| LoadedPair { calibration: Some(calibration), ..LoadedPair::of(pictures) })
+                let pictures = calibrated(pictures, change.cameras.as_ref());
+                pictures.map(|pictures| LoadedPair { lens: Some(change), ..LoadedPair::of(pictures) })
             }
         };
         found.map(|pair| LoadedPair { notes: reading.notes, ..pair })

@@ -15,7 +15,7 @@ use std::path::Path;
 
 pub use estimating::Estimating;
 pub use loader::{Loader, Wanted};
-pub use opening::{LoadedPair, NewCalibration, Opening, OpeningFailure};
+pub use opening::{LoadedPair, Opening, OpeningFailure};
 pub use picking::Picked;
 pub use services::Services;
 pub use task::panic_text;

@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf, absolute};
 use std::sync::Arc;
 
 use crate::app::model::document::Side;
+use crate::app::model::history::LensChange;
 use crate::app::model::open_pair::OpenFolder;
 use crate::app::model::picture::Opened;
 use crate::app::model::recording::Recording;
 use crate::app::model::sample::{FIRST, OpenedSample, sample_pair, sample_recordings};
 use crate::app::model::session::{OpenSession, Relocation, Restored};
 use crate::app::model::truth::KnownTruth;
-use crate::camera::{CameraModel, RelativePose};
+use crate::camera::CameraModel;
 use crate::cancel::CancelFlag;
 use crate::geometry::PointPair;
 use crate::image::Picture;
@@ -35,15 +36,6 @@ impl Default for Opening {
     }
 }
 
-#[derive(Clone)]
-pub struct NewCalibration {
-    pub name: Option<String>,
-    /// The cameras; `None` takes the pictures as they are.
-    pub cameras: Option<[CameraModel; 2]>,
-    /// Pose of the second camera, if the file tells it.
-    pub pose: Option<RelativePose>,
-}
-
 pub struct LoadedPair {
     pub pictures: [Opened; 2],
     /// Point pairs for "Show me", if the pictures have any.
@@ -56,8 +48,8 @@ pub struct LoadedPair {
     pub restored: Option<Box<Restored>>,
     /// Remarks about the pictures, one or two sentences each.
     pub notes: Vec<String>,
-    /// The calibration, if the pictures were open before and only that is new. Point pairs stay.
-    pub calibration: Option<NewCalibration>,
+    /// The change of the lens, if the pictures were open before and only that is new. Point pairs stay.
+    pub lens: Option<LensChange>,
 }
 
 /// Reason why nothing was opened.
@@ -85,7 +77,7 @@ impl LoadedPair {
             uses_truth: false,
             restored: None,
             notes: Vec::new(),
-            calibration: None,
+            lens: None,
         }
     }
 }

@@ -134,6 +134,19 @@ impl GeometryFile {
         }
     }
 
+    /// Adds the cameras of views with a pose. Guessed focal lengths are named beside the verdict.
+    pub fn add_cameras(&mut self, views: &ViewPair, fit: &PoseFit) {
+        self.cameras = views.posed(&fit.pose);
+        self.calibrated = Some(CalibratedNote::new(Some(fit)));
+        let percent = 100.0 * views.focal_deviation();
+        if percent > 0.0 {
+            let trust = self.trust.get_or_insert_with(TrustNote::not_judged);
+            trust
+                .reasons
+                .push(format!("The focal lengths of the cameras are guesses, known to {percent:.0} %."));
+        }
+    }
+
     /// Returns `F`, derived from the cameras if the file gives none.
     pub fn geometry(&self) -> Option<FundamentalMatrix> {
         self.fundamental.or_else(|| {

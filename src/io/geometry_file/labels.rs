@@ -55,6 +55,11 @@ impl TrustNote {
     /// Name of the result of an estimate.
     pub const RESULT: &'static str = "result";
 
+    /// Returns the note of a result without a verdict.
+    pub fn not_judged() -> Self {
+        Self { geometry: Self::RESULT.to_owned(), verdict: "not judged".to_owned(), reasons: Vec::new() }
+    }
+
     /// Returns the note of a reliable geometry whose lines are right near the matches, and uncertain elsewhere.
     #[must_use]
     pub fn partly(self) -> Self {

@@ -8,7 +8,7 @@ use super::coordinates::{moved_fundamental, numbers, one_line};
 use super::mapping::{Language, mapping};
 use super::{Format, TrustNote};
 use crate::camera::PicturesOf;
-use crate::geometry::{FundamentalMatrix, PointPair};
+use crate::geometry::FundamentalMatrix;
 use crate::io::values::Quantity;
 use crate::presentation::pictures_in_words;
 
@@ -39,21 +39,6 @@ impl Notation {
         pictures: &PicturesOf,
         trust: Option<&TrustNote>,
     ) -> String {
-        self.written(fundamental, pictures, None, trust)
-    }
-
-    /// Returns `F` for places in the pictures as they are near a point pair, like [`Self::text`].
-    pub fn text_near(self, local: &FundamentalMatrix, at: &PointPair, trust: Option<&TrustNote>) -> String {
-        self.written(local, &PicturesOf::Original, Some(at), trust)
-    }
-
-    fn written(
-        self,
-        fundamental: &FundamentalMatrix,
-        pictures: &PicturesOf,
-        near: Option<&PointPair>,
-        trust: Option<&TrustNote>,
-    ) -> String {
         let origin = if self == Self::Matlab { Format::Matlab.origin() } else { 0.0 };
         let moved = moved_fundamental(fundamental, origin);
         let matrix = moved.as_ref().unwrap_or(fundamental);
@@ -63,7 +48,6 @@ impl Notation {
             if let Ok(Value::Object(pictures)) = serde_json::to_value(pictures) {
                 fields.extend(pictures);
             }
-            fields.extend(near.map(|at| ("valid_near".to_owned(), json!(at.numbers()))));
             let words = trust.into_iter().flat_map(|trust| {
                 [
                     ("geometry", json!(trust.geometry)),
@@ -84,14 +68,6 @@ impl Notation {
         );
         for sentence in pictures_in_words(pictures, origin) {
             let _ = writeln!(text, "{comment} {sentence}");
-        }
-        if let Some(at) = near {
-            let [x1, y1, x2, y2] = at.numbers().map(|v| v + origin);
-            let _ = writeln!(
-                text,
-                "{comment} Valid only near ({x1:.2}, {y1:.2}) and ({x2:.2}, {y2:.2}): the lenses are replaced by their \
-                 linear parts there."
-            );
         }
         if let Some(trust) = trust {
             let _ = writeln!(text, "{comment} {}", one_line(&trust.in_words()));

@@ -99,25 +99,6 @@ fn every_format_describes_the_lens_so_that_matches_lie_on_their_lines() {
 }
 
 #[test]
-fn f_near_a_pair_holds_for_the_pictures_there() {
-    let (views, f, matches) = scene("opencv", &[-0.28, 0.09, 1e-3, -5e-4]);
-    for pair in &matches {
-        let local = views.linearised(&f, pair).unwrap();
-        assert!(symmetric_epipolar_distance(&local, pair) < 1e-3, "{pair:?}");
-        // Ten pixels along the curve the line has hardly bent.
-        let near = |other: &&PointPair| {
-            (other.point1 - pair.point1).norm() < 10.0 && (other.point2 - pair.point2).norm() < 10.0
-        };
-        for other in matches.iter().filter(near) {
-            assert!(symmetric_epipolar_distance(&local, other) < 0.3, "{pair:?} {other:?}");
-        }
-    }
-    let text = Notation::NumPy.text_near(&f, &matches[0], None);
-    assert!(text.contains("Valid only near (") && text.contains("the pictures as they are"), "{text}");
-    assert!(Notation::Json.text_near(&f, &matches[0], None).contains("\"valid_near\""));
-}
-
-#[test]
 fn pictures_that_are_not_known_are_refused_or_stay_unknown() {
     let (views, f, matches) = scene("division", &[-0.25]);
     let file = example(&views, f, &matches);

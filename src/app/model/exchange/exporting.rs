@@ -114,8 +114,7 @@ pub fn content(
             file.fundamental = model.shown().map(|shown| *shown.fundamental);
             let is_result = model.shown().is_some_and(|shown| shown.is_result());
             if let Some(scene) = model.scene().filter(|_| is_result) {
-                file.cameras = scene.cameras();
-                file.calibrated = Some(CalibratedNote::new(Some(&scene.fit)));
+                file.add_cameras(scene.views(), &scene.fit);
             }
             let what = format!("F and {}", counted(file.pairs.len()));
             let content: ExportContent = Box::new(move || {

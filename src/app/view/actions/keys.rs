@@ -55,7 +55,7 @@ pub fn with_keys() -> Vec<Action> {
             .when(|model| model.history.can_redo()),
         action(Command::Undo, "Undo", "Undo the last step. A drag is one step.")
             .key(COMMAND, Key::Z)
-            .when(Model::can_undo),
+            .when(|model| model.history.can_undo()),
         action(
             Command::DeleteSelected,
             "Delete the selected pair",

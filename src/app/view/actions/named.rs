@@ -38,12 +38,6 @@ pub fn by_name() -> Vec<Action> {
         action(ExchangeCommand::CopyFundamental(notation), notation.name(), tooltip)
             .when(|model| model.shown().is_some())
     };
-    let near = |notation: Notation| {
-        let tooltip = "Copy F for the pictures with their lens distortion. It is exact at the selected pair, or at the \
-                       first one, and valid only near it.";
-        action(ExchangeCommand::CopyFundamentalNear(notation), notation.name(), tooltip)
-            .when(|model| model.local_fundamental().is_some())
-    };
     let turn = |side: Side| {
         action(
             Command::TurnView(side),
@@ -75,11 +69,6 @@ pub fn by_name() -> Vec<Action> {
             .listed(|_| "Copy F as LaTeX"),
         copy(Notation::Json, "Copy F of the shown geometry as JSON, which Epiline reads, too.")
             .listed(|_| "Copy F as JSON"),
-        near(Notation::NumPy).listed(|_| "Copy F near the pair, with lens distortion, as NumPy"),
-        near(Notation::Cpp).listed(|_| "Copy F near the pair, with lens distortion, as C++ (OpenCV)"),
-        near(Notation::Matlab).listed(|_| "Copy F near the pair, with lens distortion, as MATLAB"),
-        near(Notation::Latex).listed(|_| "Copy F near the pair, with lens distortion, as LaTeX"),
-        near(Notation::Json).listed(|_| "Copy F near the pair, with lens distortion, as JSON"),
         action(
             ExchangeCommand::ShowExport(Some(ExportKind::Colmap)),
             "Export to COLMAP…",

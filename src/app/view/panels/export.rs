@@ -144,6 +144,14 @@ impl FileExport {
         path.with_added_extension(self.extension())
     }
 
+    /// Takes the format that the ending of the path names.
+    fn follow_ending(&mut self) {
+        let has_format =
+            matches!(self.order.what, ExportKind::Geometry | ExportKind::Plane | ExportKind::Pairs);
+        let named = path_of(&self.path).filter(|_| has_format).and_then(|path| Format::of_path(&path));
+        self.order.format = named.unwrap_or(self.order.format);
+    }
+
     fn choose(&mut self, what: ExportKind) {
         self.problem = None;
         self.note_typed();
@@ -190,9 +198,10 @@ impl FileExport {
             if file.changed() {
                 self.problem = None;
             }
+            self.follow_ending();
             let path = path_of(&self.path).map(|path| self.completed(path));
             let missing = self.order.what.missing(model);
-            let missing = missing.or_else(|| names_a_file(path.as_deref().filter(|_| is_folder)?));
+            let missing = missing.or_else(|| other_ending(path.as_deref()?, self.extension()));
             let database = path_of(&self.database);
             let lacks_database = self.order.what == ExportKind::Colmap && database.is_none();
             let missing = missing.or(lacks_database.then_some("Choose the database that has both pictures."));
@@ -264,14 +273,21 @@ impl FileExport {
     }
 }
 
-/// Tells that a new folder would have the name of a file; `None` if it would not.
-fn names_a_file(folder: &Path) -> Option<&'static str> {
-    let others = ["csv", "json", "npy", "pdf", "png", "svg", "tiff", "txt"];
+/// Tells that a new file or folder would have the ending of another kind of file; `None` if it would not. A folder has
+/// no ending of its own.
+fn other_ending(path: &Path, own: &str) -> Option<&'static str> {
+    let others = ["csv", "db", "mat", "npy", "npz", "pdf", "ply", "png", "svg", "tiff", "xml", "yaml"];
     let files: Vec<&str> = Format::ALL.into_iter().map(Format::extension).chain(others).collect();
-    (has_extension(folder, &files) && !folder.is_dir()).then_some(
+    let is_own = has_extension(path, &[own]) || Format::of_path(path).is_some_and(|of| of.extension() == own);
+    if !has_extension(path, &files) || is_own || path.is_dir() {
+        return None;
+    }
+    Some(if own.is_empty() {
         "This export is a folder, and this name ends like that of a file. Choose another kind on the left, or a \
-         name without this ending.",
-    )
+         name without this ending."
+    } else {
+        "This name ends like that of another kind of file. Choose another ending."
+    })
 }
 
 /// Returns whether a file can be created at a path, as far as its folder matters.

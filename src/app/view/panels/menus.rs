@@ -83,18 +83,12 @@ pub fn place_menu(ui: &mut Ui, model: &Model, side: Side, point: Point, commands
     }
 }
 
-/// Shows the menu "Copy F as", with one entry per notation. If a lens is corrected, it has a second menu: F near a pair.
+/// Shows the menu "Copy F as", with one entry per notation.
 pub fn copy_fundamental_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let mut entries = |ui: &mut Ui, command: fn(Notation) -> ExchangeCommand| {
-        for notation in Notation::ALL {
-            menu_entry(ui, command(notation).into(), true, commands);
-        }
-    };
     ui.add_enabled_ui(model.geometry_to_write().is_some(), |ui| {
         ui.menu_button("Copy F as", |ui| {
-            entries(ui, ExchangeCommand::CopyFundamental);
-            if model.local_fundamental().is_some() {
-                ui.menu_button("Near the pair", |ui| entries(ui, ExchangeCommand::CopyFundamentalNear));
+            for notation in Notation::ALL {
+                menu_entry(ui, ExchangeCommand::CopyFundamental(notation).into(), true, commands);
             }
         });
     });

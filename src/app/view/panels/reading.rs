@@ -86,12 +86,16 @@ impl ReadingDialog {
         let with_pairs = self.with_pairs;
         let accept = |reading| Command::from(ExchangeCommand::Accept { reading, with_pairs });
         let chosen = self.matrix.check.as_ref().map(|_| self.chosen);
-        let button = main_button(ui, accept(chosen).name());
+        // A reading that fits nothing is not proposed.
+        let fits = self.matrix.check.as_ref().is_none_or(ConventionCheck::fits);
+        let name = accept(chosen).name();
+        let button = if fits { main_button(ui, name) } else { ui.button(name) };
         finish_button(ui, button, accept(chosen), commands);
         let reject = Command::from(ExchangeCommand::Reject);
         let button = ui.button(reject.name());
         finish_button(ui, button, reject, commands);
-        if ui.input(|input| input.key_pressed(Key::Enter)) && ui.memory(|memory| memory.focused().is_none()) {
+        let is_enter = ui.input(|input| input.key_pressed(Key::Enter));
+        if fits && is_enter && ui.memory(|memory| memory.focused().is_none()) {
             commands.push(accept(chosen));
         }
     }

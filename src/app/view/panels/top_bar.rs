@@ -65,7 +65,7 @@ fn icons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     button(ui, Icon::Open, Command::ShowOpenDialog, true, false);
     button(ui, Icon::Save, SessionCommand::Save.into(), any, false);
     ui.separator();
-    button(ui, Icon::Undo, Command::Undo, model.can_undo(), false);
+    button(ui, Icon::Undo, Command::Undo, model.history.can_undo(), false);
     button(ui, Icon::Redo, Command::Redo, model.history.can_redo(), false);
     ui.separator();
     button(ui, Icon::Pin, Command::TogglePinTool, any, model.tool == Tool::Inspect);

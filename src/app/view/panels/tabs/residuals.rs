@@ -103,9 +103,15 @@ pub fn missing(model: &Model, set: PointSet) -> Option<&'static str> {
         PointSet::Pairs => model.document.pairs.is_empty().then_some("You have clicked no point pair."),
         PointSet::Matches => model.matches().is_empty().then_some("There is no result with matches yet."),
         PointSet::Given => model.document.given.is_none().then_some("No matches were imported."),
-        PointSet::TrueMatches => model.truth().is_none().then_some(
-            "Needs ground truth: open a folder that has it, or press Ground truth (G) on the sample.",
-        ),
+        PointSet::TrueMatches => match model.truth() {
+            Some(truth) if truth.matches.is_empty() => {
+                Some("The ground truth is a matrix without true matches.")
+            }
+            Some(_) => None,
+            None => Some(
+                "Needs ground truth: open a folder that has it, or press Ground truth (G) on the sample.",
+            ),
+        },
     }
 }
 

@@ -8,14 +8,8 @@ use super::finish_button;
 use crate::app::model::rectified::{Blink, DrawnPair, Rectified, RectifiedCommand, RectifiedLayout};
 use crate::app::model::{Command, Model};
 use crate::app::view::theme;
-use crate::presentation::sentence;
+use crate::presentation::{disparities_in_words, pixels_in_words, sentence};
 use crate::rectify::{Distortion, Measures, Rectification, RectifyMethod, RectifyWarning};
-
-/// Step of disparity ranges, px, as block matchers require.
-const RANGE_STEP: f64 = 16.0;
-/// Margin added to the disparities of the matches on either side, px, as other points may lie
-/// beyond.
-const RANGE_MARGIN: f64 = 4.0;
 
 /// Width below which choices and figures are one above the other, screen points.
 const ROOM_FOR_BOTH: f32 = 460.0;
@@ -109,7 +103,7 @@ fn measures(ui: &mut Ui, model: &Model, rectified: &Rectified, drawn: &DrawnPair
     rows(ui, model, &full.measures, (row, rectified.measured), fits(full));
     shapes(ui, &full.measures.distortion);
     if let Some((map, _)) = &drawn.disparity {
-        let [low, high] = map.range.map(pixels);
+        let [low, high] = map.range.map(pixels_in_words);
         let matched = map.matched() * 100.0;
         ui.label(format!("Disparity preview: {low} to {high} px, {matched:.0} % matched")).on_hover_text(
             "Result of a coarse matching of the rows: the range of nearly all disparities, and the share of the \
@@ -204,50 +198,20 @@ fn rows(ui: &mut Ui, model: &Model, measures: &Measures, (row, measured): (&str,
     if !fits {
         return;
     }
-    let (mut text, tooltip) = disparity_hint(rows.disparity, model.document.is_of_files());
+    let mut text = disparities_in_words(rows.disparity, model.document.is_of_files());
     if rows.far_off > 0 {
         let _ = write!(text, " Outliers left out: {} of {}.", rows.far_off, rows.matches);
     }
-    ui.label(text).on_hover_text(tooltip);
+    ui.label(text).on_hover_text(
+        "Smallest and largest disparity (left x − right x) of the matches of the result, or else of the clicked pairs, \
+         and of the true matches if they are known. Other points may lie beyond, so the search range is wider, in \
+         multiples of 16. The other order of the pictures changes the signs.",
+    );
 }
 
 /// Returns whether the geometry fits the matches, so that their disparities mean something.
 pub fn fits(full: &Rectification) -> bool {
     !full.warnings.iter().any(|warning| matches!(warning, RectifyWarning::Misfit { .. }))
-}
-
-/// Returns the suggested search range around the disparities of matches.
-pub fn search_range([low, high]: [f64; 2]) -> [f64; 2] {
-    let steps = [((low - RANGE_MARGIN) / RANGE_STEP).floor(), ((high + RANGE_MARGIN) / RANGE_STEP).ceil()];
-    steps.map(|step| step * RANGE_STEP)
-}
-
-pub fn pixels(value: f64) -> String {
-    // A minus sign as wide as the plus sign, and no negative zero.
-    format!("{:.0}", value.round() + 0.0).replace('-', "−")
-}
-
-/// Describes the range of disparities and the range to search. Built-in pictures cannot be swapped.
-fn disparity_hint([low, high]: [f64; 2], can_swap: bool) -> (String, &'static str) {
-    let advice = if can_swap { "use the command Swap the images" } else { "set a negative minimum" };
-    let sign = if high <= 0.0 {
-        format!("For programs that expect positive disparities, {advice}. ")
-    } else if low + high >= 0.0 {
-        String::new()
-    } else {
-        format!("Most are negative. For programs that expect positive ones, {advice}. ")
-    };
-    let [from, to] = search_range([low, high]).map(pixels);
-    let [low, high] = [low, high].map(pixels);
-    let text = format!(
-        "Disparities of matches {low} to {high} px. {sign}Suggested search range: {from} to {to} px."
-    );
-    (
-        text,
-        "Smallest and largest disparity (left x − right x) of the matches of the result, or else of the \
-         clicked pairs, and of the true matches if they are known. Other points may lie beyond, \
-         so the search range is wider, in multiples of 16. The other order of the pictures changes the signs.",
-    )
 }
 
 /// Shows the distortion of each picture, one measure a row: the dock may be narrow.
@@ -295,19 +259,4 @@ fn shapes(ui: &mut Ui, [left, right]: &[Distortion; 2]) {
             }
         },
     );
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_hint_gives_a_search_range_and_asks_for_a_swap_if_negative() {
-        let (text, _) = disparity_hint([-12.0, 87.0], true);
-        assert_eq!(text, "Disparities of matches −12 to 87 px. Suggested search range: −16 to 96 px.");
-        let (text, _) = disparity_hint([-90.4, -14.2], true);
-        assert!(text.contains("Swap the images") && text.ends_with("range: −96 to 0 px."), "{text}");
-        let (text, _) = disparity_hint([-90.4, -14.2], false);
-        assert!(text.contains("set a negative minimum") && !text.contains("Swap"), "{text}");
-    }
 }

@@ -4,13 +4,14 @@ use std::fmt::Write;
 
 use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, vec2};
 
-use super::figures::{fits, pixels, search_range};
+use super::figures::fits;
 use crate::app::model::rectified::{DrawnPair, RectifiedLayout, RectifiedSheet, guide_spacing};
 use crate::app::model::{Model, Role, Side, Target};
 use crate::app::view::panes::overlays::{cross, true_matches_shown};
 use crate::app::view::panes::{Transform, label};
 use crate::app::view::{heat, theme};
 use crate::geometry::{Point, PointPair};
+use crate::presentation::{pixels_in_words, search_range_in_words};
 
 /// Half-width of the mark of a point pair, screen points.
 const MARK: f32 = 4.0;
@@ -38,8 +39,9 @@ impl SheetRow {
         if let Some((map, _)) = drawn.disparity.as_ref().filter(|_| sheet == RectifiedSheet::Disparity) {
             let frame = drawn.frame();
             let found = map.at((at.x + 0.5) / frame.width as f64, (at.y + 0.5) / frame.height as f64);
-            text +=
-                &found.map_or(", no match".to_owned(), |found| format!(", disparity {} px", pixels(found)));
+            text += &found.map_or(", no match".to_owned(), |found| {
+                format!(", disparity {} px", pixels_in_words(found))
+            });
         }
         Self { at, side, text }
     }
@@ -199,7 +201,7 @@ impl SheetCanvas<'_> {
         self.painter.rect_filled(area, 4.0, theme::LABEL_FILL);
         let bar = Rect::from_min_size(area.min + vec2(6.0, 6.0), SCALE);
         heat::bar(self.painter, bar, heat::color);
-        let [low, high] = map.range.map(pixels);
+        let [low, high] = map.range.map(pixels_in_words);
         for (at, align, text) in [
             (bar.left_bottom(), Align2::LEFT_TOP, low),
             (bar.right_bottom(), Align2::RIGHT_TOP, format!("{high} px")),
@@ -209,8 +211,7 @@ impl SheetCanvas<'_> {
         }
         let full = &self.drawn.full;
         if let Some(rows) = full.measures.rows.filter(|_| fits(full)) {
-            let [from, to] = search_range(rows.disparity).map(pixels);
-            let text = format!("Suggested search range {from} to {to} px");
+            let text = search_range_in_words(rows.disparity);
             label(
                 self.painter,
                 area.right_bottom() + vec2(0.0, 4.0),
