@@ -8,6 +8,8 @@ use crate::geometry::{
 /// Number of clicks that determine `F` by themselves: one for each of the seven unknowns, and one
 /// to test that they agree.
 const CLICKS_ALONE: usize = 8;
+/// Number of clicks from which known cameras have a pose and a test of it.
+const FEWEST: usize = 6;
 /// The clicks contradict the found geometry if their median distance from it exceeds this multiple
 /// of their median distance from the geometry of the other clicks. A smaller number gives wrong
 /// clicks more influence.
@@ -15,12 +17,24 @@ const CONTRADICTED: f64 = 3.0;
 
 /// Returns the geometry of the clicks alone, if they agree with each other and contradict `found`, or if chance
 /// explains the matches of `found`: then they would only disturb the clicks.
+///
+/// `posed` fits the pose of known cameras to the clicks; `None` if chance explains how they agree.
 pub(super) fn of_clicks_alone(
     clicks: &[PointPair],
     found: &FundamentalMatrix,
-    is_chance: impl FnOnce() -> bool,
+    is_chance: impl Fn() -> bool,
     click_sigma: f64,
+    posed: impl FnOnce() -> Option<FundamentalMatrix>,
 ) -> Option<FundamentalMatrix> {
+    let off = |f: &FundamentalMatrix| median(clicks.iter().map(|pair| sampson_distance(f, pair)));
+    let may_overrule = || off(found) > CONTRADICTED * click_sigma || is_chance();
+    if clicks.len() >= FEWEST
+        && may_overrule()
+        && let Some(posed) = posed()
+    {
+        let contradict = off(found) > CONTRADICTED * off(&posed).max(click_sigma);
+        return (contradict || is_chance()).then_some(posed);
+    }
     if clicks.len() < CLICKS_ALONE {
         return None;
     }
@@ -30,11 +44,10 @@ pub(super) fn of_clicks_alone(
     if is_chance() {
         return Some(fitted);
     }
-    let off_found = clicks.iter().map(|pair| sampson_distance(found, pair));
     // A fit to eight clicks passes through all of them, right or wrong. A click that is left out
     // tests the fit.
     let off_others = (0..clicks.len()).map(|k| off_the_others(clicks, k));
-    (median(off_found) > CONTRADICTED * median(off_others).max(click_sigma)).then_some(fitted)
+    (off(found) > CONTRADICTED * median(off_others).max(click_sigma)).then_some(fitted)
 }
 
 /// Returns the distance of a click from the geometry of the other clicks, px. Infinite if they
@@ -67,8 +80,9 @@ mod tests {
         let (truth, wrong) = (scene.fundamental(), scene.disturbed(30.0));
         let mut clicks = scene.pairs(12);
         let error = |f: &FundamentalMatrix| scene.error(f);
-        let alone =
-            |clicks: &[PointPair], found: &FundamentalMatrix| of_clicks_alone(clicks, found, || false, 1.0);
+        let alone = |clicks: &[PointPair], found: &FundamentalMatrix| {
+            of_clicks_alone(clicks, found, || false, 1.0, || None)
+        };
         assert!(error(&alone(&clicks, &wrong).unwrap()) < 1e-3);
         assert!(alone(&clicks, &truth).is_none(), "nothing contradicts them");
         assert!(alone(&clicks, &scene.disturbed(0.5)).is_none(), "within what clicks are off");
@@ -92,7 +106,7 @@ mod tests {
         // A fit to eight clicks passes through all of them, right or wrong.
         assert!(median(off(&eight_point(&clicks).unwrap())) < 1.5);
         assert!(median(off(&scene.fundamental())) > CONTRADICTED);
-        assert!(of_clicks_alone(&clicks, &scene.fundamental(), || false, 1.0).is_none());
+        assert!(of_clicks_alone(&clicks, &scene.fundamental(), || false, 1.0, || None).is_none());
     }
 
     #[test]

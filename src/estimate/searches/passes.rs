@@ -9,6 +9,7 @@
 //! If chance gives as good a geometry as the best one of a pass (one false alarm or more), none is refined before the
 //! next pass. The geometries compete with those of the next pass as they are.
 
+use std::cell::LazyCell;
 use std::sync::Arc;
 
 use super::clicks_alone::of_clicks_alone;
@@ -21,9 +22,10 @@ use super::record::SearchRecord;
 use super::stand_ins::{drawn_stand_ins, putative_matches, with_stand_ins};
 use crate::estimate::evidence::patches::PatchLevels;
 use crate::estimate::evidence::viewed::{SearchInput, ViewedPair};
+use crate::estimate::fit::fit_matches;
 use crate::estimate::verdict::assessment::{RestsOn, unguided_agreement};
 use crate::estimate::verdict::selection::{ClickedPairs, select};
-use crate::estimate::{Clicks, Estimate, EstimateError, Proposed, ProposedBy, SearchPlan};
+use crate::estimate::{Clicks, Estimate, EstimateError, Match, Proposed, ProposedBy, SearchPlan};
 use crate::features::FeatureViews;
 use crate::image::RelativeView;
 
@@ -209,11 +211,19 @@ impl Passes<'_> {
 fn overruled_by_clicks(best: Judged, input: SearchInput, record: &mut SearchRecord) -> Judged {
     let (observed, click_sigma) = (input.clicks.observed(), input.parameters.click_sigma);
     // Given matches are no matches of the images, and may be right where these show nothing.
-    let is_chance = || {
+    let is_chance = LazyCell::new(|| {
         let agreement = || unguided_agreement(&best.patches, &best.fundamental, input.prepared.frames());
         !best.assessment.of_given && agreement().log_false_alarms >= 0.0
+    });
+    let posed = || {
+        let (prepared, clicks) =
+            (input.prepared, observed.iter().copied().map(Match::from).collect::<Vec<_>>());
+        let calibrations = Some(prepared.calibrations()?);
+        let fit = fit_matches(&clicks, prepared.frames(), calibrations, input.parameters.seed).ok()?;
+        (fit.is_posed && fit.agreement.is_no_chance()).then_some(fit.fundamental)
     };
-    let Some(f) = of_clicks_alone(&observed, &best.fundamental, is_chance, click_sigma) else { return best };
+    let alone = of_clicks_alone(&observed, &best.fundamental, || *is_chance, click_sigma, posed);
+    let Some(f) = alone else { return best };
     let viewed = ViewedPair::new(SearchInput { clicks: &best.clicks, ..input }, best.patches);
     let support = viewed.patches.measure(&f);
     let proposed = Proposed::by(ProposedBy::Clicks, f);
@@ -330,24 +340,33 @@ mod tests {
     }
 
     #[test]
-    fn eight_clicks_decide_where_the_images_show_nothing() {
+    fn clicks_decide_where_the_images_show_nothing() {
         let scene = ExactScene::aside();
         let noise = |seed: u64| {
             let rng = RefCell::new(stream(seed, Purpose::PutativePairs, 0));
             GrayPlane::from_fn(FRAME, |_, _| 255.0 * rng.borrow_mut().random::<f32>())
         };
-        let prepared = PreparedPair::new(&noise(1), &noise(2));
         let clicks = scene.pairs(8);
-        let run = |count: usize| {
+        let run = |count: usize, calibrations| {
+            let prepared = PreparedPair::new(&noise(1), &noise(2)).with_calibrations(calibrations);
             estimate_prepared(&prepared, &clicks[..count], &Parameters::default(), &Monitor::silent())
                 .unwrap()
         };
-        let (eight, seven) = (run(8), run(7));
-        let [with, without] = [&eight, &seven].map(|found| scene.error(found.fundamental()));
-        assert!(with < 1e-3 && without > 0.5, "{with} px, {without} px with seven");
-        let trust = eight.assessment.trust.as_ref().unwrap();
-        assert_eq!(trust.verdict, Verdict::Unreliable);
-        assert!(trust.reasons.contains(&Reason::ClicksAlone), "{:?}", trust.reasons);
+        // A pose has two unknowns fewer than F, so fewer clicks determine it and show that they agree.
+        let known = |ratio: f64| Some(ExactScene::calibrations([ratio; 2]));
+        let (eight, posed) = (run(8, None), run(7, known(1.0)));
+        let others = [run(7, None), run(7, known(2.0))];
+        for found in [&eight, &posed] {
+            let error = scene.error(found.fundamental());
+            assert!(error < 1e-3, "{error} px");
+            let trust = found.assessment.trust.as_ref().unwrap();
+            assert_eq!(trust.verdict, Verdict::Unreliable);
+            assert!(trust.reasons.contains(&Reason::ClicksAlone), "{:?}", trust.reasons);
+        }
+        for found in &others {
+            let error = scene.error(found.fundamental());
+            assert!(error > 0.5, "{error} px");
+        }
     }
 
     #[test]
