@@ -93,7 +93,7 @@ fn while_dragging() {
             click(&mut window, place);
         }
         press(&mut window, Key::I);
-        println!("{MANY} pairs and {} pinned {what}", window.state().focus().pins().len());
+        println!("{MANY} pairs and {} pinned {what}", window.state().document().pins.len());
         drag_in_circles(&mut window, &times);
         replay(&mut window, &times);
     }

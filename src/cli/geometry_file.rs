@@ -251,7 +251,7 @@ impl GeometryOutput {
             Content::Cloud => {
                 let missing = "there are no scene points. Make them with epiline estimate --calibration … --export cloud.ply";
                 let cloud = file.cloud.as_ref().ok_or_else(|| CliError::Arguments(missing.into()))?;
-                cloud_as_ply(cloud).into_bytes()
+                cloud_as_ply(cloud, file.trust.as_ref()).into_bytes()
             }
             Content::Covariances => file.covariances_as_npz().map_err(CliError::Arguments)?,
         };

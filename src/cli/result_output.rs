@@ -17,7 +17,7 @@ use crate::io::{
     CalibratedNote, Format, GeometryFile, ImageNote, PairLabel, PairOrigin, PointResultFile, ResultFile,
     TrustNote, UndistortedFiles, result_in_words,
 };
-use crate::presentation::{NO_BASELINE, is_partly_reliable, pose_in_words, turn_in_words};
+use crate::presentation::{NO_BASELINE, pose_in_words, turn_in_words};
 use crate::study::PoseOutcome;
 
 /// Output options of a result.
@@ -239,10 +239,7 @@ fn geometry_file(
         fundamental: Some(*found.fundamental()),
         pairs: pairs.iter().copied().chain(found.matched_pairs()).collect(),
         labels: given.chain(matched).collect(),
-        trust: found.assessment.trust.as_ref().map(|trust| {
-            let note = TrustNote::from(trust);
-            if is_partly_reliable(found, pictures.map(Picture::frame)) { note.partly() } else { note }
-        }),
+        trust: TrustNote::of(found, pictures.map(Picture::frame)),
         images: Some(pictures.map(ImageNote::from)),
         homography21: found.assessment.plane.map(|plane| plane.homography21),
         ..GeometryFile::of(pictures_of)

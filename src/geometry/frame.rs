@@ -8,7 +8,7 @@ use super::{Line, Point, PointPair, Vector};
 ///
 /// The *sampling rectangle* spans the pixel centres, `[0, width − 1] × [0, height − 1]`. Inside it
 /// bilinear interpolation needs no pixel outside the image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Frame {
     /// Width in pixels.
     pub width: usize,

@@ -5,21 +5,23 @@
 
 use std::fmt::Write;
 
+use super::geometry_file::TrustNote;
 use crate::camera::{Baseline, LengthUnit, PointCloud};
 
 /// Colours of the left and the right camera.
 const COLOURS: [[u8; 3]; 2] = [[230, 60, 40], [40, 110, 230]];
 
-/// Returns the text of the file.
-pub fn cloud_as_ply(cloud: &PointCloud) -> String {
+/// Returns the text of the file, with the verdict on the geometry.
+pub fn cloud_as_ply(cloud: &PointCloud, trust: Option<&TrustNote>) -> String {
     const CORNERS: usize = PointCloud::CORNERS;
     let mut text = format!(
         "ply\nformat ascii 1.0\ncomment {} scene points, then both cameras as pyramids of {CORNERS} vertices, written \
-         by epiline {}.\ncomment Axes of camera 1: x right, y down, z forwards. {}\nelement vertex \
+         by epiline {}.\ncomment Axes of camera 1: x right, y down, z forwards. {}\n{}element vertex \
          {}\n",
         cloud.points.len(),
         env!("CARGO_PKG_VERSION"),
         unit_in_words(&cloud.baseline),
+        trust.map_or_else(String::new, |trust| format!("comment {}\n", trust.in_words().replace('\n', " "))),
         cloud.points.len() + 2 * CORNERS
     );
     for name in ["float x", "float y", "float z", "uchar red", "uchar green", "uchar blue"] {
@@ -72,7 +74,8 @@ mod tests {
         // A point 10 units ahead has a disparity of 10 px; the other one would be behind the cameras.
         let matches = [PointPair::new(42.0, 24.0, 32.0, 24.0), PointPair::new(32.0, 24.0, 42.0, 24.0)];
         let cloud = PointCloud::new(&pose, &views, &matches, |_| [1, 2, 3]);
-        let text = cloud_as_ply(&cloud);
+        let note = TrustNote::not_judged();
+        let text = cloud_as_ply(&cloud, Some(&note));
         let (header, body) = text.split_once("end_header\n").unwrap();
         assert!(header.starts_with("ply\nformat ascii 1.0\n"), "{header}");
         assert!(header.contains("element vertex 11\n") && header.contains("element edge 16\n"), "{header}");
@@ -81,7 +84,7 @@ mod tests {
         assert_eq!((rows[6], rows[11], rows[26]), ("1 0 0 40 110 230", "1 2", "10 7"));
         assert!(header.contains("The unit is the distance between the cameras.\n"), "{header}");
         let known = Baseline { length: 120.5, unit: LengthUnit::Millimetre };
-        let text = cloud_as_ply(&cloud.with_baseline(known));
+        let text = cloud_as_ply(&cloud.with_baseline(known), None);
         let (header, body) = text.split_once("end_header\n").unwrap();
         assert!(header.contains("The unit is the millimetre; the cameras are 120.5 apart.\n"), "{header}");
         let rows: Vec<&str> = body.lines().collect();

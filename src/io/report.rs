@@ -1,19 +1,21 @@
 //! The report of a result in sentences.
 
-use super::geometry_file::{Format, ImageNote, PairLabel};
-use super::result_file::result_in_words;
+use super::geometry_file::{Format, ImageNote, PairLabel, TrustNote};
+use super::result_file::judged_in_words;
 use crate::camera::PicturesOf;
 use crate::estimate::Estimate;
 use crate::geometry::{PointPair, symmetric_epipolar_distance};
 use crate::presentation::pictures_in_words;
 
-/// Returns the report of a result with its point pairs. `shown` describes another geometry, if the window shows one.
+/// Returns the report of a result with its point pairs. `shown` describes another geometry, if the window shows one,
+/// and `note` has the verdict in the words of the window.
 pub fn report_in_words(
     estimate: &Estimate,
     images: &[ImageNote; 2],
     pairs: &[(PointPair, PairLabel)],
     pictures: &PicturesOf,
     shown: Option<&str>,
+    note: Option<&TrustNote>,
 ) -> String {
     let mut lines =
         vec![format!("Epipolar geometry of two images, written by epiline {}.", env!("CARGO_PKG_VERSION"))];
@@ -41,5 +43,5 @@ pub fn report_in_words(
         ));
     }
     lines.push(String::new());
-    lines.join("\n") + "\n" + &result_in_words(estimate, images, pictures)
+    lines.join("\n") + "\n" + &judged_in_words(estimate, images, pictures, note)
 }

@@ -18,8 +18,8 @@ use crate::geometry::{
 };
 use crate::presentation::{
     NEAR_MATCHES, camera_doubts, epipole_in_words, interpretation_in_words, is_open_elsewhere,
-    is_partly_reliable, origin_in_words, pictures_in_words, probability_in_words, reason_in_words,
-    story_in_words, warning_in_words,
+    origin_in_words, pictures_in_words, probability_in_words, reason_in_words, story_in_words,
+    warning_in_words,
 };
 
 /// Content of a result file. As JSON it is also a geometry file ([`Format::Json`]).
@@ -48,6 +48,9 @@ pub struct ResultFile<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     frame_offset: Option<i32>,
     verdict: Option<Verdict>,
+    /// The verdict in words, with the reasons that a person is told.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub verdict_in_words: Option<String>,
     /// Probability that the lines are within 1 % of the longer side.
     #[serde(skip_serializing_if = "Option::is_none")]
     probability_within_one_percent: Option<f64>,
@@ -235,6 +238,7 @@ impl<'a> ResultFile<'a> {
             barcodes: assessment.barcodes,
             frame_offset: None,
             verdict: trust.map(|t| t.verdict),
+            verdict_in_words: TrustNote::of(found, frames).map(|note| note.in_words()),
             probability_within_one_percent: assessment.probability_within_one_percent(),
             line_evidence: assessment.line_evidence,
             determined: found.determined(frames),
@@ -429,6 +433,17 @@ fn place_in_words(epipole: &HomogeneousPoint, frame: Frame) -> String {
 
 /// Describes a result in words. F has all its digits, so that it can be copied.
 pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2], pictures: &PicturesOf) -> String {
+    let note = TrustNote::of(found, images.each_ref().map(|image| image.frame));
+    judged_in_words(found, images, pictures, note.as_ref())
+}
+
+/// Describes a result in words, with this verdict.
+pub(super) fn judged_in_words(
+    found: &Estimate,
+    images: &[ImageNote; 2],
+    pictures: &PicturesOf,
+    note: Option<&TrustNote>,
+) -> String {
     let mut text = String::from("Fundamental matrix F (x2ᵀ F x1 = 0):\n");
     text += &matrix_in_words(found.fundamental().rows());
     if pictures.is_undistorted() {
@@ -436,12 +451,18 @@ pub fn result_in_words(found: &Estimate, images: &[ImageNote; 2], pictures: &Pic
     }
     text += &epipoles_in_words(found, images);
     let assessment = &found.assessment;
-    if let Some(trust) = &assessment.trust {
+    if let Some(note) = note {
         let frames = images.each_ref().map(|image| image.frame);
-        let partly = if is_partly_reliable(found, frames) { "partly " } else { "" };
-        let _ = writeln!(text, "Verdict: {partly}{}", trust.verdict.label());
-        for reason in &trust.reasons {
-            let _ = writeln!(text, "  {}", reason_in_words(reason));
+        let _ = writeln!(text, "Verdict: {}", note.verdict);
+        // What the lines say need not be said again.
+        for reason in note
+            .reasons
+            .iter()
+            .filter(|reason| !text.contains(reason.trim_end_matches('.')))
+            .cloned()
+            .collect::<Vec<_>>()
+        {
+            let _ = writeln!(text, "  {reason}");
         }
         if let Some(probability) = probability_in_words(found, frames) {
             let _ = writeln!(text, "{probability}");

@@ -33,6 +33,19 @@ pub fn disparities_in_words([low, high]: [f64; 2], can_swap: bool) -> String {
     format!("Disparities of matches {low} to {high} px. {sign}{range}.")
 }
 
+/// What a disparity map says with which most known matches do not agree.
+pub const WRONG_PREVIEW: &str =
+    "Most of this preview is wrong: brightness along the rows does not tell the disparities here.";
+
+/// Describes a disparity map: its range, px, the share of the picture with a match, and of the known matches that agree.
+pub fn preview_in_words(range: [f64; 2], matched: f64, agreeing: Option<f64>) -> String {
+    let [low, high] = range.map(pixels_in_words);
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let agree =
+        agreeing.map_or_else(String::new, |share| format!(", {} of the known matches agree", percent(share)));
+    format!("Disparity preview: {low} to {high} px, {} matched{agree}", percent(matched))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -45,5 +58,8 @@ mod tests {
         assert!(text.contains("Swap the images") && text.ends_with("range: −96 to 0 px."), "{text}");
         let text = disparities_in_words([-90.4, -14.2], false);
         assert!(text.contains("set a negative minimum") && !text.contains("Swap"), "{text}");
+        let told = preview_in_words([-3.2, 40.0], 0.72, Some(0.34));
+        assert_eq!(told, "Disparity preview: −3 to 40 px, 72 % matched, 34 % of the known matches agree");
+        assert!(preview_in_words([0.0, 40.0], 0.72, None).ends_with("matched"));
     }
 }

@@ -23,7 +23,9 @@ mod story;
 mod tone;
 
 pub use cameras::camera_doubts;
-pub use disparities::{disparities_in_words, pixels_in_words, search_range_in_words};
+pub use disparities::{
+    WRONG_PREVIEW, disparities_in_words, pixels_in_words, preview_in_words, search_range_in_words,
+};
 pub use epipoles::{NOT_DETERMINED, epipole_in_words, interval_in_words, length_in_words};
 pub use errors::{error_in_words, named_error_in_words};
 pub use interpretation::interpretation_in_words;

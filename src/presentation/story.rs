@@ -1,6 +1,6 @@
 //! Course of a search in words.
 
-use crate::estimate::{Event, EventKind, HypothesisNote};
+use crate::estimate::{Event, EventKind, HypothesisNote, Verdict};
 
 use super::origin_in_words;
 
@@ -44,9 +44,13 @@ fn in_words(kind: &EventKind) -> Option<String> {
             format!("Refined on {matches} matches, proposed by {}", by(selected))
         }
         EventKind::Judged { verdict, is_open } => {
-            let word = verdict.map_or("without a verdict", |verdict| verdict.label());
+            let word = match verdict {
+                Some(Verdict::Reliable) => ": all tests passed",
+                Some(verdict) => &format!(" {}", verdict.label()),
+                None => " without a verdict",
+            };
             let open = if *is_open { "; another search may find a better geometry" } else { "" };
-            format!("Judged {word}{open}")
+            format!("Judged{word}{open}")
         }
         EventKind::Selected(selected) => format!("Result, proposed by {}", by(selected)),
     })
@@ -55,7 +59,7 @@ fn in_words(kind: &EventKind) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::{Stage, Verdict};
+    use crate::estimate::Stage;
 
     #[test]
     fn the_story_tells_what_happened_and_not_what_began() {

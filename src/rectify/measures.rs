@@ -85,6 +85,11 @@ impl Measures {
 }
 
 impl Rectification {
+    /// Returns the matches in the rectified pictures. Those outside are missing.
+    pub fn placed(&self, matches: &[PointPair]) -> Vec<PointPair> {
+        placed(&self.maps, matches)
+    }
+
     /// Measures the range of disparities on other matches than the row errors. Nothing changes without
     /// a match in both pictures.
     pub fn measure_disparities(&mut self, matches: &[PointPair]) {
@@ -97,8 +102,7 @@ impl Rectification {
 
 impl RowErrors {
     fn of(maps: &[ImageMap; 2], matches: &[PointPair]) -> Option<Self> {
-        let place = |pair: &PointPair| pair.mapped(|k, point| maps[k].rectified_from_original(point));
-        let placed: Vec<PointPair> = matches.iter().filter_map(place).collect();
+        let placed = placed(maps, matches);
         if placed.is_empty() {
             return None;
         }
@@ -116,6 +120,12 @@ impl RowErrors {
             far_off: placed.len() - agreed.len(),
         })
     }
+}
+
+/// Returns the matches in the rectified pictures. Those outside are missing.
+fn placed(maps: &[ImageMap; 2], matches: &[PointPair]) -> Vec<PointPair> {
+    let place = |pair: &PointPair| pair.mapped(|k, point| maps[k].rectified_from_original(point));
+    matches.iter().filter_map(place).collect()
 }
 
 fn disparity(rectified: &PointPair) -> f64 {

@@ -1,9 +1,10 @@
 //! A coarse disparity map of a rectified pair, by matching rows. It previews the result of a stereo
 //! program and the disparity range to search.
 
-use image::{DynamicImage, LumaA};
+use image::{DynamicImage, GrayAlphaImage, LumaA};
 
 use crate::cancel::CancelFlag;
+use crate::geometry::{Frame, PointPair};
 use crate::image::Profile;
 use crate::similarity::{DisparityRange, Ordering, StereoParameters, match_profiles};
 
@@ -15,8 +16,17 @@ const REACH: f64 = 0.3;
 const ROOM: [f64; 2] = [0.25, 0.03];
 /// Fraction of the samples outside the reported range at either end.
 const BEYOND: f64 = 0.02;
-/// Largest cost of a match, squared grey levels.
+/// Largest cost of a match, squared levels of [`normalised`]: 0.75 local standard deviations.
 const WORST: u32 = 900;
+/// Half width of the surroundings by whose brightness and contrast intensities are normalised, px. A half or
+/// twice this width gives as good a map (`lab/notes.md`).
+const SURROUNDINGS: u32 = 7;
+/// Levels of a local standard deviation. Their number only avoids rounding.
+const SPREAD: f64 = 40.0;
+/// Noise that is not amplified, grey levels.
+const NOISE: f64 = 4.0;
+/// Largest difference from the disparity of a known match that agrees, px of the map.
+const AGREES: f64 = 2.0;
 /// Half of the samples around a sample that must differ, and their least range in grey levels. Anything
 /// matches a surface without texture.
 const AROUND: usize = 5;
@@ -32,6 +42,8 @@ pub struct DisparityMap {
     pub range: [f64; 2],
     /// Disparities row by row, px of the written pictures.
     values: Vec<Option<f32>>,
+    /// Share of the known matches that agree, 0 to 1. `None` if the map has none of their places.
+    pub agreeing: Option<f64>,
 }
 
 impl DisparityMap {
@@ -49,6 +61,7 @@ impl DisparityMap {
             let size = |v: u32| ((f64::from(v) * factor).round() as u32).max(1);
             picture.thumbnail_exact(size(picture.width()), size(picture.height())).to_luma_alpha8()
         });
+        let normal = small.each_ref().map(normalised);
         let (width, height) = small[0].dimensions();
         let scale = written as f64 / f64::from(width);
         let range = tried(known.map(|known| known.map(|disparity| disparity / scale)), f64::from(width));
@@ -58,19 +71,15 @@ impl DisparityMap {
             if cancel.is_cancelled() {
                 return None;
             }
-            let [left, right] = small.each_ref().map(|picture| {
-                let row: Vec<LumaA<u8>> = (0..picture.width()).map(|x| *picture.get_pixel(x, y)).collect();
-                let first = row.iter().position(|p| p[1] > 127).unwrap_or(row.len());
-                let end = row.iter().rposition(|p| p[1] > 127).map_or(first, |last| last + 1);
-                Profile { first: first as i32, values: row[first..end].iter().map(|p| p[0]).collect() }
-            });
+            let [left, right] = normal.each_ref().map(|picture| profile(picture, y));
             if left.is_empty() || right.is_empty() {
                 continue;
             }
             let found = match_profiles(&left, &right, range, &stereo);
+            let grey = profile(&small[0], y).values;
             for (k, (disparity, cost)) in found.disparities.iter().zip(&found.sample_costs).enumerate() {
                 let x = left.first + k as i32;
-                if right.get(x + disparity).is_some() && *cost < WORST && has_texture(&left.values, k) {
+                if right.get(x + disparity).is_some() && *cost < WORST && has_texture(&grey, k) {
                     values[y as usize * width as usize + x as usize] =
                         Some((-f64::from(*disparity) * scale) as f32);
                 }
@@ -85,7 +94,26 @@ impl DisparityMap {
         let [low, high] = [at(BEYOND)?, at(1.0 - BEYOND)?];
         let range = known.map_or([low, high], |[least, most]| [low.max(least), high.min(most)]);
         let range = if range[0] < range[1] { range } else { [low, high] };
-        Some(Self { size: [width, height].map(|v| v as usize), range, values })
+        Some(Self { size: [width, height].map(|v| v as usize), range, values, agreeing: None })
+    }
+
+    /// Compares the map with known matches, in px of the written pictures of this size.
+    #[must_use]
+    pub fn checked_by(self, known: &[PointPair], written: Frame) -> Self {
+        let tolerance = AGREES * written.width as f64 / self.size[0] as f64;
+        let off = known.iter().filter_map(|pair| {
+            let (across, down) =
+                (pair.point1.x / written.width as f64, pair.point1.y / written.height as f64);
+            Some((self.at(across, down)? - (pair.point1.x - pair.point2.x)).abs())
+        });
+        let (all, agreed) =
+            off.fold((0, 0), |(all, agreed), off| (all + 1, agreed + usize::from(off <= tolerance)));
+        Self { agreeing: (all > 0).then(|| f64::from(agreed as u32) / f64::from(all)), ..self }
+    }
+
+    /// Returns whether fewer than half of the known matches agree.
+    pub fn is_mostly_wrong(&self) -> bool {
+        self.agreeing.is_some_and(|share| share < 0.5)
     }
 
     /// Returns the disparity at a place, given as fractions of width and height.
@@ -112,6 +140,42 @@ impl DisparityMap {
     pub fn matched(&self) -> f64 {
         self.values.iter().flatten().count() as f64 / self.values.len().max(1) as f64
     }
+}
+
+/// Returns the intensities of a row, as far as the picture covers it.
+fn profile(picture: &GrayAlphaImage, y: u32) -> Profile {
+    let row: Vec<LumaA<u8>> = (0..picture.width()).map(|x| *picture.get_pixel(x, y)).collect();
+    let first = row.iter().position(|p| p[1] > 127).unwrap_or(row.len());
+    let end = row.iter().rposition(|p| p[1] > 127).map_or(first, |last| last + 1);
+    Profile { first: first as i32, values: row[first..end].iter().map(|p| p[0]).collect() }
+}
+
+/// Returns intensities relative to the brightness and contrast around them: the pictures may be exposed differently,
+/// and a lens darkens their corners.
+fn normalised(picture: &GrayAlphaImage) -> GrayAlphaImage {
+    let (width, height) = picture.dimensions();
+    let stride = width as usize + 1;
+    // Number, sum and sum of squares of the covered pixels above and to the left.
+    let mut sums = vec![[0.0f64; 3]; stride * (height as usize + 1)];
+    for (x, y, pixel) in picture.enumerate_pixels() {
+        let (value, covered) = (f64::from(pixel[0]), f64::from(u8::from(pixel[1] > 127)));
+        let at = (y as usize + 1) * stride + x as usize + 1;
+        for (k, own) in [covered, covered * value, covered * value * value].into_iter().enumerate() {
+            sums[at][k] = own + sums[at - 1][k] + sums[at - stride][k] - sums[at - stride - 1][k];
+        }
+    }
+    GrayAlphaImage::from_fn(width, height, |x, y| {
+        let ends = |v: u32, size: u32| [v.saturating_sub(SURROUNDINGS), (v + SURROUNDINGS + 1).min(size)];
+        let [[left, right], [top, bottom]] = [ends(x, width), ends(y, height)];
+        let of = |x: u32, y: u32| &sums[y as usize * stride + x as usize];
+        let [count, sum, squares] = [0, 1, 2]
+            .map(|k| of(right, bottom)[k] - of(left, bottom)[k] - of(right, top)[k] + of(left, top)[k]);
+        let (count, pixel) = (count.max(1.0), picture.get_pixel(x, y));
+        let mean = sum / count;
+        let deviation = (squares / count - mean * mean).max(0.0).sqrt();
+        let level = 128.0 + SPREAD * (f64::from(pixel[0]) - mean) / (deviation + NOISE);
+        LumaA([level.round().clamp(0.0, 255.0) as u8, pixel[1]])
+    })
 }
 
 /// Returns whether the intensities around a sample differ.
@@ -176,6 +240,24 @@ mod tests {
         let cancelled = CancelFlag::default();
         cancelled.cancel();
         assert!(DisparityMap::new([&left, &right], 400, None, &cancelled).is_none());
+    }
+
+    #[test]
+    fn another_exposure_changes_no_disparity_and_wrong_matches_are_told() {
+        let left = textured(|_| 40);
+        let mut right = textured(|_| 46).to_luma8();
+        right.pixels_mut().for_each(|p| p.0 = [p.0[0] / 2 + 110]);
+        let map = DisparityMap::new([&left, &right.into()], 200, None, &CancelFlag::default()).unwrap();
+        let found = map.at(0.5, 0.5).unwrap();
+        assert!((found - 6.0).abs() < 1.5, "{found} px");
+        let frame = Frame { width: 200, height: 60 };
+        let known = |shift: f64| {
+            let places = (40..160).step_by(5).map(f64::from);
+            places.map(|x| PointPair::new(x, 30.0, x - shift, 30.0)).collect::<Vec<_>>()
+        };
+        let agreeing = |shift: f64| map.clone().checked_by(&known(shift), frame).agreeing.unwrap();
+        assert!(agreeing(6.0) > 0.8 && agreeing(16.0) < 0.2, "{} {}", agreeing(6.0), agreeing(16.0));
+        assert_eq!(map.clone().checked_by(&[], frame).agreeing, None);
     }
 
     #[test]

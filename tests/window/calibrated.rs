@@ -261,6 +261,17 @@ fn a_lens_that_explains_the_matches_better_is_offered_used_and_removed() {
     press(&mut window, Key::Escape);
     assert!(window.state().model().history.can_undo());
     window.get_by_label("Partly reliable");
+    window.get_by_label_contains("The lens bends the lines");
+    for (choices, name) in [(&["Report", "Plain text"][..], "r.txt"), (&["Report", "JSON"], "r.json")] {
+        let path = files.0.path().join(name);
+        export(&mut window, choices, &path);
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains("partly reliable") && text.contains("The lens bends the lines"), "{text}");
+    }
+    press(&mut window, Key::I);
+    click_at(&mut window, Side::Left, 0.2, 0.2);
+    press(&mut window, Key::I);
+    let pin = window.state().document().pins[0];
     tap(&mut window, "Details");
     assert!(window.query_by_label_contains("λ -0.200 ± 0.010").is_some());
     window.get_by_label_contains("correct it for exact lines and epipoles");
@@ -271,14 +282,19 @@ fn a_lens_that_explains_the_matches_better_is_offered_used_and_removed() {
         assert!(is_near(found, given, 1e-6), "{found:?}");
     }
     assert!(window.query_by_label("Correct the lens distortion").is_none(), "it is corrected");
+    let moved = window.state().document().pins[0];
+    assert!(moved.number == pin.number && moved.source != pin.source, "it stays at its place in the picture");
     // Undo takes it back, redo repeats it, and the lens is offered again.
     undo(&mut window);
+    assert_eq!(window.state().document().pins, [pin]);
     assert_eq!(window.state().document().frame(Side::Left), Some(FRAME));
     assert_eq!(window.state().document().pairs, pairs(), "the very points");
     press_with(&mut window, Modifiers::COMMAND, Key::Y);
     assert_eq!(window.state().document().frame(Side::Left), Some(frame));
     undo(&mut window);
     assert!(window.state().model().history.can_undo(), "the steps before the correction are there");
+    undo(&mut window);
+    assert!(window.state().document().pins.is_empty());
     undo(&mut window);
     assert!(window.state().document().half.is_some());
     press(&mut window, Key::Escape);

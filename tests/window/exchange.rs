@@ -114,9 +114,11 @@ fn a_transposed_matrix_is_recognised_before_it_is_drawn() {
     assert!(!lines(&window, Side::Right, HOVER).is_empty());
     window.key_press(Key::I);
     click_at(&mut window, Side::Left, 0.1, 0.1);
-    assert_eq!(window.state().focus().pins().len(), 1);
+    assert_eq!(window.state().document().pins.len(), 1);
     assert!(painted(&window, "pin 1"), "its lines can be pinned");
     press(&mut window, Key::Escape);
+    undo(&mut window);
+    assert!(window.state().document().pins.is_empty());
     undo(&mut window);
     assert_eq!(imported(&window), None);
     press_with(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);

@@ -9,8 +9,8 @@ use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Shape, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::estimate::{RefinedMatch, Refinement};
 use epiline::geometry::{Point, PointPair, symmetric_epipolar_distance};
+use epiline::internals::app::model::document::LineSource;
 use epiline::internals::app::model::document::Side;
-use epiline::internals::app::model::focus::LineSource;
 use epiline::internals::app::model::look::Look;
 use epiline::internals::app::{Services, Start};
 use epiline::suggest::{Clarity, Suggestion, Suggestions};
@@ -111,7 +111,7 @@ fn the_inspect_tool_pins_line_pairs_and_escape_leaves_it() {
     window.get_by_label_contains("Pin tool: click to pin");
     let place = at(&window, Side::Right, 0.1, 0.1);
     click(&mut window, place);
-    let pins = window.state().focus().pins().to_vec();
+    let pins = window.state().document().pins.clone();
     assert!(matches!(pins[..], [pin] if matches!(pin.source, LineSource::Through { side: Side::Right, .. })));
     window.hover_at(egui::pos2(4.0, 844.0));
     settle(&mut window);
@@ -121,15 +121,15 @@ fn the_inspect_tool_pins_line_pairs_and_escape_leaves_it() {
     // A click on a point pins the lines of its pair.
     let handle = screen(&window, P_LEFT);
     click(&mut window, handle);
-    assert_eq!(window.state().focus().inspected().unwrap().source, LineSource::Pair(0));
+    assert_eq!(window.state().document().inspected_pin().unwrap().source, LineSource::Pair(0));
     assert!(window.state().document().half.is_none(), "no point was placed");
     press(&mut window, Key::Delete);
-    assert_eq!(window.state().focus().pins(), pins, "the pair that was looked at is unpinned");
+    assert_eq!(window.state().document().pins, pins, "the pair that was looked at is unpinned");
     assert_eq!(window.state().document().pairs.len(), 2);
     press(&mut window, Key::Escape);
     click(&mut window, place);
     assert!(window.state().document().half.is_some());
-    assert_eq!(window.state().focus().pins().len(), 1);
+    assert_eq!(window.state().document().pins.len(), 1);
 }
 
 #[test]
@@ -472,7 +472,7 @@ fn pinned_lines_have_numbers_and_can_be_unpinned_by_name() {
     window.event(egui::Event::Text("unpin all".into()));
     settle(&mut window);
     press(&mut window, Key::Enter);
-    assert!(window.state().focus().pins().is_empty() && !numbered(&window, "pin 1"));
+    assert!(window.state().document().pins.is_empty() && !numbered(&window, "pin 1"));
 }
 
 #[test]

@@ -12,8 +12,9 @@ use epiline::estimate::{
 use epiline::geometry::{Frame, Point, PointPair};
 use epiline::internals::app::model::comparison::PointSet;
 use epiline::internals::app::model::dock::DockEdge;
+use epiline::internals::app::model::document::LineSource;
 use epiline::internals::app::model::document::{Role as PairRole, Side};
-use epiline::internals::app::model::focus::{LineSource, Target};
+use epiline::internals::app::model::focus::Target;
 use epiline::internals::app::{Services, Start};
 use epiline::study::PlaceFound;
 
@@ -160,7 +161,7 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
     assert!(angles.iter().all(|angle| (angle - right_angle).abs() < 1e-9), "{angles:?}");
     assert!(lit(&window).iter().zip(before).all(|(now, before)| *now > before), "lines in both images");
     click(&mut window, matrix.center() + vec2(2.0, 2.0));
-    let pin = *window.state().focus().inspected().expect("a pinned pair");
+    let pin = *window.state().document().inspected_pin().expect("a pinned pair");
     assert_eq!(pin.source, LineSource::Pencil { pair: 0, angles });
     window.hover_at(egui::pos2(4.0, 844.0));
     press(&mut window, Key::Num2);
@@ -172,11 +173,11 @@ fn a_cell_of_the_pencils_is_pointed_at_and_a_click_inspects_its_lines() {
     window.get_by_label_contains("Inspect: Epipolar lines of q");
     window.get_by_label_contains("Inspect: Lines through p at 90.0° and 90.0°").click();
     settle(&mut window);
-    assert_eq!(window.state().focus().inspected(), Some(&pin));
+    assert_eq!(window.state().document().inspected_pin(), Some(&pin));
     tap(&mut window, "Unpin");
-    assert_eq!(window.state().focus().inspected().map(|pin| pin.source), Some(LineSource::Pair(1)));
+    assert_eq!(window.state().document().inspected_pin().map(|pin| pin.source), Some(LineSource::Pair(1)));
     tap(&mut window, "Unpin");
-    assert!(window.state().focus().pins().is_empty());
+    assert!(window.state().document().pins.is_empty());
     window.hover_at(egui::pos2(4.0, 844.0));
     settle(&mut window);
     // The profiles follow the selected pair, and the left line runs to the right.

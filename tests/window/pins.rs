@@ -2,9 +2,9 @@
 
 use crate::support::*;
 
-use egui::{Key, PointerButton, Rect};
+use egui::{Key, Modifiers, PointerButton, Rect};
 use egui_kittest::kittest::Queryable;
-use epiline::internals::app::model::document::Side;
+use epiline::internals::app::model::document::{LineSource, Side};
 
 /// A result with so many pinned line pairs, a few points of the screen from each other, and the place of the last one.
 fn with_pins(count: usize) -> (Window, egui::Pos2) {
@@ -17,7 +17,7 @@ fn with_pins(count: usize) -> (Window, egui::Pos2) {
         click(&mut window, last);
     }
     press(&mut window, Key::I);
-    assert_eq!(window.state().focus().pins().len(), count);
+    assert_eq!(window.state().document().pins.len(), count);
     (window, last)
 }
 
@@ -75,9 +75,41 @@ fn a_right_click_on_a_pinned_line_tells_which_it_is_and_unpins_it() {
     window.get_by_label("Line pair 1");
     window.get_all_by_label("Unpin").last().unwrap().click();
     settle(&mut window);
-    let left: Vec<_> = window.state().focus().pins().iter().map(|pin| pin.number).collect();
+    let left: Vec<_> = window.state().document().pins.iter().map(|pin| pin.number).collect();
     assert_eq!(left, [1, 2]);
     assert_eq!(window.query_all_by_label_contains("Line pair 1").count(), 0, "the menu has closed");
+}
+
+#[test]
+fn pins_are_undone_without_the_points_and_go_with_their_pair() {
+    let (mut window, _) = with_pins(2);
+    let pairs = window.state().document().pairs.clone();
+    let pinned = |window: &Window| window.state().document().pins.len();
+    undo(&mut window);
+    assert_eq!((pinned(&window), &window.state().document().pairs), (1, &pairs));
+    press_with(&mut window, Modifiers::COMMAND, Key::Y);
+    assert_eq!(pinned(&window), 2);
+    run_command(&mut window, "Unpin all lines");
+    assert_eq!(pinned(&window), 0);
+    undo(&mut window);
+    assert_eq!(pinned(&window), 2);
+    // Inspecting a pin again is no step.
+    let line = at(&window, Side::Left, 0.1, -0.4);
+    window.get_by_label("Row of pair q").click_secondary();
+    settle(&mut window);
+    tap(&mut window, "Pin lines");
+    assert_eq!(pinned(&window), 3);
+    press(&mut window, Key::I);
+    click(&mut window, line);
+    press(&mut window, Key::I);
+    assert_eq!((pinned(&window), window.state().document().inspected), (3, Some(0)), "it is pinned already");
+    tap(&mut window, "Row of pair p");
+    press(&mut window, Key::Delete);
+    let sources: Vec<_> = window.state().document().pins.iter().map(|pin| pin.source).collect();
+    assert_eq!(sources[2], LineSource::Pair(0), "q is the first pair now");
+    tap(&mut window, "Row of pair p");
+    press(&mut window, Key::Delete);
+    assert_eq!(pinned(&window), 2, "without a pair it has no lines");
 }
 
 #[test]

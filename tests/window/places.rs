@@ -4,8 +4,8 @@ use crate::support::*;
 
 use egui::{Key, OutputCommand, Pos2};
 use egui_kittest::kittest::Queryable;
+use epiline::internals::app::model::document::LineSource;
 use epiline::internals::app::model::document::Side;
-use epiline::internals::app::model::focus::LineSource;
 
 #[test]
 fn without_a_geometry_there_is_no_rectified_pair() {
@@ -31,7 +31,7 @@ fn the_empty_image_has_a_menu() {
     let free = at_rest(&window);
     right_click(&mut window, free);
     tap(&mut window, "Pin the lines here");
-    let pins = window.state().focus().pins();
+    let pins = &window.state().document().pins;
     assert!(matches!(pins[0].source, LineSource::Through { side: Side::Left, .. }));
 }
 

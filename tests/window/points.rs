@@ -154,7 +154,7 @@ fn forty_lines_are_pinned_numbered_and_found_in_a_list() {
         click_at(&mut window, Side::Left, -0.42 + 0.115 * (k % 8) as f32, -0.4 + 0.19 * (k / 8) as f32);
     }
     press(&mut window, Key::I);
-    let pins = window.state().focus().pins().to_vec();
+    let pins = window.state().document().pins.clone();
     assert_eq!(pins.len(), 40);
     let right = pane(&window, Side::Right);
     let texts = window.output().shapes.iter().filter_map(|clipped| match &clipped.shape {
@@ -176,7 +176,7 @@ fn forty_lines_are_pinned_numbered_and_found_in_a_list() {
     rows[37].click();
     drop(rows);
     settle(&mut window);
-    assert_eq!(window.state().focus().inspected(), Some(&pins[37]));
+    assert_eq!(window.state().document().inspected_pin(), Some(&pins[37]));
     window.get_by_label("Line pair 38 of 40");
 }
 

@@ -35,7 +35,7 @@ fn worked(files: &Files) -> Window {
     let mut window = window(Start { opening, pairs: all, ..Start::default() }, services());
     window.key_press(Key::I);
     click_at(&mut window, Side::Left, 0.1, 0.1);
-    assert_eq!(window.state().focus().pins().len(), 1);
+    assert_eq!(window.state().document().pins.len(), 1);
     window
 }
 
@@ -49,7 +49,7 @@ fn a_session_comes_back_as_it_was_saved() {
     let again = reopened(path.clone());
     assert_eq!(made(&again), made(&window));
     let sources =
-        |window: &Window| window.state().focus().pins().iter().map(|p| p.source).collect::<Vec<_>>();
+        |window: &Window| window.state().document().pins.iter().map(|p| p.source).collect::<Vec<_>>();
     assert_eq!(sources(&again), sources(&window));
     assert_eq!(again.state().look(), window.state().look());
     assert!(again.state().estimate().is_some(), "the geometry is computed again");
@@ -196,7 +196,7 @@ fn the_offer_of_unsaved_work_counts_pinned_lines() {
     for y in [-0.1, 0.2] {
         click_at(&mut crashed, Side::Left, 0.3, y);
     }
-    assert_eq!(crashed.state().focus().pins().len(), 2);
+    assert_eq!(crashed.state().document().pins.len(), 2);
     // The copy is written at most two seconds later.
     std::thread::sleep(std::time::Duration::from_secs(2));
     settle(&mut crashed);
@@ -252,6 +252,7 @@ fn a_search_without_clicks_is_no_unsaved_work() {
     choose(&mut window, "Help", "Open the sample pictures");
     assert_eq!(window.state().messages().count(), 0, "{:?}", window.state().messages().next());
     assert!(window.state().model().left_behind.is_empty());
+    assert!(!window.state().model().has_unsaved_work(), "the sample has its cameras from the start");
 }
 
 #[test]

@@ -7,8 +7,9 @@ use std::path::Path;
 use egui::{Color32, Key, Modifiers, Shape};
 use egui_kittest::kittest::{NodeT, Queryable};
 use epiline::geometry::{Camera, PointPair};
+use epiline::internals::app::model::document::LineSource;
 use epiline::internals::app::model::document::{Document, Side, TruthSource};
-use epiline::internals::app::model::focus::{LineSource, Target};
+use epiline::internals::app::model::focus::Target;
 use epiline::internals::app::{Opening, Services, Start};
 use epiline::io::TruthFolder;
 use nalgebra::{Matrix3, Matrix3x4, Point3, Rotation3, Vector3};
@@ -490,6 +491,6 @@ fn rows_of_true_matches_are_linked_with_the_images() {
     assert_eq!(window.state().focus().hovered(), Some(Target::TrueMatch(1)));
     tap(&mut window, "True match 2");
     let point = truth(&files, [0, 1]).matches[1].point1;
-    let pins: Vec<_> = window.state().focus().pins().iter().map(|pin| pin.source).collect();
+    let pins: Vec<_> = window.state().document().pins.iter().map(|pin| pin.source).collect();
     assert_eq!(pins, [LineSource::Through { side: Side::Left, point }]);
 }

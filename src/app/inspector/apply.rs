@@ -132,10 +132,10 @@ impl Inspector {
             Command::ChooseHypothesis(number) => model.choose_hypothesis(number),
             Command::ChooseContestant(contestant) => model.open.focus.choose_contestant(contestant),
             Command::Compare(subject) => model.look.compared = subject,
-            Command::Pin(source) => model.open.focus.pin(source),
-            Command::Inspect(number) => model.open.focus.inspect(number),
-            Command::Unpin(number) => model.open.focus.unpin(number),
-            Command::UnpinAll => model.open.focus.unpin_all(),
+            Command::Pin(source) => model.pin(source),
+            Command::Inspect(number) => model.document.inspected = Some(number),
+            Command::Unpin(number) => model.edit(|document| document.unpin(number)),
+            Command::UnpinAll => model.edit(|document| document.pins.clear()),
             Command::TogglePinTool => {
                 model.tool = if model.tool == Tool::Inspect { Tool::Points } else { Tool::Inspect };
             }
@@ -264,7 +264,7 @@ impl Inspector {
         let model = &mut self.model;
         let Some(pair) = model.matched_pairs().nth(number) else { return };
         model.look.stage = StageId::Pictures;
-        model.open.focus.pin(LineSource::Through { side: Side::Left, point: pair.point1 });
+        model.pin(LineSource::Through { side: Side::Left, point: pair.point1 });
         for side in Side::BOTH {
             let pixel = model.open.pixel(side, side.point(&pair));
             self.view.panes[side.index()].magnify_at(pixel);

@@ -167,6 +167,8 @@ impl Inspector {
         let mut past = std::mem::take(&mut self.model.history);
         let undone = if change.goes_back { past.undo_lens() } else { None };
         self.model.see_through(pictures);
+        // Such a message may ask for this change.
+        self.model.messages.settle(MessageKind::Problem);
         let Model { open, document, .. } = &mut self.model;
         let (count, had_imported) = (before.pairs.len(), before.imported.is_some());
         let pictures = document.pictures.take();
@@ -259,9 +261,10 @@ impl Inspector {
             self.refuse("Sequences have no 3-D points. Open two pictures for them.".to_owned());
             return;
         }
+        let used = pictures.each_ref().map(|opened| opened.lens.as_ref()?.view.camera().focal_length());
         let guesses = pictures.each_ref().map(|opened| opened.focal_guess);
         let widths = pictures.each_ref().map(|opened| opened.shown().frame().width);
-        self.view.dialogs.focal = Some(FocalDialog::new(guesses, widths));
+        self.view.dialogs.focal = Some(FocalDialog::new(used, guesses, widths));
     }
 
     /// Gives the open pictures focal lengths, and shows the scene once there is one.

@@ -174,10 +174,7 @@ impl Inspector {
         work.document.pictures = model.document.pictures.take();
         model.document = work.document.clone();
         model.history = History::default();
-        for pin in &work.pins {
-            model.open.focus.pin(*pin);
-        }
-        if !work.pins.is_empty() {
+        if !model.document.pins.is_empty() {
             model.tool = Tool::Points;
         }
         model.look = work.look.clone();

@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::document::{Document, TruthSource};
-use super::focus::LineSource;
+use super::document::{Document, LineSource, TruthSource};
 use crate::camera::CameraModel;
 use crate::io::{PictureFolder, relative, resolve};
 
@@ -29,8 +28,8 @@ pub struct KeptPair {
     pub views: ViewNames,
     /// Points, parameters and ground truth, without the pictures.
     pub document: Document,
-    /// Pinned line pairs, oldest first.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    /// Pinned line pairs of older sessions, oldest first.
+    #[serde(default, skip_serializing)]
     pub pins: Vec<LineSource>,
     /// Calibrated cameras of the pictures. All points are then in views without distortion.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -40,12 +39,11 @@ pub struct KeptPair {
 impl KeptPair {
     /// Returns whether the pair has any work that would be lost.
     pub fn is_worth_keeping(&self) -> bool {
-        self.document.is_worth_keeping(true) || !self.pins.is_empty() || self.cameras.is_some()
+        self.document.is_worth_keeping(true) || self.cameras.is_some()
     }
 
     pub fn is_same_work(&self, other: &Self) -> bool {
-        let same_views = self.pins == other.pins && self.cameras == other.cameras;
-        same_views && self.document.is_same_work(&other.document)
+        self.cameras == other.cameras && self.document.is_same_work(&other.document)
     }
 }
 
@@ -104,6 +102,7 @@ impl Album {
         self.pairs.sort_by(|one, other| one.views.cmp(&other.views));
         self.pairs.dedup_by(|one, other| one.views == other.views);
         for kept in &mut self.pairs {
+            kept.pins.drain(..).for_each(|pin| kept.document.pin(pin));
             if let Some(TruthSource::Folder { folder, .. }) = &mut kept.document.truth {
                 *folder = resolve(&folder.to_string_lossy(), path);
             }

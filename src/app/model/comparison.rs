@@ -31,6 +31,8 @@ pub struct ComparisonQuestion {
 #[derive(Debug, Clone)]
 pub struct Comparison {
     pub number: u64,
+    /// The geometry of the result that was compared.
+    pub of: Option<FundamentalMatrix>,
     methods: MethodComparison,
     /// The imported geometry, and what the images say of it.
     pub judgement: Option<(FundamentalMatrix, Judgement)>,
@@ -72,6 +74,7 @@ impl ComparisonQuestion {
         };
         Comparison {
             number: revision::fresh(),
+            of: self.result.as_ref().map(|found| found.fundamental),
             methods: methods.answer(),
             judgement: self.judgement(),
             true_error: self.shown.as_ref().and_then(error),

@@ -5,8 +5,6 @@
 //! target. Selections last until the next selection. The focus is not part of the document and no
 //! step of the history.
 
-use serde::{Deserialize, Serialize};
-
 use super::comparison::Contestant;
 use super::document::Side;
 use crate::geometry::Point;
@@ -62,39 +60,6 @@ pub enum Replayed {
     Line(usize),
 }
 
-/// Origin of a pair of lines. Lines from a point follow the geometry when it changes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum LineSource {
-    /// The epipolar lines of a point pair: each point's line in the other image.
-    Pair(usize),
-    /// The epipolar line through a point of one image, and its corresponding line.
-    Through {
-        side: Side,
-        /// The point, px.
-        point: Point,
-    },
-    /// Two lines of the pencils through a click.
-    Pencil {
-        /// Number of the pair.
-        pair: usize,
-        /// Their directions in image 1 and 2, radians.
-        angles: [f64; 2],
-    },
-}
-
-/// A line pair pinned to the images.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pin {
-    /// Origin of the lines.
-    pub source: LineSource,
-    /// Number in both images and in the plots, from 0. It also sets the colour.
-    pub number: usize,
-}
-
-/// Maximum number of pinned line pairs. Each has its own number; the oldest is removed first.
-pub const PINS: usize = 40;
-
 /// Hovered and selected things.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Focus {
@@ -103,8 +68,6 @@ pub struct Focus {
     held: Option<Target>,
     hypothesis: Option<usize>,
     contestant: Option<Contestant>,
-    pins: Vec<Pin>,
-    inspected: Option<usize>,
 }
 
 impl Focus {
@@ -128,20 +91,6 @@ impl Focus {
         self.contestant
     }
 
-    /// Returns the pinned line pairs, oldest first.
-    pub fn pins(&self) -> &[Pin] {
-        &self.pins
-    }
-
-    pub fn inspected(&self) -> Option<&Pin> {
-        self.pins.get(self.inspected?)
-    }
-
-    /// Returns the place of the inspected pin in the list.
-    pub fn inspected_number(&self) -> Option<usize> {
-        self.inspected
-    }
-
     /// Sets the thing under the cursor and returns whether it changed.
     pub fn point_at(&mut self, target: Option<Target>) -> bool {
         std::mem::replace(&mut self.hovered, target) != target
@@ -162,64 +111,5 @@ impl Focus {
     /// Deselects the hypothesis, after its result was replaced.
     pub fn forget_hypothesis(&mut self) {
         self.hypothesis = None;
-    }
-
-    /// Pins a line pair and inspects it.
-    pub fn pin(&mut self, source: LineSource) {
-        if let Some(at) = self.pins.iter().position(|pin| pin.source == source) {
-            self.inspected = Some(at);
-            return;
-        }
-        if self.pins.len() == PINS {
-            self.pins.remove(0);
-        }
-        let free = (0..PINS).find(|number| self.pins.iter().all(|pin| pin.number != *number));
-        self.pins.push(Pin { source, number: free.unwrap_or(0) });
-        self.inspected = Some(self.pins.len() - 1);
-    }
-
-    /// Inspects a pin, by its place in the list.
-    pub fn inspect(&mut self, number: usize) {
-        self.inspected = (number < self.pins.len()).then_some(number);
-    }
-
-    /// Removes a pin, by its place in the list. The newest of the others is inspected then.
-    pub fn unpin(&mut self, number: usize) {
-        if number < self.pins.len() {
-            self.pins.remove(number);
-            self.inspected = self.pins.len().checked_sub(1);
-        }
-    }
-
-    /// Removes all pins.
-    pub fn unpin_all(&mut self) {
-        self.pins.clear();
-        self.inspected = None;
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pins_have_a_number_each_and_the_oldest_gives_way() {
-        let mut focus = Focus::default();
-        for pair in 0..=PINS {
-            focus.pin(LineSource::Pair(pair));
-        }
-        assert_eq!(focus.pins().len(), PINS);
-        assert_eq!(focus.inspected().map(|pin| pin.source), Some(LineSource::Pair(PINS)));
-        for (k, pin) in focus.pins().iter().enumerate() {
-            assert_eq!(pin.source, LineSource::Pair(k + 1));
-            assert!(focus.pins()[..k].iter().all(|other| other.number != pin.number));
-        }
-        focus.pin(LineSource::Pair(2));
-        assert_eq!(focus.pins().len(), PINS, "pinned already");
-        assert_eq!(focus.inspected().map(|pin| pin.source), Some(LineSource::Pair(2)));
-        focus.unpin(PINS - 1);
-        assert_eq!(focus.inspected().map(|pin| pin.source), Some(LineSource::Pair(PINS - 1)));
-        focus.unpin_all();
-        assert_eq!(focus.inspected(), None);
     }
 }

@@ -68,8 +68,8 @@ mod unclicked;
 pub mod verdict;
 
 pub use command::{Command, ExchangeCommand, SessionCommand};
-pub use document::{Document, PointRef, Role, Side, pair_name};
-pub use focus::{LineSource, Target};
+pub use document::{Document, LineSource, PointRef, Role, Side, pair_name};
+pub use focus::Target;
 pub use ids::{MethodStep, OverlayId, StageId, TabId};
 
 use album::Album;
@@ -151,6 +151,7 @@ impl Model {
         self.document.truth = known.as_ref().filter(|_| uses_truth).map(|known| known.source.clone());
         self.history = History::default();
         self.open = OpenPair::new(pictures, known, show_me);
+        self.open.cameras_at_first = self.open.cameras();
         self.wanted = None;
         self.album = None;
         let SessionState { copied, last_copy, .. } = std::mem::take(&mut self.session);
@@ -205,11 +206,19 @@ impl Model {
         self.history.close_step();
     }
 
+    /// Pins a line pair and inspects it. A pinned one is only inspected, which is no step of the history.
+    pub fn pin(&mut self, source: LineSource) {
+        match self.document.pins.iter().find(|pin| pin.source == source) {
+            Some(pin) => self.document.inspected = Some(pin.number),
+            None => self.edit(|document| document.pin(source)),
+        }
+    }
+
     /// Removes the selected pinned line pair (pin tool) or point pair.
     pub fn delete_selected(&mut self) {
         if self.tool == Tool::Inspect {
-            if let Some(number) = self.open.focus.inspected_number() {
-                self.open.focus.unpin(number);
+            if let Some(number) = self.document.inspected_pin().map(|pin| pin.number) {
+                self.edit(|document| document.unpin(number));
             }
         } else if let Some(at) = self.document.selection {
             self.edit(|document| document.remove(at.pair));
@@ -262,12 +271,11 @@ impl Model {
     pub fn work(&self, views: Option<[PaneView; 2]>) -> Work {
         Work {
             document: self.document.clone(),
-            pins: self.pins().collect(),
             views,
             look: self.look.clone(),
             album: self.album.clone(),
             cameras: self.open.cameras(),
-            belongs_to: None,
+            ..Work::default()
         }
     }
 
@@ -293,15 +301,11 @@ impl Model {
         rows_in_words(&judgement)
     }
 
-    fn pins(&self) -> impl Iterator<Item = LineSource> + '_ {
-        self.open.focus.pins().iter().map(|pin| pin.source)
-    }
-
     /// Returns whether any work would be lost without saving.
     pub fn is_worth_keeping(&self) -> bool {
         let elsewhere = self.album.as_ref().is_some_and(|album| !album.pairs().is_empty());
-        let has_points = self.document.is_worth_keeping(false) || self.pins().next().is_some();
-        elsewhere || has_points || self.open.cameras().is_some()
+        let has_own_cameras = self.open.cameras() != self.open.cameras_at_first;
+        elsewhere || self.document.is_worth_keeping(false) || has_own_cameras
     }
 
     /// Returns whether closing now would lose work that saving would keep.

@@ -44,6 +44,8 @@ pub struct OpenPair {
     pub show_me: Option<[PointPair; 2]>,
     /// Ground truth of the pictures as they are.
     pub(super) known: Option<KnownTruth>,
+    /// Cameras with which the pictures were opened.
+    pub cameras_at_first: Option<[CameraModel; 2]>,
     /// Folder of the pictures, and their numbers in it.
     pub folder: Option<OpenFolder>,
     /// The last action, for the status bar.

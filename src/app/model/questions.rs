@@ -84,7 +84,7 @@ impl Model {
             Some(TabId::Step) => self.open.replay.moment().is_some_and(|moment| moment.filled.is_some()),
             _ => false,
         };
-        let wanted = exports || is_shown || !self.open.focus.pins().is_empty();
+        let wanted = exports || is_shown || !self.document.pins.is_empty();
         let inspected = wanted.then(|| self.inspected()).flatten()?;
         let pictures = self.open.pictures()?;
         let [left, right] = pictures.each_ref().map(|picture| picture.frame().longer_side());

@@ -4,7 +4,8 @@ use std::sync::LazyLock;
 
 use super::*;
 use crate::app::model::computation::{EstimateFailure, EstimateNews, EstimateRequest};
-use crate::app::model::focus::{LineSource, Replayed};
+use crate::app::model::document::LineSource;
+use crate::app::model::focus::Replayed;
 use crate::app::model::picture::Opened;
 use crate::app::model::recording::{Recording, Synchronised};
 use crate::app::model::replay::course::StepState;

@@ -6,8 +6,7 @@ use std::time::{Instant, SystemTime};
 use serde::{Deserialize, Serialize};
 
 use super::album::Album;
-use super::document::{Document, Given, PointRef, TruthSource};
-use super::focus::LineSource;
+use super::document::{Document, Given, LineSource, PINS, PointRef, TruthSource};
 use super::look::Look;
 use super::pane_view::PaneView;
 use super::picture::Opened;
@@ -22,12 +21,12 @@ use crate::study::Question;
 const MOST_PAIRS: usize = 1000;
 
 /// Work of a person on a pair of images, in the form for saving.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Work {
     /// Points, parameters and ground truth. The session itself names the pictures.
     pub document: Document,
-    /// Pinned line pairs, oldest first.
-    #[serde(default)]
+    /// Pinned line pairs of older sessions, oldest first.
+    #[serde(default, skip_serializing)]
     pub pins: Vec<LineSource>,
     /// Visible part of each image.
     #[serde(default)]
@@ -58,15 +57,7 @@ impl Work {
             given: given.map(|given| Given::new("the calling program".to_owned(), given.to_vec())),
             ..Document::default()
         };
-        Self {
-            document,
-            pins: Vec::new(),
-            views: None,
-            look: Look::default(),
-            album: None,
-            cameras,
-            belongs_to: None,
-        }
+        Self { document, cameras, ..Self::default() }
     }
 
     /// Returns the session file of this work, for writing at `path`. `None` if a picture is neither
@@ -111,14 +102,10 @@ impl Work {
         if let Some(album) = &mut self.album {
             album.make_valid(path);
         }
+        self.pins.drain(..).for_each(|pin| self.document.pin(pin));
         self.document.keep_within(frames);
         self.views =
             self.views.map(|[left, right]| [left.made_valid(frames[0]), right.made_valid(frames[1])]);
-        let pairs = self.document.pairs.len();
-        self.pins.retain(|pin| match pin {
-            LineSource::Pair(pair) | LineSource::Pencil { pair, .. } => *pair < pairs,
-            LineSource::Through { point, .. } => point.iter().all(|v| v.is_finite()),
-        });
         self
     }
 }
@@ -212,14 +199,15 @@ fn state_on_disk(path: &Path) -> Option<(SystemTime, u64)> {
 impl Document {
     /// Returns whether two documents have the same work. Selections do not count.
     pub(super) fn is_same_work(&self, other: &Self) -> bool {
-        let work = |document: &Self| Self { pictures: None, selection: None, ..document.clone() };
+        let work =
+            |document: &Self| Self { pictures: None, selection: None, inspected: None, ..document.clone() };
         work(self) == work(other)
     }
 
     /// Returns whether the document has work that would be lost. A session has no results, so a search without clicks
     /// is none, except as one `of_an_album`: there it tells which pairs were looked at.
     pub fn is_worth_keeping(&self, of_an_album: bool) -> bool {
-        let has_points = !self.pairs.is_empty() || self.half.is_some();
+        let has_points = !self.pairs.is_empty() || self.half.is_some() || !self.pins.is_empty();
         has_points || (self.unclicked && of_an_album) || self.imported.is_some() || self.given.is_some()
     }
 
@@ -243,6 +231,12 @@ impl Document {
             numbers.retain(|pair| *pair < self.pairs.len());
         }
         self.selection = self.selection.filter(|at: &PointRef| self.point(*at).is_some());
+        let pairs = self.pairs.len();
+        self.pins.truncate(PINS);
+        self.pins.retain(|pin| match pin.source {
+            LineSource::Pair(pair) | LineSource::Pencil { pair, .. } => pair < pairs,
+            LineSource::Through { point, .. } => point.iter().all(|v| v.is_finite()),
+        });
     }
 }
 

@@ -3,7 +3,7 @@
 use super::comparison::Contestant;
 use super::computation::Freshness;
 use super::document::Side;
-use super::focus::{LineSource, Pin};
+use super::document::{LineSource, Pin};
 use super::verdict::Tone;
 use super::{Model, TabId};
 use crate::estimate::{Construction, Estimate, Reason, RefinedMatch, lines_at};
@@ -240,7 +240,7 @@ impl Model {
 
     /// Returns the pinned line pairs with their numbers, oldest first.
     pub fn pinned(&self) -> impl Iterator<Item = (usize, InspectedLines)> + '_ {
-        self.open.focus.pins().iter().filter_map(|pin: &Pin| {
+        self.document.pins.iter().filter_map(|pin: &Pin| {
             Some((pin.number, InspectedLines { source: pin.source, lines: self.lines(pin.source)? }))
         })
     }
@@ -266,13 +266,13 @@ impl Model {
     pub fn inspected(&self) -> Option<InspectedLines> {
         // The replay shows the profiles of its own lines, unless the user looks at others meanwhile.
         let replay = &self.open.replay;
-        let has_none = self.look.tab == TabId::Step && self.open.focus.inspected().is_none();
+        let has_none = self.look.tab == TabId::Step && self.document.inspected_pin().is_none();
         let is_free = replay.is_playing() || has_none;
         let replayed = replay.moment().filter(|_| is_free).and_then(|moment| moment.lines);
         if let Some(source) = replayed {
             return Some(InspectedLines { source, lines: self.lines(source)? });
         }
-        let source = match self.open.focus.inspected() {
+        let source = match self.document.inspected_pin() {
             Some(pin) => pin.source,
             None => match self.document.selected_pair().or_else(|| self.document.used().next()) {
                 Some(pair) => LineSource::Pair(pair),

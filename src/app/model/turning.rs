@@ -17,31 +17,33 @@ impl Work {
     /// Returns the work on all pairs, the open one first. Without a folder there is only one.
     fn pairs(&self) -> impl Iterator<Item = KeptPair> + '_ {
         let views = self.album.as_ref().map_or_else(ViewNames::default, |album| album.open.clone());
-        let (document, pins, cameras) = (self.document.clone(), self.pins.clone(), self.cameras);
-        let open = KeptPair { views, document, pins, cameras };
+        let (document, pins) = (self.document.clone(), self.pins.clone());
+        let open = KeptPair { views, document, pins, cameras: self.cameras };
         std::iter::once(open).chain(self.album.iter().flat_map(|album| album.pairs().iter().cloned()))
     }
 
     /// Returns the numbers of point pairs and of pinned line pairs on all pairs of images.
     pub fn counts(&self) -> (usize, usize) {
-        self.pairs()
-            .fold((0, 0), |(pairs, pins), kept| (pairs + kept.document.pairs.len(), pins + kept.pins.len()))
+        let pins = |kept: &KeptPair| kept.document.pins.len() + kept.pins.len();
+        self.pairs().fold((0, 0), |(pairs, all), kept| (pairs + kept.document.pairs.len(), all + pins(&kept)))
     }
 }
 
 impl Model {
     fn open_part(&self, views: ViewNames) -> KeptPair {
-        let (document, pins) = (self.document.clone(), self.pins().collect());
-        KeptPair { views, document, pins, cameras: self.open.cameras() }
+        let (document, cameras) = (self.document.clone(), self.open.cameras());
+        KeptPair { views, document, pins: Vec::new(), cameras }
     }
 
     /// Replaces the open pictures by the same ones with other lenses. Findings go, as they belong to other
     /// coordinates; the folder, the ground truth and the session stay.
     pub fn see_through(&mut self, pictures: [Opened; 2]) {
         let (folder, known) = (self.open.folder.take(), self.open.known.take());
+        let at_first = self.open.cameras_at_first;
         let (album, session) = (self.album.take(), std::mem::take(&mut self.session));
         self.open(pictures, known, false, None);
         (self.open.folder, self.album, self.session) = (folder, album, session);
+        self.open.cameras_at_first = at_first;
     }
 
     /// Returns the cameras of the work on a pair of the folder that is not open.
@@ -70,26 +72,20 @@ impl Model {
     }
 
     /// Restores the work on the pair that has just been opened.
-    fn take_kept(&mut self, KeptPair { mut document, pins, .. }: KeptPair) {
+    fn take_kept(&mut self, KeptPair { mut document, .. }: KeptPair) {
         if let Some(frames) = self.document.frames() {
             document.keep_within(frames);
         }
         // The truth comes from the folder as read now.
         document.truth = document.truth.and(self.document.truth.take());
         self.document = Document { pictures: self.document.pictures.take(), ..document };
-        for pin in pins {
-            self.open.focus.pin(pin);
-        }
     }
 
     /// Returns whether the work on all pairs is unchanged. Which pair is open, and the way of looking at it, do not
     /// count.
     pub fn is_same_work(&self, work: &Work) -> bool {
-        let is_same_open = || {
-            self.document.is_same_work(&work.document)
-                && self.pins().eq(work.pins.iter().copied())
-                && self.open.cameras() == work.cameras
-        };
+        let is_same_open =
+            || self.document.is_same_work(&work.document) && self.open.cameras() == work.cameras;
         let (Some(now), Some(saved)) = (&self.album, &work.album) else {
             let alone = self.album.as_ref().is_none_or(|album| album.pairs().is_empty());
             return alone && is_same_open();

@@ -5,7 +5,7 @@ use super::{Method, Parameters, Search};
 use crate::similarity::LineMeasure;
 
 /// Search with the number of pairs it needs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum SearchPlan {
     /// Lines through two clicks propose, and lines over both images rank, as published. A third click can
     /// give κ. The search takes `clicks` pairs.
@@ -14,6 +14,7 @@ pub enum SearchPlan {
     /// suggest propose too. The search is refused with fewer than `clicks` pairs.
     Patches { clicks: usize },
     /// Features propose, and two of their matches replace the clicks.
+    #[default]
     Unclicked,
     /// All lines of both images propose.
     LinesAlone { ranked_by: Search },

@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::Trust;
-use crate::presentation::{NEAR_MATCHES, reason_in_words};
+use crate::estimate::{Estimate, Trust};
+use crate::geometry::Frame;
+use crate::presentation::{NEAR_MATCHES, is_partly_reliable, reason_in_words};
 
 named! {
     fn name;
@@ -54,6 +55,12 @@ pub struct TrustNote {
 impl TrustNote {
     /// Name of the result of an estimate.
     pub const RESULT: &'static str = "result";
+
+    /// Returns the note of a result for images of these sizes; `None` without a verdict.
+    pub fn of(found: &Estimate, frames: [Frame; 2]) -> Option<Self> {
+        let note = Self::from(found.assessment.trust.as_ref()?);
+        Some(if is_partly_reliable(found, frames) { note.partly() } else { note })
+    }
 
     /// Returns the note of a result without a verdict.
     pub fn not_judged() -> Self {

@@ -6,6 +6,7 @@
 mod given;
 mod notes;
 mod parts;
+mod pins;
 mod placed;
 #[cfg(test)]
 mod tests;
@@ -24,6 +25,7 @@ pub use parts::{
     AS_READ, Checked, HalfPair, Imported, PairNote, PictureIdentity, PointRef, Role, Side, TruthSource,
     counted, pair_name,
 };
+pub use pins::{LineSource, PINS, Pin};
 
 /// Everything that a person can change and undo.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -49,7 +51,7 @@ pub struct Document {
     pub parameters: Parameters,
     /// Time offset: frame `k` of the left sequence belongs with frame `k + offset` of the right
     /// one.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default)]
     pub offset: i32,
     #[serde(default)]
     pub rectification: RectifyMethod,
@@ -61,13 +63,14 @@ pub struct Document {
     pub imported: Option<Imported>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub given: Option<Given>,
+    /// Pinned line pairs, oldest first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pins: Vec<Pin>,
+    /// Number of the pin whose profiles are shown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inspected: Option<usize>,
     /// The point that keys act on.
     pub selection: Option<PointRef>,
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
-fn is_zero(offset: &i32) -> bool {
-    *offset == 0
 }
 
 impl Document {
@@ -177,6 +180,7 @@ impl Document {
                 numbers.remove(&pair);
                 *numbers = numbers.iter().map(moved).collect();
             }
+            self.move_pins(|source| source.without_pair(pair));
             self.notes.remove(&pair);
             self.notes =
                 std::mem::take(&mut self.notes).into_iter().map(|(k, note)| (moved(&k), note)).collect();
@@ -187,6 +191,7 @@ impl Document {
     /// Replaces all pairs by pairs of this origin.
     pub fn set_pairs(&mut self, pairs: Vec<PointPair>, origin: PairOrigin) {
         self.pairs = pairs;
+        self.pins.retain(|pin| matches!(pin.source, LineSource::Through { .. }));
         self.notes.clear();
         for pair in 0..self.pairs.len() {
             self.set_origin(pair, origin);

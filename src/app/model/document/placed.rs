@@ -1,6 +1,6 @@
 //! A document in other coordinates: those of another calibration, or of the pictures in the other order.
 
-use super::{Document, Given};
+use super::{Document, Given, LineSource, Side};
 use crate::estimate::Match;
 use crate::geometry::PointPair;
 
@@ -17,6 +17,17 @@ impl Document {
         let lost: Vec<usize> = (0..places.len()).filter(|pair| places[*pair].is_none()).collect();
         self.remove_all(lost);
         self.half = None;
+        let Some(frames) = self.frames() else { return self };
+        self.move_pins(|source| match source {
+            LineSource::Pair(_) => Some(source),
+            LineSource::Through { side, point } => {
+                let [point1, point2] =
+                    Side::BOTH.map(|own| if own == side { point } else { frames[own.index()].centre() });
+                Some(LineSource::Through { side, point: side.point(&place(&PointPair { point1, point2 })?) })
+            }
+            // Directions bend with the lens.
+            LineSource::Pencil { .. } => None,
+        });
         self.imported = None;
         self.given = self.given.map(|given| {
             let placed = |found: &Match| Some(Match { pair: place(&found.pair)?, ..*found });
@@ -39,6 +50,7 @@ impl Document {
             pictures.reverse();
         }
         self.pairs.iter_mut().for_each(|pair| *pair = pair.swapped());
+        self.move_pins(|source| Some(source.swapped()));
         if let Some(half) = &mut self.half {
             half.side = half.side.other();
         }

@@ -136,7 +136,10 @@ pub fn content(
         ExportKind::Table => (text(table(model)), format!("a table of {}", counted(file.pairs.len()))),
         ExportKind::Cloud => {
             let cloud = &model.scene().ok_or_else(nothing)?.cloud;
-            (text(cloud_as_ply(cloud)), format!("{} scene points", cloud.points.len()))
+            (
+                text(cloud_as_ply(cloud, trust_note(model).as_ref())),
+                format!("{} scene points", cloud.points.len()),
+            )
         }
         ExportKind::Report => {
             let report = report(order.reported, model, &images).ok_or_else(nothing)?;
@@ -288,6 +291,7 @@ fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Opt
             let offset = model.compared_recordings().map(|compared| compared.offset);
             let given: Vec<PointPair> = model.document.given.iter().flat_map(Given::pairs).copied().collect();
             let mut file = file.at_offset(offset).labelled(&labels(model, false)).with_given(&given);
+            file.verdict_in_words = result_note(model).map(|note| note.in_words());
             let views = model.open.undistorted().or_else(|| model.open.posed_views());
             if let Some(views) = &views {
                 file = file.calibrated(views, model.scene().map(|scene| &scene.fit), None);
@@ -298,7 +302,8 @@ fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Opt
             let pairs: Vec<_> = pairs.into_iter().zip(labels(model, false)).collect();
             let shown = model.shown().and_then(|shown| shown_in_words(model, &shown));
             let pose = model.scene().map_or_else(String::new, |scene| pose_in_words(&scene.fit));
-            report_in_words(estimate, images, &pairs, &pictures_of, shown.as_deref()) + &pose
+            let note = result_note(model);
+            report_in_words(estimate, images, &pairs, &pictures_of, shown.as_deref(), note.as_ref()) + &pose
         }
     })
 }

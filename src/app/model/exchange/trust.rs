@@ -5,7 +5,7 @@ use crate::app::model::comparison::Contestant;
 use crate::app::model::computation::Freshness;
 use crate::app::model::document::AS_READ;
 use crate::app::model::shown::ShownGeometry;
-use crate::app::model::verdict::{Tone, VerdictInWords, import_warning};
+use crate::app::model::verdict::{BENT, Tone, VerdictInWords, import_warning};
 use crate::io::TrustNote;
 use crate::presentation::PARTLY_RELIABLE;
 
@@ -48,5 +48,9 @@ pub fn result_note(model: &Model) -> Option<TrustNote> {
         Tone::Apart => "different scenes",
     };
     let note = TrustNote { geometry: TrustNote::RESULT.into(), verdict: verdict.into(), reasons: warnings };
-    Some(if word == PARTLY_RELIABLE { note.partly() } else { note })
+    let mut note = if word == PARTLY_RELIABLE { note.partly() } else { note };
+    if model.offered_lens().is_some() {
+        note.reasons.push(BENT.to_owned());
+    }
+    Some(note)
 }

@@ -116,6 +116,7 @@ impl RectifyQuestion {
                 return Ok(None);
             }
             map.and_then(|map| {
+                let map = map.checked_by(&full.placed(&self.matches.pairs()), full.size);
                 let picture = Picture::from_pixels("disparity".into(), None, drawn(&map)?.into()).ok()?;
                 Some((map, Opened::new(picture)))
             })

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::sweep::Sweep;
+use crate::app::model::document::LineSource;
 use crate::app::model::document::pair_name;
-use crate::app::model::focus::LineSource;
 use crate::app::model::ids::MethodStep;
 use crate::app::model::recording::Synchronised;
 use crate::estimate::{
@@ -86,7 +86,7 @@ pub struct Source<'a> {
 }
 
 /// What a search left behind.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Record {
     pub plan: SearchPlan,
     /// Sizes of both pictures.
@@ -149,40 +149,10 @@ struct Refinement {
 }
 
 impl Record {
-    fn empty(source: &Source) -> Self {
-        Self {
-            plan: source.plan,
-            frames: source.frames,
-            recordings: source.recordings.clone(),
-            sweep: None,
-            line_pairs: Vec::new(),
-            lines_compared: [0; 2],
-            barcodes: None,
-            pencils: Vec::new(),
-            matches: Vec::new(),
-            tentative: 0,
-            hypotheses: Vec::new(),
-            examined: 0,
-            winner: None,
-            trips: Vec::new(),
-            gaps: Vec::new(),
-            race: Vec::new(),
-            swing: Vec::new(),
-            fitted: Vec::new(),
-            fan: Vec::new(),
-            matched: Vec::new(),
-            result: None,
-            kept: Vec::new(),
-            newest: None,
-            led_from: None,
-            refined: Vec::new(),
-            swept: Vec::new(),
-        }
-    }
-
     /// Collects a record.
     pub fn new(source: &Source) -> Self {
-        let mut record = Self::empty(source);
+        let recordings = source.recordings.clone();
+        let mut record = Self { plan: source.plan, frames: source.frames, recordings, ..Self::default() };
         for event in source.events {
             record.take(&event.kind);
         }

@@ -7,10 +7,13 @@ use crate::app::model::computation::{EstimateFailure, Freshness};
 use crate::app::model::document::{Role, pair_name};
 use crate::app::model::exchange::ExportKind;
 use crate::estimate::{Estimate, Reason, Suspect, Verdict};
-use crate::presentation::{NEAR_MATCHES, PARTLY_RELIABLE};
+use crate::presentation::PARTLY_RELIABLE;
 
 /// Text of the button that undoes the distortion of the lens.
 pub const USE_LENS: &str = "Correct the lens distortion";
+/// What a reliable result says whose lines a lens bends.
+pub const BENT: &str =
+    "The lens bends the lines: they are right near the matches, and everywhere once it is corrected.";
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct CardAction {
@@ -121,7 +124,7 @@ impl Model {
     pub fn verdict_in_words(&self) -> VerdictInWords {
         let found = verdict(&self.document, &self.open.computation);
         let is_bent = found.word == "Reliable" && self.offered_lens().is_some();
-        let (word, sentence) = (PARTLY_RELIABLE, format!("{NEAR_MATCHES}."));
+        let (word, sentence) = (PARTLY_RELIABLE, BENT.to_owned());
         if is_bent { VerdictInWords { word, sentence, ..found } } else { found }
     }
 

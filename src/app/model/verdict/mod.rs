@@ -20,7 +20,7 @@ pub use crate::presentation::{
     epipoles_at_a_glance, hypothesis_facts, lens_fact, line_score_text, lines_at_a_glance, pose_facts,
     short_epipole_text,
 };
-pub use action::{CardAction, LineLook, USE_LENS};
+pub use action::{BENT, CardAction, LineLook, USE_LENS};
 pub use imported::{import_facts, import_warning};
 
 /// Description of the state of the estimate.

@@ -63,7 +63,7 @@ pub fn with_keys() -> Vec<Action> {
         )
         .key(NONE, Key::Delete)
         .key(NONE, Key::Backspace)
-        .when(|model| model.document.selection.is_some() || model.open.focus.inspected().is_some()),
+        .when(|model| model.document.selection.is_some() || model.document.inspected_pin().is_some()),
     ];
     let result = vec![
         action(

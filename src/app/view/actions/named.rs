@@ -248,7 +248,7 @@ pub fn by_name() -> Vec<Action> {
             .when(|model| model.open.computation.is_running()),
         action(Command::UnpinAll, "Unpin all", "Remove all pinned line pairs from the images.")
             .listed(|_| "Unpin all lines")
-            .when(|model| !model.open.focus.pins().is_empty()),
+            .when(|model| !model.document.pins.is_empty()),
         action(
             Command::ChooseContestant(Contestant::Imported),
             "Show this geometry",

@@ -273,8 +273,7 @@ impl FileExport {
     }
 }
 
-/// Tells that a new file or folder would have the ending of another kind of file; `None` if it would not. A folder has
-/// no ending of its own.
+/// Tells that a new file or folder would have the ending of another kind of file. A folder has no ending of its own.
 fn other_ending(path: &Path, own: &str) -> Option<&'static str> {
     let others = ["csv", "db", "mat", "npy", "npz", "pdf", "ply", "png", "svg", "tiff", "xml", "yaml"];
     let files: Vec<&str> = Format::ALL.into_iter().map(Format::extension).chain(others).collect();

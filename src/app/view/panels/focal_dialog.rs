@@ -22,9 +22,15 @@ pub struct FocalDialog {
 }
 
 impl FocalDialog {
-    pub fn new(guesses: [Option<FocalLength>; 2], widths: [usize; 2]) -> Self {
-        let pixels = guesses.map(|guess| guess.map_or_else(String::new, shown));
-        let deviation = guesses.iter().flatten().map(|guess| guess.deviation).reduce(f64::max);
+    /// Creates the dialog, filled in with the lengths in use or with those of EXIF data.
+    pub fn new(
+        used: [Option<FocalLength>; 2],
+        guesses: [Option<FocalLength>; 2],
+        widths: [usize; 2],
+    ) -> Self {
+        let known = [used[0].or(guesses[0]), used[1].or(guesses[1])];
+        let pixels = known.map(|length| length.map_or_else(String::new, shown));
+        let deviation = known.iter().flatten().map(|guess| guess.deviation).reduce(f64::max);
         let percent = format!("{:.0}", 100.0 * deviation.unwrap_or(TYPED_DEVIATION));
         Self { guesses, widths, pixels, percent, just_opened: true }
     }

@@ -27,19 +27,18 @@ pub fn pair_menu(ui: &mut Ui, model: &Model, pair: usize, commands: &mut Vec<Com
 
 /// Shows the menu of the pinned line pair with this number.
 pub fn pin_menu(ui: &mut Ui, model: &Model, number: usize, commands: &mut Vec<Command>) {
-    let pins = model.open.focus.pins();
-    let Some(place) = pins.iter().position(|pin| pin.number == number) else {
+    let Some(pin) = model.document.pins.iter().find(|pin| pin.number == number) else {
         ui.close();
         return;
     };
     ui.weak(format!("Line pair {}", number + 1));
-    ui.label(RichText::new(describe_lines(model, pins[place].source)).weak().small());
+    ui.label(RichText::new(describe_lines(model, pin.source)).weak().small());
     let look = ui.button("Show its profiles");
     if look.on_hover_text("Compare the intensities along its two lines.").clicked() {
-        commands.extend([Command::Inspect(place), Command::ShowTab(TabId::Profiles)]);
+        commands.extend([Command::Inspect(number), Command::ShowTab(TabId::Profiles)]);
         ui.close();
     }
-    menu_entry(ui, Command::Unpin(place), true, commands);
+    menu_entry(ui, Command::Unpin(number), true, commands);
 }
 
 /// Shows the menu of a place in an image without a point or a pinned line.

@@ -141,7 +141,11 @@ impl OpenDialog {
             let mut elsewhere = false;
             let foot = FOOT[0] + if self.problem.is_some() { FOOT[1] } else { 0.0 };
             let room = ctx.content_rect().bottom() - ui.cursor().top() - foot;
-            ScrollArea::vertical().max_height(room.max(foot)).show(ui, |ui| {
+            let mut area = ScrollArea::vertical().max_height(room.max(foot));
+            if self.just_opened && self.last != IMPORT {
+                area = area.vertical_scroll_offset(0.0);
+            }
+            area.show(ui, |ui| {
                 ui.weak(
                     "Enter the paths of two images, two sequences (folders of frames or videos) or a session. \
                      You can also browse for the files or drop them on the window.",

@@ -3,6 +3,7 @@
 use egui::{Grid, Key, Label, RichText, Ui};
 
 use super::dialog::dialog;
+use super::tabs::px;
 use super::{finish_button, main_button};
 use crate::app::model::command::{Command, ExchangeCommand};
 use crate::app::view::theme;
@@ -130,7 +131,7 @@ fn readings(ui: &mut Ui, check: &ConventionCheck, chosen: &mut usize) {
             let is_own = Some(place) == own;
             let name = if is_own { "as in the file".to_owned() } else { ranked.reading.brief() };
             ui.radio_value(chosen, place, name).on_hover_text(sentence(&ranked.reading.to_string()));
-            ui.label(pixels(ranked.median));
+            ui.label(px(ranked.median));
             ui.label(format!("{:.0} %", 100.0 * ranked.within));
             let note = match place {
                 0 if check.fits() => "recommended",
@@ -141,13 +142,4 @@ fn readings(ui: &mut Ui, check: &ConventionCheck, chosen: &mut usize) {
             ui.end_row();
         }
     });
-}
-
-/// Formats a distance: two decimals below 100 px, none from there on.
-fn pixels(distance: f64) -> String {
-    match distance {
-        d if !d.is_finite() => "infinite".to_owned(),
-        d if d >= 100.0 => format!("{d:.0}"),
-        d => format!("{d:.2}"),
-    }
 }

@@ -66,7 +66,6 @@ fn offer_import(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 
 fn inputs(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Vec<Command>) {
     let now = model.look.compared;
-    let room = ui.available_width();
     ui.weak("Fitted to")
         .on_hover_text("Pairs given to the 7-point and 8-point algorithms, RANSAC and LMedS.");
     for (set, name, tooltip) in [
@@ -100,15 +99,10 @@ fn inputs(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
         choice(ui, (name, tooltip), comparison.fitted == set, missing(model, set), then, commands);
     }
     if comparison.fitted == PointSet::Matches {
-        let text = "partly circular: these are the result's own matches";
-        ui.label(
-            RichText::new(if room < ROOM_FOR_ALL { "partly circular" } else { text })
-                .size(theme::CAPTION)
-                .weak(),
-        )
-        .on_hover_text(
-            "The other methods get the matches of the result. So they agree with it more than methods with \
-                 matches of their own would.",
+        let text = RichText::new("partly circular").size(theme::CAPTION).weak();
+        ui.label(text).on_hover_text(
+            "The other methods get the matches of the result. So they agree with it more than methods with matches of \
+             their own would.",
         );
     }
 }

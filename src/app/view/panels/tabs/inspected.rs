@@ -22,55 +22,55 @@ const OPENING: u64 = 3;
 
 /// Shows the choice from right to left.
 pub fn tools(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let focus = &model.open.focus;
-    if let Some(number) = focus.inspected_number() {
-        command_button(ui, Command::Unpin(number), true, commands);
+    let document = &model.document;
+    if let Some(pin) = document.inspected_pin() {
+        command_button(ui, Command::Unpin(pin.number), true, commands);
     }
-    if focus.pins().len() > SWATCHES {
+    if document.pins.len() > SWATCHES {
         menu(ui, model, commands);
         return;
     }
-    for (place, pin) in focus.pins().iter().enumerate().rev() {
+    for pin in document.pins.iter().rev() {
         let text = describe(model, pin.source);
-        let chosen = focus.inspected_number() == Some(place);
+        let chosen = document.inspected_pin() == Some(pin);
         let (area, response) = ui.allocate_exact_size(vec2(18.0, 18.0), Sense::click());
-        response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, to_inspect(&text)));
+        response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, format!("Inspect: {text}")));
         swatch(ui, area, pin.number);
         if chosen || response.hovered() || response.has_focus() {
             let stroke = Stroke::new(1.5, ui.visuals().strong_text_color());
             ui.painter().rect_stroke(area, 4.0, stroke, StrokeKind::Inside);
         }
         if response.on_hover_text(text).clicked() {
-            commands.push(Command::Inspect(place));
+            commands.push(Command::Inspect(pin.number));
         }
     }
 }
 
 /// Shows a menu of many pinned pairs, scrolled to the inspected one.
 fn menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let focus = &model.open.focus;
-    let title = match focus.inspected() {
-        Some(pin) => format!("Line pair {} of {}", pin.number + 1, focus.pins().len()),
-        None => format!("{} line pairs", focus.pins().len()),
+    let document = &model.document;
+    let title = match document.inspected_pin() {
+        Some(pin) => format!("Line pair {} of {}", pin.number + 1, document.pins.len()),
+        None => format!("{} line pairs", document.pins.len()),
     };
     let (button, _) = MenuButton::new(title).ui(ui, |ui| {
         let room = (ui.ctx().content_rect().height() - 120.0).max(100.0);
         ScrollArea::vertical().max_height(room).show(ui, |ui| {
             let opening = just_opened(ui);
-            for (place, pin) in focus.pins().iter().enumerate() {
+            for pin in &document.pins {
                 ui.horizontal(|ui| {
                     let (area, _) = ui.allocate_exact_size(vec2(18.0, 18.0), Sense::hover());
                     swatch(ui, area, pin.number);
                     let text = describe(model, pin.source);
-                    let chosen = focus.inspected_number() == Some(place);
-                    let row = named(ui.selectable_label(chosen, &text), &to_inspect(&text));
+                    let chosen = document.inspected_pin() == Some(pin);
+                    let row = named(ui.selectable_label(chosen, &text), &format!("Inspect: {text}"));
                     // Keep clear of the scroll bar.
                     ui.add_space(8.0);
                     if chosen && opening {
                         row.scroll_to_me_animation(Some(Align::Center), ScrollAnimation::none());
                     }
                     if row.clicked() {
-                        commands.push(Command::Inspect(place));
+                        commands.push(Command::Inspect(pin.number));
                     }
                 });
             }
@@ -87,10 +87,6 @@ fn just_opened(ui: &Ui) -> bool {
     ui.data_mut(|data| data.insert_temp(id, [opened, pass]));
     // The first pass only measures, and scrolling takes effect in the following one.
     pass < opened + OPENING
-}
-
-fn to_inspect(text: &str) -> String {
-    format!("Inspect: {text}")
 }
 
 /// Draws the number of a pinned pair on the colour of pins.

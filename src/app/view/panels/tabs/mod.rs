@@ -16,6 +16,7 @@ use crate::app::view::theme;
 
 pub use inspected::describe as describe_lines;
 pub use rectified::forget_textures;
+pub use residuals::px;
 pub use step::parameters;
 
 pub struct Tab {
@@ -58,7 +59,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         has_room
     });
     let has_tools = match tab.id {
-        TabId::Profiles => !model.open.focus.pins().is_empty(),
+        TabId::Profiles => !model.document.pins.is_empty(),
         TabId::Step => model.open.computation.is_behind(),
         TabId::Residuals | TabId::Compare => true,
     };

@@ -45,6 +45,10 @@ pub fn measured<'a>(ui: &mut Ui, model: &'a Model, commands: &mut Vec<Command>) 
         empty(ui, "There are no points to measure on. Click a point pair, or choose other points above.");
         return None;
     }
+    // Until the new one arrives, figures of the previous result are pale.
+    if comparison.of != model.result().map(|found| *found.fundamental()) {
+        ui.multiply_opacity(theme::STALE_OPACITY);
+    }
     Some(comparison)
 }
 

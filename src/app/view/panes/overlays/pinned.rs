@@ -3,14 +3,14 @@
 use egui::Pos2;
 
 use super::Canvas;
-use crate::app::model::focus::LineSource;
+use crate::app::model::document::LineSource;
 use crate::app::view::theme;
 
 /// Distance within which a right click hits a line, screen points.
 const REACH: f64 = 5.0;
 
 pub fn draw(canvas: &Canvas) {
-    let inspected = canvas.at_hand(canvas.model.open.focus.inspected()).map(|pin| pin.source);
+    let inspected = canvas.at_hand(canvas.model.document.inspected_pin()).map(|pin| pin.source);
     let mut numbers = Vec::new();
     for (number, pinned) in canvas.model.pinned() {
         let strong = inspected == Some(pinned.source);

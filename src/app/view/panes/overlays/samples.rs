@@ -16,7 +16,7 @@ const DOTS: i32 = 32;
 
 pub fn draw(canvas: &Canvas) {
     // A pair that is inspected without being pinned would be in the way all the time.
-    let pinned = canvas.model.open.focus.inspected().is_some();
+    let pinned = canvas.model.document.inspected_pin().is_some();
     let Some(inspection) = inspection(canvas).filter(|_| pinned) else { return };
     let samples = inspection.samples();
     let (first, count) = (samples.start, samples.end - samples.start);

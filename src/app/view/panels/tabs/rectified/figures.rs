@@ -8,7 +8,7 @@ use super::finish_button;
 use crate::app::model::rectified::{Blink, DrawnPair, Rectified, RectifiedCommand, RectifiedLayout};
 use crate::app::model::{Command, Model};
 use crate::app::view::theme;
-use crate::presentation::{disparities_in_words, pixels_in_words, sentence};
+use crate::presentation::{WRONG_PREVIEW, disparities_in_words, preview_in_words, sentence};
 use crate::rectify::{Distortion, Measures, Rectification, RectifyMethod, RectifyWarning};
 
 /// Width below which choices and figures are one above the other, screen points.
@@ -103,13 +103,14 @@ fn measures(ui: &mut Ui, model: &Model, rectified: &Rectified, drawn: &DrawnPair
     rows(ui, model, &full.measures, (row, rectified.measured), fits(full));
     shapes(ui, &full.measures.distortion);
     if let Some((map, _)) = &drawn.disparity {
-        let [low, high] = map.range.map(pixels_in_words);
-        let matched = map.matched() * 100.0;
-        ui.label(format!("Disparity preview: {low} to {high} px, {matched:.0} % matched")).on_hover_text(
-            "Result of a coarse matching of the rows: the range of nearly all disparities, and the share of the \
-             left picture that has a match. Surfaces without texture have none. Below 40 %, the rows hardly \
-             correspond, or the pictures overlap little.",
+        ui.label(preview_in_words(map.range, map.matched(), map.agreeing)).on_hover_text(
+            "Result of a coarse matching of the rows: the range of nearly all disparities, the share of the left \
+             picture that has a match, and of the known matches with about the same disparity. Surfaces without \
+             texture have none. Below 40 %, the rows hardly correspond, or the pictures overlap little.",
         );
+        if map.is_mostly_wrong() {
+            ui.colored_label(theme::palette(ui.visuals()).caution, WRONG_PREVIEW);
+        }
     }
     let size = full.size;
     ui.weak(format!("{} × {} px", size.width, size.height))

@@ -182,7 +182,10 @@ impl SheetCanvas<'_> {
             (RectifiedLayout::Blink, RectifiedSheet::Left) => "Left",
             (RectifiedLayout::Blink, _) => "Right",
             (RectifiedLayout::Disparity, _) if self.drawn.disparity.is_none() => "No disparities yet",
-            (RectifiedLayout::Disparity, _) => "Left disparities",
+            (RectifiedLayout::Disparity, _) => match &self.drawn.disparity {
+                Some((map, _)) if map.is_mostly_wrong() => "Left disparities, mostly wrong",
+                _ => "Left disparities",
+            },
             (RectifiedLayout::SideBySide, RectifiedSheet::Left) => "Left, rectified",
             (RectifiedLayout::SideBySide, _) => "Right, rectified",
         };
