@@ -160,12 +160,6 @@ impl RelativePose {
         self.rotation.inverse() * -self.translation
     }
 
-    /// Returns the pose of camera 1 seen from camera 2.
-    #[must_use]
-    pub fn swapped(&self) -> Self {
-        Self { rotation: self.rotation.inverse(), translation: self.position2() }
-    }
-
     /// Returns the small change that turns this pose into another, like the numbers of
     /// [`PoseUncertainty::covariance`].
     fn change_to(&self, other: &Self) -> SVector<f64, 5> {

@@ -10,7 +10,7 @@ use crate::camera::{Baseline, CameraDoubt, PicturesOf, PoseFit, UndistortedView,
 use crate::estimate::{
     BarcodeFigures, Case, Determined, EpipoleBearing, Estimate, LineBands, LineEvidence, Method, Origin,
     Parameters, PatchSupport, PlaneHomography, Preset, Reason, SearchCounts, SearchTrace, StageTiming,
-    Verdict, Warning,
+    Warning,
 };
 use crate::geometry::{
     Frame, FundamentalMatrix, HomogeneousPoint, PointPair, finite_point, sampson_distance,
@@ -47,10 +47,11 @@ pub struct ResultFile<'a> {
     /// simultaneous.
     #[serde(skip_serializing_if = "Option::is_none")]
     frame_offset: Option<i32>,
-    verdict: Option<Verdict>,
+    /// Outcome of the tests, or the word of the window.
+    verdict: Option<serde_json::Value>,
     /// The verdict in words, with the reasons that a person is told.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub verdict_in_words: Option<String>,
+    verdict_in_words: Option<String>,
     /// Probability that the lines are within 1 % of the longer side.
     #[serde(skip_serializing_if = "Option::is_none")]
     probability_within_one_percent: Option<f64>,
@@ -210,6 +211,17 @@ pub(super) fn camera_warnings<'a>(views: &ViewPair) -> impl Iterator<Item = Told
 }
 
 impl<'a> ResultFile<'a> {
+    /// Gives the verdict in the words of the window. A partly reliable result has passed all tests, so its reasons
+    /// belong to none.
+    #[must_use]
+    pub fn told(mut self, note: &TrustNote) -> Self {
+        self.verdict_in_words = Some(note.in_words());
+        if self.failed_tests.is_empty() {
+            (self.verdict, self.reasons) = (Some(note.verdict.clone().into()), note.reasons.clone());
+        }
+        self
+    }
+
     /// Creates the file of a result for coordinates of these pictures. `pairs` may contain more pairs than the
     /// estimate used.
     pub fn new(
@@ -237,7 +249,7 @@ impl<'a> ResultFile<'a> {
             support: assessment.support,
             barcodes: assessment.barcodes,
             frame_offset: None,
-            verdict: trust.map(|t| t.verdict),
+            verdict: trust.and_then(|t| serde_json::to_value(t.verdict).ok()),
             verdict_in_words: TrustNote::of(found, frames).map(|note| note.in_words()),
             probability_within_one_percent: assessment.probability_within_one_percent(),
             line_evidence: assessment.line_evidence,

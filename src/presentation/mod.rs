@@ -32,7 +32,7 @@ pub use interpretation::interpretation_in_words;
 pub use judgement::{judgement_in_words, rows_in_words};
 pub use lens::{lens_in_words, lenses_in_words, pictures_in_words};
 pub use parameters::{ShownParameter, shown_parameters};
-pub use pose::{NO_BASELINE, pose_difference_in_words, pose_in_words, turn_in_words};
+pub use pose::{NO_BASELINE, focal_lengths_in_words, pose_difference_in_words, pose_in_words, turn_in_words};
 pub use probability::{
     NEAR_MATCHES, PARTLY_RELIABLE, is_open_elsewhere, is_partly_reliable, probability_in_words,
 };

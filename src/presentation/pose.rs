@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use nalgebra::Vector3;
 
-use crate::camera::{PoseDifference, PoseFit, RelativePose};
+use crate::camera::{PoseDifference, PoseFit, RelativePose, ViewPair};
 
 /// Why a result that is limited to one plane or a rotation of the camera has no pose.
 pub const NO_BASELINE: &str = "The epipole is not determined, so there is no baseline and no depth.";
@@ -31,6 +31,17 @@ pub fn pose_in_words(fit: &PoseFit) -> String {
         parallax.to_degrees()
     );
     text
+}
+
+/// Names the focal lengths that a pose rests on, on a line; empty if they are unknown.
+pub fn focal_lengths_in_words(views: &ViewPair) -> String {
+    let [Some(left), Some(right)] = views.views.each_ref().map(|view| view.camera().focal_length()) else {
+        return String::new();
+    };
+    let deviation = 100.0 * views.focal_deviation();
+    let known =
+        if deviation > 0.0 { format!("guesses, known to {deviation:.0} %") } else { "calibrated".into() };
+    format!("Focal lengths: {:.1} and {:.1} px, {known}\n", left.pixels, right.pixels)
 }
 
 /// Describes the rotation of a relative pose, on a line.

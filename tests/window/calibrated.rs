@@ -267,6 +267,7 @@ fn a_lens_that_explains_the_matches_better_is_offered_used_and_removed() {
         export(&mut window, choices, &path);
         let text = std::fs::read_to_string(&path).unwrap();
         assert!(text.contains("partly reliable") && text.contains("The lens bends the lines"), "{text}");
+        assert!(name == "r.txt" || text.contains("\"verdict\": \"partly reliable\""), "{text}");
     }
     press(&mut window, Key::I);
     click_at(&mut window, Side::Left, 0.2, 0.2);
@@ -291,6 +292,18 @@ fn a_lens_that_explains_the_matches_better_is_offered_used_and_removed() {
     assert_eq!(window.state().document().pairs, pairs(), "the very points");
     press_with(&mut window, Modifiers::COMMAND, Key::Y);
     assert_eq!(window.state().document().frame(Side::Left), Some(frame));
+    assert_eq!(window.state().document().pins, [moved]);
+    // What came after it returns, too.
+    click_at(&mut window, Side::Left, 0.1, -0.2);
+    let half = window.state().document().half;
+    undo(&mut window);
+    undo(&mut window);
+    assert_eq!(window.state().document().frame(Side::Left), Some(FRAME));
+    for _ in 0..3 {
+        press_with(&mut window, Modifiers::COMMAND, Key::Y);
+    }
+    assert!(half.is_some() && window.state().document().half == half);
+    undo(&mut window);
     undo(&mut window);
     assert!(window.state().model().history.can_undo(), "the steps before the correction are there");
     undo(&mut window);

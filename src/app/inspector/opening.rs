@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::Inspector;
 use crate::app::model::album::Album;
 use crate::app::model::document::{Imported, TruthSource};
-use crate::app::model::history::{LensChange, LensStep};
+use crate::app::model::history::{History, LensChange, LensStep};
 use crate::app::model::messages::MessageKind;
 use crate::app::model::picture::Opened;
 use crate::app::model::session::{OpenSession, SessionOwner, has_session_extension};
@@ -58,7 +58,7 @@ impl Inspector {
 
     /// Starts over with other pictures.
     fn show_pictures(&mut self, ctx: &egui::Context, pair: LoadedPair) {
-        if let Some(change) = pair.lens {
+        if let Some(change) = &pair.lens {
             return self.take_over(ctx, pair.pictures, change);
         }
         // Another pair of the same folder belongs to the same session.
@@ -158,28 +158,29 @@ impl Inspector {
 
     /// Continues a document with another lens of its pictures. Points stay where they are in the pictures. A pose of
     /// the calibration becomes the imported geometry.
-    fn take_over(&mut self, ctx: &egui::Context, pictures: [Opened; 2], change: LensChange) {
+    fn take_over(&mut self, ctx: &egui::Context, pictures: [Opened; 2], change: &LensChange) {
         let Some([left, right]) = self.model.open.pictures.clone() else { return };
         self.replace_pictures(ctx, &pictures);
         let before = std::mem::take(&mut self.model.document);
-        let back =
-            LensChange { cameras: self.model.open.cameras(), goes_back: true, ..LensChange::default() };
+        let cameras = self.model.open.cameras();
         let mut past = std::mem::take(&mut self.model.history);
-        let undone = if change.goes_back { past.undo_lens() } else { None };
+        let here =
+            |history: History, before: &Document| LensStep { document: before.clone(), history, cameras };
+        let crossed =
+            change.travels.and_then(|back| past.cross_lens(back, here(History::default(), &before)));
         self.model.see_through(pictures);
         // Such a message may ask for this change.
         self.model.messages.settle(MessageKind::Problem);
         let Model { open, document, .. } = &mut self.model;
         let (count, had_imported) = (before.pairs.len(), before.imported.is_some());
         let pictures = document.pictures.take();
-        if let Some(undone) = undone {
-            *document = Document { pictures, ..undone };
-            open.done.tell("Undone: the lens is as before");
+        if let Some(crossed) = crossed {
+            *document = Document { pictures, ..crossed };
+            open.done.tell(if change.travels == Some(true) { "Undone" } else { "Redone" });
             self.model.history = past;
             return;
         }
-        let here = Document { pictures, ..before.clone() };
-        *document = here.placed(|points| {
+        *document = Document { pictures, ..before.clone() }.placed(|points| {
             let (point1, point2) = (left.pixel(points.point1)?, right.pixel(points.point2)?);
             open.points_of(&PointPair { point1, point2 })
         });
@@ -192,17 +193,15 @@ impl Inspector {
         let judged = if document.imported.is_some() { ". Compare judges its pose" } else { "" };
         open.done.tell(match (&change.name, &change.cameras) {
             (Some(name), _) => format!("Lens calibrated by {name}{judged}"),
-            (None, Some(_)) => {
-                "Lens distortion corrected. Epipolar lines are curves in the pictures now".to_owned()
-            }
+            (None, Some(_)) => "Lens distortion corrected. Epipolar lines are curves now".to_owned(),
             (None, None) => "Lens correction removed. The pictures are taken as they are".to_owned(),
         });
         if had_imported && document.imported.is_none() {
-            let text = "The imported geometry belongs to the pictures without this change of the lens, and was \
-                        removed. Undo brings it back.";
+            let text =
+                "The imported geometry belongs to the other lens, and was removed. Undo brings it back.";
             self.model.messages.tell(text);
         }
-        self.model.history.change_lens(LensStep { document: before, past, change, back });
+        self.model.history.change_lens(here(past, &before));
         let outside = count - self.model.document.pairs.len();
         self.tell_of_pairs_outside(outside);
     }
@@ -226,7 +225,7 @@ impl Inspector {
             name: Some(name.to_owned()),
             cameras: Some(cameras.each_ref().map(|camera| camera.model)),
             pose: CalibratedCamera::relative_pose(cameras).map(|(pose, _)| pose),
-            goes_back: false,
+            travels: None,
         });
         let notes = CalibratedCamera::notes_of(cameras);
         self.model.messages.remark(notes.iter().map(|note| format!("{name}: {note}")).collect());

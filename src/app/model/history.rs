@@ -32,26 +32,23 @@ pub struct LensChange {
     pub cameras: Option<[CameraModel; 2]>,
     /// Pose of the second camera, if the file tells it.
     pub pose: Option<RelativePose>,
-    /// Whether this undoes the latest change of the lens.
-    pub goes_back: bool,
+    /// Whether this is a step of the history, and goes back.
+    pub travels: Option<bool>,
 }
 
-impl LensChange {
-    fn swapped(mut self) -> Self {
-        self.cameras.iter_mut().for_each(|cameras| cameras.reverse());
-        self.pose = self.pose.map(|pose| pose.swapped());
-        self
-    }
-}
-
-/// State before a change of the lens.
+/// The other side of a change of the lens.
 #[derive(Debug, Clone)]
 pub struct LensStep {
     pub document: Document,
-    pub past: History,
-    pub change: LensChange,
-    /// The change that goes back.
-    pub back: LensChange,
+    pub history: History,
+    pub cameras: Option<[CameraModel; 2]>,
+}
+
+impl LensStep {
+    fn swapped(self) -> Self {
+        let cameras = self.cameras.map(|[left, right]| [right, left]);
+        Self { document: self.document.swapped(), history: self.history.swapped(), cameras }
+    }
 }
 
 /// States before the current one, and states after it that were undone.
@@ -62,8 +59,8 @@ pub struct History {
     open: Option<EditKey>,
     /// State before the latest change of the lens, which came before all states here.
     before_lens: Option<Box<LensStep>>,
-    /// Undone change of the lens, which came after all states here.
-    after_lens: Option<LensChange>,
+    /// State after the undone change of the lens, which came after all states here.
+    after_lens: Option<Box<LensStep>>,
 }
 
 impl History {
@@ -90,23 +87,26 @@ impl History {
 
     /// Returns the change of the lens that undo, or redo, makes next; `None` if a state comes first.
     pub fn next_lens(&self, back: bool) -> Option<LensChange> {
-        if back {
-            return self.before_lens.as_ref().filter(|_| self.undo.is_empty()).map(|step| step.back.clone());
-        }
-        self.after_lens.clone().filter(|_| self.redo.is_empty())
+        let (steps, lens) =
+            if back { (&self.undo, &self.before_lens) } else { (&self.redo, &self.after_lens) };
+        let step = lens.as_ref().filter(|_| steps.is_empty())?;
+        Some(LensChange { cameras: step.cameras, travels: Some(back), ..LensChange::default() })
     }
 
     /// Records a change of the lens. Coordinates differ, so a new history begins.
-    pub fn change_lens(&mut self, mut step: LensStep) {
-        step.past.forget_undone();
-        *self = Self { before_lens: Some(Box::new(step)), ..Self::default() };
+    pub fn change_lens(&mut self, mut before: LensStep) {
+        before.history.forget_undone();
+        *self = Self { before_lens: Some(Box::new(before)), ..Self::default() };
     }
 
-    /// Undoes the latest change of the lens and returns the document before it; `None` after edits.
-    pub fn undo_lens(&mut self) -> Option<Document> {
-        let step = *self.before_lens.take_if(|_| self.undo.is_empty())?;
-        *self = Self { after_lens: Some(step.change), ..step.past };
-        Some(step.document)
+    /// Crosses a change of the lens and returns the document of the other side; `None` after edits.
+    pub fn cross_lens(&mut self, back: bool, mut here: LensStep) -> Option<Document> {
+        self.next_lens(back)?;
+        let other = *if back { self.before_lens.take() } else { self.after_lens.take() }?;
+        here.history = std::mem::replace(self, other.history);
+        let way_back = if back { &mut self.after_lens } else { &mut self.before_lens };
+        *way_back = Some(Box::new(here));
+        Some(other.document)
     }
 
     /// Ends a run of merged edits: the next one starts a new step.
@@ -145,12 +145,8 @@ impl History {
     #[must_use]
     pub fn swapped(self) -> Self {
         let swapped = |steps: VecDeque<Document>| steps.into_iter().map(Document::swapped).collect();
-        let before_lens = self.before_lens.map(|step| {
-            let LensStep { document, past, change, back } = *step;
-            let (document, past) = (document.swapped(), past.swapped());
-            Box::new(LensStep { document, past, change: change.swapped(), back: back.swapped() })
-        });
-        let after_lens = self.after_lens.map(LensChange::swapped);
+        let [before_lens, after_lens] =
+            [self.before_lens, self.after_lens].map(|step| step.map(|step| Box::new(step.swapped())));
         Self { undo: swapped(self.undo), redo: swapped(self.redo), open: None, before_lens, after_lens }
     }
 

@@ -181,6 +181,9 @@ impl Model {
 
     /// Undoes a step, or redoes one.
     pub fn travel(&mut self, back: bool) {
+        if !(if back { self.history.can_undo() } else { self.history.can_redo() }) {
+            return;
+        }
         let before = std::mem::take(&mut self.document);
         let (pairs, excluded) = (before.pairs.clone(), before.excluded.clone());
         self.document = self.history.travel(back, before);

@@ -219,19 +219,22 @@ impl Model {
         )
     }
 
-    /// Returns the matches for checking an imported matrix: true ones, else the pairs of the user, else
-    /// all matches of the result, which may be wrong. Pairs that were made from matches count as
+    /// Returns the matches for checking an imported matrix: true ones unless a reliable result has more, else the pairs
+    /// of the user, else all matches of the result, which may be wrong. Pairs that were made from matches count as
     /// matches. Using true matches here does not reveal them.
     pub fn matches_for_import(&self) -> MatchesAtHand {
-        let known = self.open.known().map(|known| known.truth.clone());
-        if let Some(truth) = known.filter(|truth| truth.matches.len() >= FEWEST_MATCHES) {
-            return MatchesAtHand::True(truth);
-        }
         let clicked: Vec<PointPair> = self.document.included().collect();
         let own = self.document.labels().filter(|label| label.origin != PairOrigin::Automatic).count();
         let found = self.open.computation.shared_result().filter(|(found, of)| {
             *of == Freshness::Final && found.matches().len() >= FEWEST_MATCHES && own < FEWEST_MATCHES
         });
+        // A dozen matches fit by chance where the size of the pictures is sought, too.
+        let more = found.as_ref().filter(|(found, _)| found.may_contradict());
+        let more = more.map_or(0, |(found, _)| found.matches().len());
+        let known = self.open.known().map(|known| known.truth.clone());
+        if let Some(truth) = known.filter(|truth| truth.matches.len() >= FEWEST_MATCHES.max(more)) {
+            return MatchesAtHand::True(truth);
+        }
         found.map_or(MatchesAtHand::Clicked(clicked), |(found, _)| MatchesAtHand::Found(found))
     }
 

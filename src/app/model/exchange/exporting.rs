@@ -15,7 +15,7 @@ use crate::io::{
     ResultFile, UndistortedFiles, barcode_table, cloud_as_ply, fundamental_as_npy, line_table, pair_table,
     refuse_clashes, report_in_words,
 };
-use crate::presentation::pose_in_words;
+use crate::presentation::{focal_lengths_in_words, pose_in_words};
 use crate::rectify::Limits;
 use crate::study::PoseOutcome;
 
@@ -291,7 +291,7 @@ fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Opt
             let offset = model.compared_recordings().map(|compared| compared.offset);
             let given: Vec<PointPair> = model.document.given.iter().flat_map(Given::pairs).copied().collect();
             let mut file = file.at_offset(offset).labelled(&labels(model, false)).with_given(&given);
-            file.verdict_in_words = result_note(model).map(|note| note.in_words());
+            file = result_note(model).iter().fold(file, ResultFile::told);
             let views = model.open.undistorted().or_else(|| model.open.posed_views());
             if let Some(views) = &views {
                 file = file.calibrated(views, model.scene().map(|scene| &scene.fit), None);
@@ -301,7 +301,9 @@ fn report(reported: ReportFormat, model: &Model, images: &[ImageNote; 2]) -> Opt
         ReportFormat::Text => {
             let pairs: Vec<_> = pairs.into_iter().zip(labels(model, false)).collect();
             let shown = model.shown().and_then(|shown| shown_in_words(model, &shown));
-            let pose = model.scene().map_or_else(String::new, |scene| pose_in_words(&scene.fit));
+            let pose = model.scene().map_or_else(String::new, |scene| {
+                focal_lengths_in_words(scene.views()) + &pose_in_words(&scene.fit)
+            });
             let note = result_note(model);
             report_in_words(estimate, images, &pairs, &pictures_of, shown.as_deref(), note.as_ref()) + &pose
         }

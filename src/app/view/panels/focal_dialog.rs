@@ -11,9 +11,11 @@ use crate::camera::FocalLength;
 /// who has a calibration changes it to 0.
 const TYPED_DEVIATION: f64 = 0.05;
 
+type Lengths = [Option<FocalLength>; 2];
+
 #[derive(Debug, Clone)]
 pub struct FocalDialog {
-    guesses: [Option<FocalLength>; 2],
+    guesses: Lengths,
     /// Widths of the pictures, px.
     widths: [usize; 2],
     pixels: [String; 2],
@@ -23,11 +25,7 @@ pub struct FocalDialog {
 
 impl FocalDialog {
     /// Creates the dialog, filled in with the lengths in use or with those of EXIF data.
-    pub fn new(
-        used: [Option<FocalLength>; 2],
-        guesses: [Option<FocalLength>; 2],
-        widths: [usize; 2],
-    ) -> Self {
+    pub fn new(used: Lengths, guesses: Lengths, widths: [usize; 2]) -> Self {
         let known = [used[0].or(guesses[0]), used[1].or(guesses[1])];
         let pixels = known.map(|length| length.map_or_else(String::new, shown));
         let deviation = known.iter().flatten().map(|guess| guess.deviation).reduce(f64::max);

@@ -98,11 +98,11 @@ fn inputs(ui: &mut Ui, model: &Model, comparison: &Comparison, commands: &mut Ve
         let then = Subject { fitted: set, ..now };
         choice(ui, (name, tooltip), comparison.fitted == set, missing(model, set), then, commands);
     }
-    if comparison.fitted == PointSet::Matches {
+    let is_circular = comparison.fitted == comparison.measured && comparison.fitted != PointSet::Pairs;
+    if is_circular || comparison.fitted == PointSet::Matches {
         let text = RichText::new("partly circular").size(theme::CAPTION).weak();
         ui.label(text).on_hover_text(
-            "The other methods get the matches of the result. So they agree with it more than methods with matches of \
-             their own would.",
+            "The other methods are fitted to points that are measured, or to the result's matches.",
         );
     }
 }

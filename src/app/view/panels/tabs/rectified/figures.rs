@@ -104,9 +104,8 @@ fn measures(ui: &mut Ui, model: &Model, rectified: &Rectified, drawn: &DrawnPair
     shapes(ui, &full.measures.distortion);
     if let Some((map, _)) = &drawn.disparity {
         ui.label(preview_in_words(map.range, map.matched(), map.agreeing)).on_hover_text(
-            "Result of a coarse matching of the rows: the range of nearly all disparities, the share of the left \
-             picture that has a match, and of the known matches with about the same disparity. Surfaces without \
-             texture have none. Below 40 %, the rows hardly correspond, or the pictures overlap little.",
+            "A coarse matching of the rows: range of nearly all disparities, share of the left picture with a match, and \
+             of the known matches that agree. Surfaces without texture have none. Below 40 %, rows hardly correspond.",
         );
         if map.is_mostly_wrong() {
             ui.colored_label(theme::palette(ui.visuals()).caution, WRONG_PREVIEW);

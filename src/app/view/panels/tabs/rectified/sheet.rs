@@ -181,8 +181,8 @@ impl SheetCanvas<'_> {
         let text = match (self.model.look.rectified.layout, self.sheet) {
             (RectifiedLayout::Blink, RectifiedSheet::Left) => "Left",
             (RectifiedLayout::Blink, _) => "Right",
-            (RectifiedLayout::Disparity, _) if self.drawn.disparity.is_none() => "No disparities yet",
             (RectifiedLayout::Disparity, _) => match &self.drawn.disparity {
+                None => "No disparities yet",
                 Some((map, _)) if map.is_mostly_wrong() => "Left disparities, mostly wrong",
                 _ => "Left disparities",
             },
