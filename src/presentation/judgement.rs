@@ -88,9 +88,15 @@ fn essential_in_words(judgement: &Judgement) -> &'static str {
     }
 }
 
+/// Largest χ² of a difference that digits of a file explain.
+const ROUNDING: f64 = 1e-3;
+
 /// Describes whether the matches explain the difference of a geometry that fits.
 fn difference_in_words(found: &Significance, change: Option<&FittingChange>) -> String {
     let Significance { chi_square, limit, is_significant } = found;
+    if *chi_square < ROUNDING {
+        return " It is the geometry of the result, up to rounding.".to_owned();
+    }
     let figures = format!("χ² of the difference {chi_square:.0}; up to {limit:.0} would be chance");
     if !is_significant {
         return format!(" The matches are too imprecise to tell the two geometries apart ({figures}).");

@@ -38,7 +38,7 @@ fn is_import(shown: &ShownGeometry) -> bool {
 pub fn result_note(model: &Model) -> Option<TrustNote> {
     let (estimate, freshness) = model.open.computation.result()?;
     let judged = estimate.assessment.trust.is_some();
-    let VerdictInWords { tone, warnings, word, .. } = model.verdict_in_words();
+    let VerdictInWords { tone, warnings, word, sentence, .. } = model.verdict_in_words();
     let verdict = match tone {
         Tone::Good if judged => "reliable",
         Tone::Good | Tone::Idle => "not judged",
@@ -49,8 +49,8 @@ pub fn result_note(model: &Model) -> Option<TrustNote> {
     };
     let note = TrustNote { geometry: TrustNote::RESULT.into(), verdict: verdict.into(), reasons: warnings };
     let mut note = if word == PARTLY_RELIABLE { note.partly() } else { note };
-    if model.offered_lens().is_some() {
-        note.reasons.push(BENT.to_owned());
+    if sentence == BENT {
+        note.reasons = vec![sentence];
     }
     Some(note)
 }
