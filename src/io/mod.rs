@@ -38,6 +38,7 @@ mod rectified;
 #[cfg(feature = "inspector")]
 mod report;
 mod result_file;
+mod result_words;
 mod sequence_file;
 mod session;
 mod stereo_pair;
@@ -77,7 +78,8 @@ pub use point_pairs::parse_point_pairs;
 pub use point_result::{PointResultFile, points_in_words};
 pub use read::{IMAGE_EXTENSIONS, Problem, ReadError, has_extension, has_image_extension};
 pub use rectified::{RectifiedError, RectifiedFiles, RectifiedOptions};
-pub use result_file::{ResultFile, result_in_words};
+pub use result_file::ResultFile;
+pub use result_words::result_in_words;
 pub use sequence_file::{
     MOST_FRAMES, SequenceError, SequenceFile, VIDEO_EXTENSIONS, is_sequence, read_sequence,
 };

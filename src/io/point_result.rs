@@ -6,7 +6,8 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use super::geometry_file::{Format, ImageNote};
-use super::result_file::{CalibratedFile, Told, camera_warnings, matrix_in_words, nested};
+use super::result_file::{CalibratedFile, Told, camera_warnings, nested};
+use super::result_words::matrix_in_words;
 use crate::camera::{Baseline, PicturesOf, PoseFit, ViewPair};
 use crate::estimate::{
     Determined, EpipoleBearing, PlaneHomography, PointEstimate, Reason, Uncertainty, Verdict,

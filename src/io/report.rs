@@ -1,7 +1,7 @@
 //! The report of a result in sentences.
 
 use super::geometry_file::{Format, ImageNote, PairLabel, TrustNote};
-use super::result_file::judged_in_words;
+use super::result_words::judged_in_words;
 use crate::camera::PicturesOf;
 use crate::estimate::Estimate;
 use crate::geometry::{PointPair, symmetric_epipolar_distance};

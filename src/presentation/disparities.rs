@@ -33,7 +33,7 @@ pub fn disparities_in_words([low, high]: [f64; 2], can_swap: bool) -> String {
     format!("Disparities of matches {low} to {high} px. {sign}{range}.")
 }
 
-/// What a disparity map says with which most known matches do not agree.
+/// Warning beside a disparity map that most known matches contradict.
 pub const WRONG_PREVIEW: &str =
     "Most of this preview is wrong: brightness along the rows does not tell the disparities here.";
 

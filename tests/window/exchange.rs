@@ -475,7 +475,7 @@ fn a_name_without_an_ending_gets_that_of_its_kind_and_a_file_is_no_folder() {
     tap(&mut window, "Geometry");
     for (name, is_refused) in [("g.mat", true), ("g.csv", true), ("g.JSON", false), ("g.dat", false)] {
         type_into(&mut window, "File", &files.0.path().join(name));
-        let told = window.query_by_label_contains("like that of another kind of file").is_some();
+        let told = window.query_by_label_contains("belongs to another kind of file").is_some();
         let stopped = window.get_by_label("Export file").accesskit_node().is_disabled();
         assert_eq!([told, stopped], [is_refused; 2], "{name}");
     }

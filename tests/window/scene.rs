@@ -219,7 +219,7 @@ fn typed_focal_lengths_give_a_scene_and_leave_the_geometry() {
     window.get_by_label("included in the uncertainty of the pose");
     press(&mut window, Key::Enter);
     assert_eq!(stage(&window), StageId::Pictures, "nothing to use yet");
-    for (name, text) in [("Left image", "300"), ("Known to ±", "2")] {
+    for (name, text) in [("Left image", "300.25"), ("Known to ±", "2")] {
         window.get_by_role_and_label(Role::TextInput, name).focus();
         window.key_press_modifiers(Modifiers::COMMAND, Key::A);
         window.step();
@@ -230,6 +230,12 @@ fn typed_focal_lengths_give_a_scene_and_leave_the_geometry() {
     tap(&mut window, "Use");
     assert_eq!(stage(&window), StageId::Scene);
     assert!(window.state().model().has_unsaved_work(), "somebody typed them");
+    run_command(&mut window, "Focal lengths");
+    for (name, text) in [("Left image", "300.25"), ("Right image", "300.25"), ("Known to ±", "2")] {
+        let field = window.get_by_role_and_label(Role::TextInput, name).accesskit_node().value();
+        assert_eq!(field.as_deref(), Some(text), "to the digit");
+    }
+    press(&mut window, Key::Escape);
     let deviation = window.state().model().scene().unwrap().focal_deviation();
     assert!((deviation - 0.02).abs() < 1e-12, "{deviation}");
     let path = files.0.path().join("geometry.json");

@@ -10,7 +10,7 @@ use epiline::camera::{CameraModel, Lens};
 use epiline::estimate::{Match, Parameters};
 use epiline::geometry::{Point, PointPair};
 use epiline::image::Picture;
-use epiline::internals::app::model::document::{Document, Side};
+use epiline::internals::app::model::document::{Document, LineSource, Side};
 use epiline::internals::app::model::recents::Recents;
 use epiline::internals::app::model::session::{OpenSession, SessionOwner, Work};
 use epiline::internals::app::{Opening, Services, Start};
@@ -253,6 +253,32 @@ fn a_search_without_clicks_is_no_unsaved_work() {
     assert_eq!(window.state().messages().count(), 0, "{:?}", window.state().messages().next());
     assert!(window.state().model().left_behind.is_empty());
     assert!(!window.state().model().has_unsaved_work(), "the sample has its cameras from the start");
+}
+
+#[test]
+fn pins_of_a_file_are_numbers_and_lines_that_exist_and_old_ones_get_numbers() {
+    let files = Files::new();
+    let opening = Opening::Files(files.image("a.png", 320, 240), files.image("b.png", 320, 240));
+    let mut made = window(Start { opening, pairs: pairs(), ..Start::default() }, services());
+    let path = files.0.path().join("work.json");
+    save_as(&mut made, &path);
+    let saved = std::fs::read_to_string(&path).unwrap();
+    let opened = |content: &str, old: &str| {
+        let mut session: serde_json::Value = serde_json::from_str(&saved).unwrap();
+        session["content"]["document"]["pins"] = serde_json::from_str(content).unwrap();
+        session["content"]["pins"] = serde_json::from_str(old).unwrap();
+        std::fs::write(&path, session.to_string()).unwrap();
+        let mut again =
+            window(Start { opening: Opening::Session(path.clone().into()), ..Start::default() }, services());
+        settle(&mut again);
+        let pins = again.state().document().pins.iter();
+        pins.map(|pin| (pin.number, pin.source)).collect::<Vec<_>>()
+    };
+    let hostile = r#"[{"source": {"pair": 0}, "number": 18446744073709551615}, {"source": {"pair": 1}, "number": 3},
+        {"source": {"pair": 0}, "number": 3}, {"source": {"pair": 9}, "number": 4}]"#;
+    assert_eq!(opened(hostile, "[]"), [(3, LineSource::Pair(1))]);
+    let old = r#"[{"pair": 1}, {"pair": 0}]"#;
+    assert_eq!(opened("[]", old), [(0, LineSource::Pair(1)), (1, LineSource::Pair(0))]);
 }
 
 #[test]

@@ -6,8 +6,7 @@ use std::path::PathBuf;
 use super::comparison::{Contestant, Subject};
 use super::crosshair::CrosshairCommand;
 use super::dock::DockEdge;
-use super::document::LineSource;
-use super::document::{PointRef, Role, Side};
+use super::document::{LineSource, PointRef, Role, Side};
 use super::exchange::{ExportKind, ExportOrder};
 use super::focus::Target;
 use super::ids::{OverlayId, StageId, TabId};
@@ -87,9 +86,9 @@ pub enum Command {
     ChooseContestant(Contestant),
     Compare(Subject),
     Pin(LineSource),
-    /// Inspect a pinned line pair, by its place in the list.
+    /// Inspect a pinned line pair, by its number.
     Inspect(usize),
-    /// Remove a pinned line pair, by its place in the list.
+    /// Remove a pinned line pair, by its number.
     Unpin(usize),
     UnpinAll,
     /// Take up the pin tool, or lay it down.

@@ -219,9 +219,8 @@ impl Model {
         )
     }
 
-    /// Returns the matches for checking an imported matrix: true ones unless a reliable result has more, else the pairs
-    /// of the user, else all matches of the result, which may be wrong. Pairs that were made from matches count as
-    /// matches. Using true matches here does not reveal them.
+    /// Returns the matches for checking an imported matrix: true ones, unless a trusted result has more; else the pairs
+    /// of the user, or the matches of the result. Pairs made from matches count as those. True ones are not revealed.
     pub fn matches_for_import(&self) -> MatchesAtHand {
         let clicked: Vec<PointPair> = self.document.included().collect();
         let own = self.document.labels().filter(|label| label.origin != PairOrigin::Automatic).count();

@@ -1,5 +1,6 @@
 //! Sessions: saved work, and the state of saving and opening.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::{Instant, SystemTime};
 
@@ -231,12 +232,8 @@ impl Document {
             numbers.retain(|pair| *pair < self.pairs.len());
         }
         self.selection = self.selection.filter(|at: &PointRef| self.point(*at).is_some());
-        let pairs = self.pairs.len();
-        self.pins.truncate(PINS);
-        self.pins.retain(|pin| match pin.source {
-            LineSource::Pair(pair) | LineSource::Pencil { pair, .. } => pair < pairs,
-            LineSource::Through { point, .. } => point.iter().all(|v| v.is_finite()),
-        });
+        let (pairs, mut numbers) = (self.pairs.len(), BTreeSet::new());
+        self.pins.retain(|pin| pin.number < PINS && numbers.insert(pin.number) && pin.source.is_of(pairs));
     }
 }
 

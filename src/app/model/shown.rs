@@ -2,8 +2,7 @@
 
 use super::comparison::Contestant;
 use super::computation::Freshness;
-use super::document::Side;
-use super::document::{LineSource, Pin};
+use super::document::{LineSource, Pin, Side};
 use super::verdict::Tone;
 use super::{Model, TabId};
 use crate::estimate::{Construction, Estimate, Reason, RefinedMatch, lines_at};

@@ -49,6 +49,14 @@ impl LineSource {
         })
     }
 
+    /// Returns whether the lines exist beside this number of pairs. A file may say anything.
+    pub fn is_of(self, pairs: usize) -> bool {
+        match self {
+            Self::Pair(pair) | Self::Pencil { pair, .. } => pair < pairs,
+            Self::Through { point, .. } => point.iter().all(|v| v.is_finite()),
+        }
+    }
+
     pub(super) fn swapped(self) -> Self {
         match self {
             Self::Pair(_) => self,

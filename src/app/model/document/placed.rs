@@ -1,6 +1,6 @@
 //! A document in other coordinates: those of another calibration, or of the pictures in the other order.
 
-use super::{Document, Given, LineSource, Side};
+use super::{Document, Given, LineSource};
 use crate::estimate::Match;
 use crate::geometry::PointPair;
 
@@ -17,12 +17,13 @@ impl Document {
         let lost: Vec<usize> = (0..places.len()).filter(|pair| places[*pair].is_none()).collect();
         self.remove_all(lost);
         self.half = None;
-        let Some(frames) = self.frames() else { return self };
+        let frames = self.frames();
         self.move_pins(|source| match source {
             LineSource::Pair(_) => Some(source),
             LineSource::Through { side, point } => {
-                let [point1, point2] =
-                    Side::BOTH.map(|own| if own == side { point } else { frames[own.index()].centre() });
+                let mut points = frames?.map(|frame| frame.centre());
+                points[side.index()] = point;
+                let [point1, point2] = points;
                 Some(LineSource::Through { side, point: side.point(&place(&PointPair { point1, point2 })?) })
             }
             // Directions bend with the lens.

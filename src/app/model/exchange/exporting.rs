@@ -136,10 +136,8 @@ pub fn content(
         ExportKind::Table => (text(table(model)), format!("a table of {}", counted(file.pairs.len()))),
         ExportKind::Cloud => {
             let cloud = &model.scene().ok_or_else(nothing)?.cloud;
-            (
-                text(cloud_as_ply(cloud, trust_note(model).as_ref())),
-                format!("{} scene points", cloud.points.len()),
-            )
+            let note = result_note(model);
+            (text(cloud_as_ply(cloud, note.as_ref())), format!("{} scene points", cloud.points.len()))
         }
         ExportKind::Report => {
             let report = report(order.reported, model, &images).ok_or_else(nothing)?;

@@ -1,7 +1,6 @@
 //! The drawing of one moment.
 
-use crate::app::model::document::LineSource;
-use crate::app::model::document::Side;
+use crate::app::model::document::{LineSource, Side};
 use crate::app::model::focus::{Replayed, Target};
 use crate::app::model::ids::MethodStep;
 use crate::geometry::{HomogeneousPoint, Line, Point, PointPair};

@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use super::sweep::Sweep;
-use crate::app::model::document::LineSource;
-use crate::app::model::document::pair_name;
+use crate::app::model::document::{LineSource, pair_name};
 use crate::app::model::ids::MethodStep;
 use crate::app::model::recording::Synchronised;
 use crate::estimate::{

@@ -24,12 +24,12 @@ pub struct FocalDialog {
 }
 
 impl FocalDialog {
-    /// Creates the dialog, filled in with the lengths in use or with those of EXIF data.
+    /// Creates the dialog with the lengths in use, or with those of EXIF data.
     pub fn new(used: Lengths, guesses: Lengths, widths: [usize; 2]) -> Self {
         let known = [used[0].or(guesses[0]), used[1].or(guesses[1])];
-        let pixels = known.map(|length| length.map_or_else(String::new, shown));
+        let pixels = known.map(|length| length.map_or_else(String::new, |length| shown(length.pixels)));
         let deviation = known.iter().flatten().map(|guess| guess.deviation).reduce(f64::max);
-        let percent = format!("{:.0}", 100.0 * deviation.unwrap_or(TYPED_DEVIATION));
+        let percent = shown(100.0 * deviation.unwrap_or(TYPED_DEVIATION));
         Self { guesses, widths, pixels, percent, just_opened: true }
     }
 
@@ -106,7 +106,7 @@ impl FocalDialog {
             return "no EXIF data; often 0.7 to 1.3 times the width".to_owned();
         }
         let Some(pixels) = self.focal_pixels(side) else { return NO_LENGTH.to_owned() };
-        let is_guess = self.guesses[side.index()].is_some_and(|guess| shown(guess) == text);
+        let is_guess = self.guesses[side.index()].is_some_and(|guess| shown(guess.pixels) == text);
         let source = match (is_empty, is_guess) {
             (true, _) => "that of the left image: ",
             (false, true) => "from EXIF data: ",
@@ -122,6 +122,7 @@ const NO_LENGTH: &str = "not a positive number";
 /// Text beside a deviation that cannot be read.
 const NO_PERCENT: &str = "not a percentage below 100";
 
-fn shown(focal: FocalLength) -> String {
-    format!("{:.0}", focal.pixels)
+/// Returns a number to two decimals, so that a typed one stays as it is.
+fn shown(value: f64) -> String {
+    ((100.0 * value).round() / 100.0).to_string()
 }

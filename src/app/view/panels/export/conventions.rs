@@ -65,7 +65,7 @@ pub fn conventions(ui: &mut Ui, order: &ExportOrder, model: &Model) {
 /// Shows a warning if the geometry is not reliable. All files but arrays and databases contain the same warning.
 pub fn trust(ui: &mut Ui, what: ExportKind, model: &Model) {
     let note = match what {
-        ExportKind::Report => result_note(model),
+        ExportKind::Report | ExportKind::Cloud => result_note(model),
         // The homography is certain where F is not.
         ExportKind::Plane | ExportKind::Pairs => None,
         _ => trust_note(model),

@@ -69,7 +69,7 @@ impl Trust {
             (false, true) if has_no_guide && reasons.iter().any(is_different) => Verdict::DifferentScenes,
             (false, true) => Verdict::Unreliable,
         };
-        // What else fails is no advice about pictures that have nothing in common.
+        // Further failed tests give no advice about pictures that have nothing in common.
         if verdict == Verdict::DifferentScenes {
             reasons.retain(is_different);
         }
