@@ -156,7 +156,7 @@ fn round(window: &mut Window, material: &Material, number: usize, drags: usize) 
     settle(window);
     let choices: [(&[&str], &str); 4] = [
         (&["Geometry"], "geometry.json"),
-        (&["Report"], "report.json"),
+        (&["Report", "JSON"], "report.json"),
         (&["Figure", "SVG"], "figure.svg"),
         (&["Figure", "PDF"], "figure.pdf"),
     ];
