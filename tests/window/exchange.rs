@@ -484,6 +484,17 @@ fn a_name_without_an_ending_gets_that_of_its_kind_and_a_file_is_no_folder() {
     type_into(&mut window, "File", &yaml);
     tap(&mut window, "Export file");
     assert_eq!(GeometryFile::read(&yaml).unwrap().1, Format::OpencvYaml);
+    for (kind, name, begin) in [
+        ("Report", "r.json", "{"),
+        ("Report", "r.txt", "Left"),
+        ("Figure", "f.pdf", "%PDF"),
+        ("Figure", "f.svg", "<svg"),
+    ] {
+        let path = files.0.path().join(name);
+        export(&mut window, &[kind], &path);
+        let content = std::fs::read(&path).unwrap();
+        assert!(content.starts_with(begin.as_bytes()), "{name}: {:?}", &content[..20]);
+    }
 }
 
 /// Returns the area of the export dialog's buttons, and the path that it names.

@@ -143,16 +143,6 @@ pub enum FigureFormat {
     Pdf,
 }
 
-impl FigureFormat {
-    /// Returns the file extension, without a dot.
-    pub fn extension(self) -> &'static str {
-        match self {
-            Self::Svg => "svg",
-            Self::Pdf => "pdf",
-        }
-    }
-}
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FigureChoices {
     pub format: FigureFormat,

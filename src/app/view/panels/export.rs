@@ -11,7 +11,7 @@ use egui::{Align, Button, Label, Layout, RichText, ScrollArea, Ui, vec2};
 use super::copy_fundamental_menu;
 use super::dialog::{PathField, dialog, ending, path_of};
 use crate::app::model::command::PickPurpose;
-use crate::app::model::exchange::{ExportKind, ExportOrder, ReportFormat};
+use crate::app::model::exchange::{ExportKind, ExportOrder, FigureFormat, ReportFormat};
 use crate::app::model::{Command, ExchangeCommand, Model};
 use crate::app::view::theme;
 use crate::io::{Format, has_extension};
@@ -94,7 +94,8 @@ impl FileExport {
             ExportKind::Report if self.order.reported == ReportFormat::Json => "json",
             ExportKind::Report => "txt",
             ExportKind::Table | ExportKind::Profile => "csv",
-            ExportKind::Figure => self.order.figure.format.extension(),
+            ExportKind::Figure if self.order.figure.format == FigureFormat::Pdf => "pdf",
+            ExportKind::Figure => "svg",
             ExportKind::Colmap => "db",
             ExportKind::View => "png",
             ExportKind::Cloud => "ply",
@@ -146,10 +147,18 @@ impl FileExport {
 
     /// Takes the format that the ending of the path names.
     fn follow_ending(&mut self) {
-        let has_format =
-            matches!(self.order.what, ExportKind::Geometry | ExportKind::Plane | ExportKind::Pairs);
-        let named = path_of(&self.path).filter(|_| has_format).and_then(|path| Format::of_path(&path));
-        self.order.format = named.unwrap_or(self.order.format);
+        let Some(path) = path_of(&self.path) else { return };
+        let (order, ends) = (&mut self.order, |with| has_extension(&path, &[with]));
+        match order.what {
+            ExportKind::Geometry | ExportKind::Plane | ExportKind::Pairs => {
+                order.format = Format::of_path(&path).unwrap_or(order.format);
+            }
+            ExportKind::Report if ends("json") => order.reported = ReportFormat::Json,
+            ExportKind::Report if ends("txt") => order.reported = ReportFormat::Text,
+            ExportKind::Figure if ends("pdf") => order.figure.format = FigureFormat::Pdf,
+            ExportKind::Figure if ends("svg") => order.figure.format = FigureFormat::Svg,
+            _ => {}
+        }
     }
 
     fn choose(&mut self, what: ExportKind) {
