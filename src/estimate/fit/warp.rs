@@ -12,9 +12,9 @@ const DEGREE: i32 = 4;
 /// to three times. Piecewise linear functions of as many knots leave a third of such a swing, which
 /// looked like parallax on 7 of 24 results; splines leave it on 1 of 24.
 const KNOTS: i32 = 10;
-/// Number of knots of the finer warp. Where a shutter swings 2.8 times, 346 matches lie along the lines
-/// beside ten knots of linear functions, 134 beside ten of splines, and 3 beside thirteen.
-const FINER_KNOTS: i32 = 14;
+/// Largest number of knots of the finer warp: five to a swing of a shutter that swings 3.5 times. Each coefficient takes
+/// two matches.
+const FINER_KNOTS: i32 = 18;
 /// Degree in `x` of the part that differs from row to row: each row is shifted, stretched and bent
 /// by the perspective of a turn.
 const ACROSS_ROW: i32 = 2;
@@ -62,7 +62,10 @@ impl Warp {
     ) -> Option<Self> {
         let knots = match follows {
             Follows::Rows => KNOTS,
-            Follows::RowsClosely => FINER_KNOTS,
+            Follows::RowsClosely => {
+                let of_rows = (matches.len() / 2) as i32 - (DEGREE + 1) * (DEGREE + 2) / 2;
+                (of_rows / (ACROSS_ROW + 1) - 2).clamp(KNOTS, FINER_KNOTS)
+            }
         };
         let side = frame.longer_side();
         let mut warp = Self {

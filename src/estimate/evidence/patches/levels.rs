@@ -13,14 +13,14 @@ use super::matches::RefinedMatch;
 use super::refinement::{LevelMatcher, Refined, RefinementLevel, SharedPatches};
 use super::support::{PatchSupport, Support, SupportLevel};
 use super::unguided::{
-    MutualBest, UnguidedMatch, distinctive_matches, matched_corners, mutual_best, unguided_matches,
+    MutualBest, UnguidedMatch, distinctive_matches, lead_over, matched_corners, mutual_best, unguided_matches,
 };
 use super::voting::KappaVoting;
 use crate::cancel::CancelFlag;
 use crate::estimate::evidence::lazy::Lazy;
 use crate::estimate::fit::largest_plane;
 use crate::features::FeatureViews;
-use crate::geometry::{Frame, FundamentalMatrix, Observation, PointPair, rescaling};
+use crate::geometry::{Frame, FundamentalMatrix, Observation, Point, PointPair, rescaling};
 use crate::image::{PyramidPair, RelativeView, warps_around};
 
 /// Longer side of the images at which patches first rank hypotheses, px. In a smaller image a patch
@@ -263,6 +263,12 @@ impl PatchLevels {
             full_size
                 .map_or_else(Vec::new, |matcher| distinctive_matches(self.mutual_best(&matcher), &matcher))
         })
+    }
+
+    /// Returns the log-odds of a match against another place in image 2, as [`lead_over`] does. Matches are precise to
+    /// about a pixel of the first level.
+    pub fn lead_over(&self, pair: &PointPair, other2: Point) -> Option<f32> {
+        lead_over(pair, other2, self.refinement().first()?)
     }
 
     /// Returns the mutual best matches of corners, aligned at full size. Features change none of them.

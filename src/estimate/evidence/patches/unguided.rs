@@ -6,13 +6,14 @@ use std::collections::{HashMap, HashSet};
 
 use rayon::prelude::*;
 
+use super::feature_support::FLOOR;
 use super::level_corners::{CORRELATION_NOISE, ELSEWHERE};
 use super::look_alikes::Putative;
 use super::matches::LevelMatch;
 use super::refinement::LevelMatcher;
 use super::support::{Support, SupportLevel};
-use crate::geometry::PointPair;
-use crate::image::{Alignment, Placement, align};
+use crate::geometry::{Point, PointPair};
+use crate::image::{Alignment, PatchSampler, Placement, Warp, align, correlation};
 
 /// A match found without a geometry and aligned at full size.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -132,6 +133,26 @@ fn aligned(pair: &PointPair, matcher: &LevelMatcher) -> Option<PointPair> {
     Some(PointPair { point2: at, ..pair }.rescaled(level.scales.map(f64::recip)))
 }
 
+/// Returns the log-odds of a match against another place in image 2. Both are in full-size pixels. `None` if the other
+/// place does not resemble the point of image 1, or if alignment leads from there back to the match.
+pub(super) fn lead_over(pair: &PointPair, other2: Point, matcher: &LevelMatcher) -> Option<f32> {
+    let LevelMatcher { level, view, .. } = matcher;
+    let places = [pair.point2, other2].map(|point2| PointPair { point2, ..*pair }.rescaled(level.scales));
+    let first = PatchSampler::new(level.planes[0], &Warp::identity()).patch(places[0].point1)?;
+    let [own, other] = places.map(|PointPair { point1, point2 }| {
+        // Along an edge, alignment need not settle.
+        let start = Placement { at: point2, affine: level.warp(*view) };
+        let Placement { at, affine } =
+            align(level.planes, point1, start, &Alignment::STRICT).unwrap_or(start);
+        let second = PatchSampler::new(level.planes[1], &affine).patch(at)?;
+        Some((at, correlation(&first, &second)))
+    });
+    let (at, other) = other.filter(|(_, correlation)| *correlation > FLOOR)?;
+    let [from_own, from_other] = places.map(|place| (at - place.point2).norm());
+    let own = own.map_or(FLOOR, |(_, correlation)| correlation);
+    (from_other < from_own).then_some((own - other) / CORRELATION_NOISE)
+}
+
 /// Returns the probability that the best of the look-alikes of a corner is the right one.
 fn prior_of_best(support: &Support, group: &[Putative]) -> f32 {
     let place = support.pair(&group[0]).point2;
@@ -189,6 +210,29 @@ mod tests {
         assert!(once.len() > 20 && 20 * right > 19 * once.len(), "{right} of {}", once.len());
         let tiles = found(40);
         assert!(tiles.unguided().len() > 20 && tiles.distinctive().is_empty());
+    }
+
+    #[test]
+    fn a_match_leads_over_places_that_look_less_like_it_and_not_over_equal_ones() {
+        // Equal after each 8 px downwards. In image 2, the lower part has something more.
+        let pattern = |more: f32| {
+            GrayPlane::from_fn(Frame::new(160, 120), |x, y| {
+                let wave = |rate: f32, at: usize| (rate * at as f32).sin();
+                let more = if y > 76 { more * wave(0.9, x) } else { 0.0 };
+                128.0 + 60.0 * wave(0.5, x) + 30.0 * wave(0.25 * std::f32::consts::PI, y) + more
+            })
+        };
+        let levels = levels(&pattern(0.0), &pattern(40.0));
+        let own = PointPair::new(80.0, 60.0, 80.0, 60.0);
+        let lead =
+            |pair: &PointPair, dx: f64, dy: f64| levels.lead_over(pair, Point::new(80.0 + dx, 60.0 + dy));
+        let equal = lead(&own, 0.0, 8.0).unwrap();
+        assert!(equal.abs() < 0.1, "{equal}");
+        let (ahead, behind) =
+            (lead(&own, 0.0, 32.0), lead(&PointPair::new(80.0, 60.0, 80.0, 92.0), 0.0, 0.0));
+        assert!(ahead.unwrap() > 1.0 && behind.unwrap() < -1.0, "{ahead:?} {behind:?}");
+        // Unlike, and the same place.
+        assert_eq!([lead(&own, 6.0, 0.0), lead(&own, 0.5, 0.0)], [None; 2]);
     }
 
     #[test]

@@ -7,7 +7,7 @@
 //!   by a factor of both focal lengths, a further one of the second, and a radial distortion. With a wrong focal
 //!   length, a turn looks like a plane before a moving camera. Such a turn has six numbers, and the homography of a plane
 //!   has eight, so a plane seldom looks like a turn. Matches beside the turn show the baseline if they lie on their
-//!   epipolar lines, as in the test of [`relief`](super::warp).
+//!   epipolar lines, as in the test of [`relief`](super::relief).
 //! - **A wrong calibration.** It moves the points of a turned camera along some lines, but half of their scene points
 //!   then lie behind the cameras.
 //! - **The other solution of a plane.** It is a rival if its scene points lie in front of both cameras, too. The
@@ -15,7 +15,7 @@
 
 use nalgebra::Matrix3;
 
-use super::relief::{Beside, counted};
+use super::relief::{Beside, LeadOver, counted, likelier_beside};
 use crate::camera::RelativePose;
 use crate::estimate::evidence::patches::{LIKELY, UnguidedMatch, one_a_place};
 use crate::estimate::fit::{Turn, other_pose};
@@ -30,6 +30,7 @@ pub(super) struct Posed<'a> {
     pub matches: &'a [PointPair],
     /// Matches that were found without the geometry.
     pub unguided: &'a [UnguidedMatch],
+    pub lead_over: LeadOver<'a>,
     /// Longer side of image 1, px.
     pub side: f64,
     /// Largest error of a right match, px.
@@ -68,6 +69,7 @@ impl Posed<'_> {
                 beside.push(Beside::at(pair, off, line.distance(pair.point2)));
             }
         }
+        let (on, beside) = likelier_beside(on, beside, self.lead_over);
         counted(&beside, on, self.tolerance)
     }
 
@@ -137,7 +139,8 @@ mod tests {
         let unguided: Vec<UnguidedMatch> =
             matches.iter().map(|pair| UnguidedMatch { pair: *pair, prior: 0.9 }).collect();
         let (unguided, side, tolerance) = (&unguided[..], 640.0, 1.0);
-        Posed { f: &f, calibrations: &calibrations, matches, unguided, side, tolerance, seed: 0 }
+        let lead_over: LeadOver = &|_, _| None;
+        Posed { f: &f, calibrations: &calibrations, matches, unguided, lead_over, side, tolerance, seed: 0 }
             .baseline()
             .unwrap()
     }

@@ -5,7 +5,7 @@ use nalgebra::Matrix3;
 use super::agreement::{given_figures, unguided_agreement, unguided_on_lines};
 use super::baseline::Posed;
 use super::parallax::{contradicting, precision};
-use super::relief::relief;
+use super::relief::WarpTest;
 use super::{Judge, RestsOn};
 use crate::estimate::checks::have_dark_corners;
 use crate::estimate::evidence::patches::{UnguidedMatch, resized};
@@ -64,7 +64,10 @@ impl Judge<'_> {
         let is_still = leaves_in_place(&h, matches, tolerance);
         let off = afar.or_stronger(closely).or_stronger(clicked);
         let evidence = PlaneEvidence { share, off, is_still };
-        let relief = relief(&testify, matches, &h, f, frames[0], tolerance, parameters.seed);
+        let (frame, seed) = (frames[0], parameters.seed);
+        let lead_over = &|pair: &PointPair, other2| patches.lead_over(pair, other2);
+        let relief =
+            WarpTest { f, matches, h: &h, unguided: &testify, lead_over, frame, tolerance, seed }.relief();
         Some(FoundPlane { plane: plane_homography(&h, matches, frames[1], tolerance), evidence, relief })
     }
 
@@ -97,7 +100,8 @@ impl Judge<'_> {
         let SearchInput { prepared, parameters, .. } = self.viewed.input;
         let (calibrations, unguided) = (&prepared.calibrations()?, self.viewed.patches.unguided());
         let (side, seed) = (prepared.frames()[0].longer_side(), parameters.seed);
-        Posed { f, calibrations, matches, unguided, side, tolerance, seed }.baseline()
+        let lead_over = &|pair: &PointPair, other2| self.viewed.patches.lead_over(pair, other2);
+        Posed { f, calibrations, matches, unguided, lead_over, side, tolerance, seed }.baseline()
     }
 
     /// Returns the figures that the verdict rests on, and the largest plane.

@@ -7,7 +7,7 @@ use nalgebra::Matrix3;
 
 use super::baseline::Posed;
 use super::gathering::{leaves_in_place, plane_homography};
-use super::relief::relief;
+use super::relief::WarpTest;
 use crate::estimate::evidence::patches::UnguidedMatch;
 use crate::estimate::fit::false_alarms::{Agreement, OF_A_PLANE};
 use crate::estimate::fit::{Warp, largest_plane, residual_pattern};
@@ -64,6 +64,7 @@ impl PointEvidence<'_> {
             calibrations,
             matches: agreeing,
             unguided: &found,
+            lead_over: &|_, _| None,
             side,
             tolerance,
             seed: self.seed,
@@ -75,7 +76,18 @@ impl PointEvidence<'_> {
             plane: plane.map(|(h, most)| self.plane_evidence(&h, most, tolerance)),
             // A warp of more coefficients would follow all of the matches.
             relief: plane.and_then(|(h, _)| {
-                let relief = || relief(&found, agreeing, &h, f, frames[0], tolerance, self.seed);
+                let (frame, seed) = (frames[0], self.seed);
+                let test = WarpTest {
+                    f,
+                    matches: agreeing,
+                    h: &h,
+                    unguided: &found,
+                    lead_over: &|_, _| None,
+                    frame,
+                    tolerance,
+                    seed,
+                };
+                let relief = || test.relief();
                 (agreeing.len() >= 2 * Warp::COEFFICIENTS).then(relief).flatten()
             }),
             baseline: self.calibrations.as_ref().and_then(|calibrations| posed(calibrations).baseline()),

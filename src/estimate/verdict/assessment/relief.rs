@@ -10,19 +10,28 @@
 //! on it. If the epipole is right, they lie along their epipolar lines.
 //!
 //! Only matches that were found without the geometry are evidence: the others lie on the lines by
-//! construction.
+//! construction. A match must also be likelier than its place on the warp. Along an edge and on repeated
+//! structure, the match and its place look alike. Matches then slide in one direction, as if they had
+//! parallax.
 
 use nalgebra::Matrix3;
+use rayon::prelude::*;
 
 use crate::estimate::evidence::patches::{LIKELY, UnguidedMatch, one_a_place};
 use crate::estimate::fit::{Follows, Warp, largest_plane};
 use crate::estimate::verdict::constants::{ALONG, ANY_EPIPOLE, CLEARLY_LIKELY, LARGEST_PARALLAX};
 use crate::estimate::verdict::trust::{Relief, Witnesses};
-use crate::geometry::{Frame, FundamentalMatrix, Line, PointPair, Vector, transfer_error};
+use crate::geometry::{Frame, FundamentalMatrix, Line, Point, PointPair, Vector, transfer_error};
+
+/// Log-odds of a match against another place in image 2. `None` if that place does not resemble its point in
+/// image 1, or is the place of the match itself. The match counts then.
+pub(super) type LeadOver<'a> = &'a (dyn Fn(&PointPair, Point) -> Option<f32> + Sync);
 
 /// A match beside the warp.
 pub(super) struct Beside {
     pair: PointPair,
+    /// Its displacement from its place on the warp, px.
+    off: Vector,
     /// Parts of its displacement along and across its epipolar line, px.
     along: f64,
     across: f64,
@@ -39,66 +48,83 @@ impl Beside {
     /// Takes apart the displacement of a match whose part across its line is known.
     pub(super) fn at(pair: PointPair, off: Vector, across: f64) -> Self {
         let along = (off.norm_squared() - across * across).max(0.0).sqrt();
-        Self { pair, along, across }
+        Self { pair, off, along, across }
     }
 }
 
-/// Counts the matches that were found without the geometry and lie beside a smooth warp of `matches`,
-/// along the lines of `f` and across them. All are in full-size pixels; `h` is the largest plane, and
-/// `tolerance` the largest error of a match on the warp. `None` if no warp can be fitted.
-pub(super) fn relief(
-    found: &[UnguidedMatch],
-    matches: &[PointPair],
-    h: &Matrix3<f64>,
-    f: &FundamentalMatrix,
-    frame: Frame,
-    tolerance: f64,
-    seed: u64,
-) -> Option<Relief> {
-    let fit = |follows| Warp::fit(matches, h, frame, tolerance, follows);
-    let side = frame.longer_side();
-    let beside = |warp: &Warp, least| besides(found, warp, f, side, tolerance, least);
-    let (warp, finer) = (fit(Follows::Rows)?, fit(Follows::RowsClosely)?);
-    let (mut on_warp, mut besides) = beside(&warp, LIKELY);
-    let [clear, finer] = [(&warp, CLEARLY_LIKELY), (&finer, LIKELY)].map(|(warp, least)| {
-        let (on_warp, besides) = beside(warp, least);
-        counted(&besides, on_warp, tolerance)
-    });
-    let first = counted(&besides, on_warp, tolerance);
-    for _ in 0..ANY_EPIPOLE {
-        let pairs: Vec<PointPair> = besides.iter().map(|m| m.pair).collect();
-        let Some((h, _)) = largest_plane(&pairs, tolerance, seed) else { break };
-        let all = besides.len();
-        besides.retain(|m| transfer_error(&h, &m.pair) >= tolerance);
-        on_warp += all - besides.len();
-    }
-    Some(Relief { beside: first, further: counted(&besides, on_warp, tolerance), finer, clear })
+/// A geometry, and the matches that a smooth warp may explain. All are in full-size pixels.
+pub(super) struct WarpTest<'a> {
+    pub f: &'a FundamentalMatrix,
+    /// Matches along the lines of the geometry, to which the warp is fitted.
+    pub matches: &'a [PointPair],
+    /// Their largest plane.
+    pub h: &'a Matrix3<f64>,
+    /// Matches that were found without the geometry.
+    pub unguided: &'a [UnguidedMatch],
+    pub lead_over: LeadOver<'a>,
+    pub frame: Frame,
+    /// Largest error of a match on the warp, px.
+    pub tolerance: f64,
+    pub seed: u64,
 }
 
-/// Returns the number of matches on the warp, and the matches beside it, of those with a probability above
-/// `least`. Matches far from the warp are left out.
-fn besides(
-    found: &[UnguidedMatch],
-    warp: &Warp,
-    f: &FundamentalMatrix,
-    side: f64,
-    tolerance: f64,
-    least: f32,
-) -> (usize, Vec<Beside>) {
-    let mut on_warp = 0;
-    let mut beside = Vec::new();
-    for pair in one_a_place(found, least) {
-        let Some(off) = warp.beside(&pair) else { continue };
-        let distance = off.norm();
-        if distance <= tolerance {
-            on_warp += 1;
-        } else if distance < LARGEST_PARALLAX * side
-            && let Some(line) = f.line2_from_point1(pair.point1)
-        {
-            beside.push(Beside::new(pair, off, &line));
+impl WarpTest<'_> {
+    /// Counts the matches that were found without the geometry and lie beside a smooth warp, along their epipolar lines
+    /// and across them. `None` if no warp can be fitted.
+    pub fn relief(&self) -> Option<Relief> {
+        let Self { matches, h, frame, tolerance, seed, .. } = *self;
+        let fit = |follows| Warp::fit(matches, h, frame, tolerance, follows);
+        let (warp, finer) = (fit(Follows::Rows)?, fit(Follows::RowsClosely)?);
+        let (mut on_warp, mut besides) = self.beside(&warp, LIKELY);
+        let [clear, finer] = [(&warp, CLEARLY_LIKELY), (&finer, LIKELY)].map(|(warp, least)| {
+            let (on_warp, besides) = self.beside(warp, least);
+            counted(&besides, on_warp, tolerance)
+        });
+        let first = counted(&besides, on_warp, tolerance);
+        for _ in 0..ANY_EPIPOLE {
+            let pairs: Vec<PointPair> = besides.iter().map(|m| m.pair).collect();
+            let Some((h, _)) = largest_plane(&pairs, tolerance, seed) else { break };
+            let all = besides.len();
+            besides.retain(|m| transfer_error(&h, &m.pair) >= tolerance);
+            on_warp += all - besides.len();
         }
+        Some(Relief { beside: first, further: counted(&besides, on_warp, tolerance), finer, clear })
     }
-    (on_warp, beside)
+
+    /// Returns the number of matches on the warp, and the matches beside it, of those with a probability above
+    /// `least`. Matches far from the warp are left out.
+    fn beside(&self, warp: &Warp, least: f32) -> (usize, Vec<Beside>) {
+        let side = self.frame.longer_side();
+        let mut on_warp = 0;
+        let mut beside = Vec::new();
+        for pair in one_a_place(self.unguided, least) {
+            let Some(off) = warp.beside(&pair) else { continue };
+            let distance = off.norm();
+            if distance <= self.tolerance {
+                on_warp += 1;
+            } else if distance < LARGEST_PARALLAX * side
+                && let Some(line) = self.f.line2_from_point1(pair.point1)
+            {
+                beside.push(Beside::new(pair, off, &line));
+            }
+        }
+        likelier_beside(on_warp, beside, self.lead_over)
+    }
+}
+
+/// Moves the matches that are likelier on the warp than beside it to those on the warp. The prior odds of the
+/// warp are the ratio of both numbers, and even if most matches lie beside it.
+pub(super) fn likelier_beside(
+    on_warp: usize,
+    beside: Vec<Beside>,
+    lead_over: LeadOver,
+) -> (usize, Vec<Beside>) {
+    let all = on_warp + beside.len();
+    let warp_odds = (on_warp as f32 / beside.len().max(1) as f32).max(1.0).ln();
+    let is_likelier =
+        |m: &Beside| lead_over(&m.pair, m.pair.point2 - m.off).is_none_or(|lead| lead > warp_odds);
+    let beside: Vec<Beside> = beside.into_par_iter().filter(is_likelier).collect();
+    (all - beside.len(), beside)
 }
 
 /// Counts the matches beside a warp by their direction.
@@ -116,7 +142,16 @@ pub(super) fn counted(beside: &[Beside], on_warp: usize, tolerance: f64) -> Witn
 mod tests {
     use super::*;
     use crate::estimate::exact::{ExactScene, FRAME, rows};
-    use crate::geometry::{Point, homography};
+    use crate::geometry::homography;
+
+    fn test<'a>(
+        f: &'a FundamentalMatrix,
+        matches: &'a [PointPair],
+        h: &'a Matrix3<f64>,
+        unguided: &'a [UnguidedMatch],
+    ) -> WarpTest<'a> {
+        WarpTest { f, matches, h, unguided, lead_over: &|_, _| None, frame: FRAME, tolerance: 1.0, seed: 0 }
+    }
 
     fn of(matches: &[PointPair], f: &FundamentalMatrix) -> Witnesses {
         all(matches, f).beside
@@ -126,7 +161,7 @@ mod tests {
         let h = homography(matches).unwrap();
         let found: Vec<UnguidedMatch> =
             matches.iter().map(|pair| UnguidedMatch { pair: *pair, prior: 0.9 }).collect();
-        relief(&found, matches, &h, f, FRAME, 1.0, 0).unwrap()
+        test(f, matches, &h, &found).relief().unwrap()
     }
 
     /// A camera that turns behind a lens: a homography between radially distorted images.
@@ -182,11 +217,50 @@ mod tests {
         let clear = |prior: f32| {
             let found: Vec<UnguidedMatch> =
                 pairs.iter().map(|pair| UnguidedMatch { pair: *pair, prior }).collect();
-            let found = relief(&found, &pairs, &h, &scene.fundamental(), FRAME, 1.0, 0).unwrap();
+            let found = test(&scene.fundamental(), &pairs, &h, &found).relief().unwrap();
             assert!(found.beside.show_the_epipole(), "{found:?}");
             found.clear.show_the_epipole()
         };
         assert!(clear(0.9) && !clear(0.51));
+    }
+
+    #[test]
+    fn matches_whose_places_on_the_warp_look_alike_show_no_epipole() {
+        let scene = ExactScene::aside();
+        let f = scene.fundamental();
+        let pairs: Vec<PointPair> =
+            grid().map(|p| PointPair { point1: p, point2: scene.partner(p) }).collect();
+        let h = homography(&pairs).unwrap();
+        let found: Vec<UnguidedMatch> =
+            pairs.iter().map(|pair| UnguidedMatch { pair: *pair, prior: 0.9 }).collect();
+        // Log-odds of each match against its place on the warp.
+        let [clear, equal] = [3.0, 0.0].map(|lead| {
+            let lead_over: LeadOver = &|_, _| Some(lead);
+            WarpTest { lead_over, ..test(&f, &pairs, &h, &found) }.relief().unwrap().beside
+        });
+        assert!(clear.show_the_epipole(), "{clear:?}");
+        assert!(clear.along > 50 && equal.along + equal.off == 0, "{equal:?}");
+        assert_eq!(equal.on_warp, clear.on_warp + clear.along + clear.off);
+    }
+
+    #[test]
+    fn the_warp_is_likelier_beforehand_if_most_matches_follow_it_and_even_otherwise() {
+        let beside = |count: usize| -> Vec<Beside> {
+            let pair = PointPair::new(50.0, 50.0, 55.0, 50.0);
+            (0..count).map(|_| Beside::at(pair, Vector::new(5.0, 0.0), 0.0)).collect()
+        };
+        let left = |on_warp: usize, lead: f32| {
+            let (on_warp_then, left) = likelier_beside(on_warp, beside(10), &|_, other2| {
+                assert_eq!(other2, Point::new(50.0, 50.0));
+                Some(lead)
+            });
+            assert_eq!(on_warp_then, on_warp + 10 - left.len());
+            left.len()
+        };
+        // ln(100 / 10) = 2.3
+        assert_eq!([left(100, 2.2), left(100, 2.4)], [0, 10]);
+        assert_eq!([left(2, -0.1), left(2, 0.1)], [0, 10]);
+        assert_eq!(likelier_beside(3, Vec::new(), &|_, _| None).0, 3);
     }
 
     #[test]

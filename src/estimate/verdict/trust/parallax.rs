@@ -62,7 +62,7 @@ impl PlaneEvidence {
     pub(super) fn leaves_the_epipoles_open(&self, relief: Option<Relief>) -> bool {
         let is_undecided = || !relief.is_some_and(|relief| relief.further.show_the_epipole());
         self.share > ONE_PLANE
-            || self.share > HALF_PLANE && self.is_still
+            || self.is_still
             || self.share > EVEN && !self.off.holds_the_epipoles() && is_undecided()
             || self.share > HALF_PLANE && self.off.motions <= ANY_EPIPOLE && is_undecided()
     }
@@ -72,6 +72,7 @@ impl PlaneEvidence {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[cfg_attr(test, derive(serde::Deserialize))]
 pub(in crate::estimate) struct Witnesses {
+    /// Number of matches on the warp, and of those that are likelier there than where they are.
     pub on_warp: usize,
     /// Number of matches beside the warp, along their epipolar lines.
     pub along: usize,
