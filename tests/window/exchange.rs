@@ -486,7 +486,7 @@ fn a_name_without_an_ending_gets_that_of_its_kind_and_a_file_is_no_folder() {
     assert_eq!(GeometryFile::read(&yaml).unwrap().1, Format::OpencvYaml);
     for (kind, name, begin) in [
         ("Report", "r.json", "{"),
-        ("Report", "r.txt", "Left"),
+        ("Report", "r.txt", "Epipolar geometry"),
         ("Figure", "f.pdf", "%PDF"),
         ("Figure", "f.svg", "<svg"),
     ] {
