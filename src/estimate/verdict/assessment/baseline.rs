@@ -122,7 +122,7 @@ mod tests {
     }
 
     fn of(matches: &[PointPair], turn: [f64; 3], step: [f64; 3]) -> Baseline {
-        judged(matches, calibrations(), turn, step)
+        judged(matches, calibrations(), turn, step, &|_, _| None)
     }
 
     fn judged(
@@ -130,6 +130,7 @@ mod tests {
         calibrations: [Matrix3<f64>; 2],
         turn: [f64; 3],
         step: [f64; 3],
+        lead_over: LeadOver,
     ) -> Baseline {
         let pose = RelativePose {
             rotation: Rotation3::new(Vector3::from(turn)),
@@ -139,7 +140,6 @@ mod tests {
         let unguided: Vec<UnguidedMatch> =
             matches.iter().map(|pair| UnguidedMatch { pair: *pair, prior: 0.9 }).collect();
         let (unguided, side, tolerance) = (&unguided[..], 640.0, 1.0);
-        let lead_over: LeadOver = &|_, _| None;
         Posed { f: &f, calibrations: &calibrations, matches, unguided, lead_over, side, tolerance, seed: 0 }
             .baseline()
             .unwrap()
@@ -151,6 +151,9 @@ mod tests {
         let wall = |x: f64, y: f64| 6.0 / (1.0 + 0.5 * x - 0.1 * y);
         let moved = of(&matches(turn, step, 1.0, wall), turn, step);
         assert!(moved.beside.show_the_epipole(), "{moved:?}");
+        // Each match looks as well in its place after the turn.
+        let equal = judged(&matches(turn, step, 1.0, wall), calibrations(), turn, step, &|_, _| Some(0.0));
+        assert!(equal.beside.along == 0 && !equal.beside.show_the_epipole(), "{equal:?}");
         for zoom in [1.0, 1.03] {
             let turned = of(&matches(turn, [0.0; 3], zoom, wall), turn, step);
             assert!(!turned.beside.show_the_epipole(), "{turned:?}");
@@ -166,7 +169,8 @@ mod tests {
         };
         let turned: Vec<PointPair> = matches(turn, [0.0; 3], 1.0, wall).iter().map(bent).collect();
         for wrong in [0.7, 1.4] {
-            let turned = judged(&turned, calibrations().map(|k| longer(&k, wrong)), turn, step);
+            let longer = calibrations().map(|k| longer(&k, wrong));
+            let turned = judged(&turned, longer, turn, step, &|_, _| None);
             assert!(!turned.beside.show_the_epipole(), "{turned:?}");
         }
         // Half of the points are behind the cameras, as where a wrong calibration moves them.
