@@ -23,7 +23,7 @@ const ACROSS_ROW: i32 = 2;
 const WIDEST: f64 = 0.01;
 /// Ratio of the widths of successive fits.
 const NARROWING: f64 = 0.8;
-/// Largest number of matches that the warp is fitted to: some twenty for each coefficient.
+/// Largest number of matches that a warp is fitted to: twenty for each coefficient, or thirteen of the finer one.
 const FITTED: usize = 1000;
 /// Pull towards the homography, in matches. It determines terms that the matches leave open.
 const PULL: f64 = 1e-3;

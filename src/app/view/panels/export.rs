@@ -294,7 +294,8 @@ fn other_ending(path: &Path, own: &str) -> Option<&'static str> {
         "This export is a folder, and this name ends like that of a file. Choose another kind on the left, or a \
          name without this ending."
     } else {
-        "The ending of the name belongs to another kind of file. Choose another one, or that format above."
+        "The ending of the name belongs to another kind of file. Choose another ending, or another kind on the \
+         left."
     })
 }
 

@@ -113,7 +113,7 @@ impl WarpTest<'_> {
 }
 
 /// Moves the matches that are likelier on the warp than beside it to those on the warp. The prior odds of the
-/// warp are the ratio of both numbers, and even if most matches lie beside it.
+/// warp are the ratio of both numbers, but even if most matches lie beside it.
 pub(super) fn likelier_beside(
     on_warp: usize,
     beside: Vec<Beside>,

@@ -58,11 +58,11 @@ impl PlaneEvidence {
     /// Returns whether the matches leave the epipoles undetermined. Relief beside
     /// [`ANY_EPIPOLE`] further planes shows the epipoles whatever the number of motions, since some
     /// epipole fits the planes but not the rest. If the camera stood still, everything that moved did
-    /// so by itself.
+    /// so by itself. A far background stays in its place, too, but then most groups beside it agree.
     pub(super) fn leaves_the_epipoles_open(&self, relief: Option<Relief>) -> bool {
         let is_undecided = || !relief.is_some_and(|relief| relief.further.show_the_epipole());
         self.share > ONE_PLANE
-            || self.is_still
+            || self.is_still && (self.share > HALF_PLANE || 2 * self.off.agreeing <= self.off.groups)
             || self.share > EVEN && !self.off.holds_the_epipoles() && is_undecided()
             || self.share > HALF_PLANE && self.off.motions <= ANY_EPIPOLE && is_undecided()
     }

@@ -151,8 +151,11 @@ mod tests {
         // Few matches beside one plane, and a camera that stood still, are not made up for.
         assert_eq!(with(PlaneEvidence { share: 0.96, ..few_motions }, shown), Verdict::Doubtful);
         let still = PlaneEvidence { is_still: true, ..plane(0.6, 9, 0.0) };
-        for share in [0.6, 0.2] {
-            assert_eq!(with(PlaneEvidence { share, ..still }, shown), Verdict::Doubtful);
+        assert_eq!(with(still, shown), Verdict::Doubtful);
+        // A far background stays in its place. Things that move by themselves seldom agree.
+        for (agreeing, verdict) in [(50, Verdict::Doubtful), (51, Verdict::Reliable)] {
+            let off = OffPlane { groups: 100, agreeing, ..still.off };
+            assert_eq!(with(PlaneEvidence { share: HALF_PLANE, off, ..still }, shown), verdict);
         }
     }
 
